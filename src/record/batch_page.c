@@ -48,14 +48,10 @@ static int read_cell(FILE *stream, char *cell, size_t size)
     return c;
 }
 
-/* Not a way out of the batch: anybody may have written the summary. */
-static bool is_run_name(const char *name)
-{
-    return name[0] != '\0' && name[0] != '.' && strchr(name, '/') == NULL;
-}
-
+/* A name that leads out of the batch is left empty: anybody may have written it. */
 static weft_status add_name(batch_page *self, const char *name, weft_error *err)
 {
+    const bool inside = name[0] != '.' && strchr(name, '/') == NULL;
     if ((self->count & (self->count - 1)) == 0) { /* full at powers of two */
         const size_t room = self->count == 0 ? 1 : 2 * self->count;
         void *grown = realloc(self->names, room * sizeof *self->names);
@@ -64,7 +60,7 @@ static weft_status add_name(batch_page *self, const char *name, weft_error *err)
         }
         self->names = grown;
     }
-    strcpy(self->names[self->count++], is_run_name(name) ? name : "");
+    strcpy(self->names[self->count++], inside ? name : "");
     return WEFT_OK;
 }
 
@@ -99,15 +95,6 @@ static weft_status read_names(batch_page *self, weft_error *err)
 /* ---- the page ---------------------------------------------------------------------
  */
 
-static void write_number(FILE *stream, double value)
-{
-    if (isfinite(value)) {
-        fprintf(stream, "%.6g", value);
-    } else {
-        fputs("null", stream);
-    }
-}
-
 /* {"time":[last,least,most,mean],...} */
 static void write_columns(FILE *stream, const char *directory)
 {
@@ -122,7 +109,7 @@ static void write_columns(FILE *stream, const char *directory)
         page_text(stream, c->name);
         for (size_t k = 0; k < 4; ++k) {
             fputs(k == 0 ? ":[" : ",", stream);
-            write_number(stream, numbers[k]);
+            fprintf(stream, isfinite(numbers[k]) ? "%.6g" : "null", numbers[k]);
         }
         putc(']', stream);
     }

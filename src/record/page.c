@@ -4,6 +4,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/bytes.h"
+
 /* What a page may fetch by its own policy: nothing. */
 #define FETCHES "connect-src 'none'"
 
@@ -31,12 +33,9 @@ weft_status page_open(record_file *file, const char *path, weft_error *err)
     (void)snprintf(directory, sizeof directory, "%.*s",
                    slash == NULL ? 1 : (int)(slash - path + (slash == path)),
                    slash == NULL ? "." : path);
-    const weft_status status
-        = record_file_open(file, directory, slash == NULL ? path : slash + 1, err);
-    if (status == WEFT_OK) {
-        page_begin(file->stream, weft__player_page, false);
-    }
-    return status;
+    TRY(record_file_open(file, directory, slash == NULL ? path : slash + 1, err));
+    page_begin(file->stream, weft__player_page, false);
+    return WEFT_OK;
 }
 
 weft_status page_commit(record_file *file, weft_status written, weft_error *err)
@@ -51,14 +50,12 @@ weft_status page_commit(record_file *file, weft_status written, weft_error *err)
 
 static void put_character(FILE *stream, int c)
 {
-    if (c == '"' || c == '\\') {
-        putc('\\', stream);
-        putc(c, stream);
-    } else if (c < 0x20 || c == '<' || c == '>' || c == '&' || c == 0x7f) {
+    if (c < 0x20 || c == '<' || c == '>' || c == '&' || c == 0x7f) {
         fprintf(stream, "\\u%04x", (unsigned)c);
-    } else {
-        putc(c, stream);
+        return;
     }
+    fputs(c == '"' || c == '\\' ? "\\" : "", stream);
+    putc(c, stream);
 }
 
 void page_characters(FILE *stream, const char *text)
@@ -85,11 +82,9 @@ void page_directory(FILE *stream, const char *path)
     while (begin > 0 && path[begin - 1] != '/') {
         --begin;
     }
-    putc('"', stream);
-    for (size_t i = begin; i < end; ++i) {
-        put_character(stream, (unsigned char)path[i]);
-    }
-    putc('"', stream);
+    char name[RECORD_PATH];
+    (void)snprintf(name, sizeof name, "%.*s", (int)(end - begin), path + begin);
+    page_text(stream, name);
 }
 
 void page_file(FILE *stream, const char *directory, const char *name)
@@ -136,13 +131,6 @@ size_t page_block_size(size_t planes, size_t count)
     return planes * (2 * sizeof(float) + count * sizeof(uint16_t));
 }
 
-static void put_little(unsigned char *out, uint32_t bits, size_t bytes)
-{
-    for (size_t i = 0; i < bytes; ++i) {
-        out[i] = (unsigned char)(bits >> 8 * i & 255);
-    }
-}
-
 void page_plane(unsigned char *block, size_t planes, size_t plane, const double *values,
                 size_t count)
 {
@@ -152,19 +140,17 @@ void page_plane(unsigned char *block, size_t planes, size_t plane, const double 
         lo = value < lo ? value : lo;
         hi = value > hi ? value : hi;
     }
-    const float range[2] = { lo, hi };
-    uint32_t bits[2];
-    memcpy(bits, range, sizeof bits);
-    put_little(block + plane * sizeof range, bits[0], sizeof lo);
-    put_little(block + plane * sizeof range + sizeof lo, bits[1], sizeof hi);
+    unsigned char *range = block + plane * 2 * sizeof lo;
+    weft__single_put(range, lo);
+    weft__single_put(range + sizeof lo, hi);
     const double scale = hi > lo ? UINT16_MAX / ((double)hi - (double)lo) : 0.0;
     unsigned char *codes = block + planes * 2 * sizeof lo + plane * count * 2;
     for (size_t i = 0; i < count; ++i) {
         const double code = (values[i] - (double)lo) * scale + 0.5;
-        put_little(codes + 2 * i,
-                   code >= UINT16_MAX ? UINT16_MAX
-                   : code > 0.0       ? (uint32_t)code
-                                      : 0u,
-                   2);
+        const uint16_t bits = code >= UINT16_MAX ? UINT16_MAX
+                              : code > 0.0       ? (uint16_t)code
+                                                 : 0u;
+        codes[2 * i] = (unsigned char)(bits & 255);
+        codes[2 * i + 1] = (unsigned char)(bits >> 8);
     }
 }

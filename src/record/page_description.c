@@ -108,17 +108,6 @@ static size_t write_rows(const player_page *self, const player_run *run)
     return bytes;
 }
 
-static size_t write_files(const player_page *self, const player_run *run)
-{
-    static const char *const files[] = { "scene.yaml", "manifest.yaml", "result.yaml" };
-    for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
-        fprintf(self->stream, ",\"%.*s\":", (int)strcspn(files[f], "."), files[f]);
-        page_file(self->stream, run->directory, files[f]);
-    }
-    fputs(",\"series\":", self->stream);
-    return write_rows(self, run);
-}
-
 /* Words of 32 bits, least significant byte first, as base64. */
 static void write_words(FILE *stream, const char *name, const void *from, size_t count)
 {
@@ -127,12 +116,10 @@ static void write_words(FILE *stream, const char *name, const void *from, size_t
     fprintf(stream, ",\"%s\":\"", name);
     for (size_t i = 0; i < count; i += PART) {
         const size_t some = count - i < PART ? count - i : PART;
-        for (size_t k = 0; k < some; ++k) {
+        for (size_t b = 0; b < 4 * some; ++b) {
             uint32_t word;
-            memcpy(&word, (const unsigned char *)from + 4 * (i + k), sizeof word);
-            for (size_t b = 0; b < 4; ++b) {
-                bytes[4 * k + b] = (unsigned char)(word >> (8 * b));
-            }
+            memcpy(&word, (const unsigned char *)from + 4 * (i + b / 4), sizeof word);
+            bytes[b] = (unsigned char)(word >> (8 * (b % 4)));
         }
         page_base64(stream, bytes, 4 * some);
     }
@@ -155,30 +142,35 @@ static void write_triangles(FILE *stream, const record_faces *of)
     free(uv);
 }
 
-static void write_runs(const player_page *self)
+static void write_run(const player_page *self, const player_run *run)
 {
-    for (size_t r = 0; r < self->run_count; ++r) {
-        const player_run *run = &self->runs[r];
-        fprintf(self->stream, "%s{\"directory\":", comma(r));
-        page_directory(self->stream, run->directory);
-        fprintf(self->stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
-        for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%zu", comma(i), run->index[i]);
-        }
-        fputs("],\"numbers\":[", self->stream);
-        for (size_t i = 0; i < self->shown; ++i) {
-            fprintf(self->stream, "%s%.0f", comma(i),
-                    run->frames->numbers[run->index[i]]);
-        }
-        fputc(']', self->stream);
-        write_obstacles(self->stream, run->directory);
-        const size_t rows = write_files(self, run);
-        if (self->live) {
-            fprintf(self->stream, ",\"live\":{\"frame\":%zu,\"series\":%zu}",
-                    run->frames->count, rows);
-        }
-        fputc('}', self->stream);
+    static const char *const files[] = { "scene", "manifest", "result" };
+    FILE *stream = self->stream;
+    fputs("{\"directory\":", stream);
+    page_directory(stream, run->directory);
+    fprintf(stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%zu", comma(i), run->index[i]);
     }
+    fputs("],\"numbers\":[", stream);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%.0f", comma(i), run->frames->numbers[run->index[i]]);
+    }
+    fputc(']', stream);
+    write_obstacles(stream, run->directory);
+    for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
+        char name[32];
+        (void)snprintf(name, sizeof name, "%s.yaml", files[f]);
+        fprintf(stream, ",\"%s\":", files[f]);
+        page_file(stream, run->directory, name);
+    }
+    fputs(",\"series\":", stream);
+    const size_t rows = write_rows(self, run);
+    if (self->live) {
+        fprintf(stream, ",\"live\":{\"frame\":%zu,\"series\":%zu}", run->frames->count,
+                rows);
+    }
+    fputc('}', stream);
 }
 
 void player_page_describe(const player_page *self)
@@ -208,6 +200,9 @@ void player_page_describe(const player_page *self)
     fputs("],\"pinned\":[", stream);
     write_pinned(self);
     fputs("],\"runs\":[", stream);
-    write_runs(self);
+    for (size_t r = 0; r < self->run_count; ++r) {
+        fputs(comma(r), stream);
+        write_run(self, &self->runs[r]);
+    }
     fputs("]}</script>\n", stream);
 }

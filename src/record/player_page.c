@@ -34,11 +34,7 @@ static weft_status open_runs(player_page *self, weft_error *err)
 {
     for (size_t r = 0; r < self->run_count; ++r) {
         player_run *run = &self->runs[r];
-        const weft_status status
-            = record_frames_open(run->directory, &run->frames, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+        TRY(record_frames_open(run->directory, &run->frames, err));
         self->faces = &self->runs[0].frames->faces;
         if (!record_faces_same(self->faces, &run->frames->faces)) {
             return record_faces_differ(self->runs[0].directory, self->faces,
@@ -51,7 +47,6 @@ static weft_status open_runs(player_page *self, weft_error *err)
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a page");
         }
     }
-    find_fields(self);
     return WEFT_OK;
 }
 
@@ -152,20 +147,6 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status choose(player_page *self, weft_error *err)
-{
-    self->chosen = match(self->runs, self->run_count);
-    if (self->chosen == 0) {
-        return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",
-                              self->runs[0].directory, self->runs[1].directory);
-    }
-    const weft_status status = choose_particles(self, err);
-    if (status == WEFT_OK) {
-        thin(self);
-    }
-    return status;
-}
-
 enum { LENGTH = 3 }; /* of the vector, instead of component 0, 1 or 2 */
 
 /* One number of each particle shown, from `width` of every particle. */
@@ -181,63 +162,22 @@ static void put_plane(player_page *self, size_t planes, size_t plane,
     page_plane(self->block, planes, plane, self->values, self->count);
 }
 
-static weft_status encode(player_page *self, const player_run *run, size_t index,
-                          weft_error *err)
-{
-    record_frames *frames = run->frames;
-    size_t plane = 3;
-    weft_status status = record_frames_positions(frames, index, run->xyz, err);
-    for (size_t k = 0; status == WEFT_OK && k < 3; ++k) {
-        put_plane(self, self->planes, k, run->xyz, 3, k);
-    }
-    for (size_t f = 0; status == WEFT_OK && f < PLAYER_FIELDS; ++f) {
-        if (self->present[f]) {
-            const player_field *field = &player_fields[f];
-            status = record_frames_field(frames, field->field, index, self->field, err);
-            put_plane(self, self->planes, plane++, self->field, field->width,
-                      field->width == 3 ? LENGTH : 0);
-        }
-    }
-    return status;
-}
-
-weft_status player_page_encode(player_page *self, size_t frame, weft_error *err)
-{
-    return encode(self, &self->runs[0], frame, err);
-}
-
-static weft_status write_frame(player_page *self, const player_run *run, size_t i,
+weft_status player_page_encode(player_page *self, size_t run, size_t frame,
                                weft_error *err)
 {
-    const weft_status status = encode(self, run, run->index[i], err);
-    if (status == WEFT_OK) {
-        page_bytes(self->stream, self->block,
-                   page_block_size(self->planes, self->count));
+    record_frames *frames = self->runs[run].frames;
+    double *xyz = self->runs[run].xyz;
+    size_t plane = 3;
+    TRY(record_frames_positions(frames, frame, xyz, err));
+    for (size_t k = 0; k < 3; ++k) {
+        put_plane(self, self->planes, k, xyz, 3, k);
     }
-    return status;
-}
-
-/* The distance between the two runs at each particle, from their unrounded frames. */
-static void write_difference(player_page *self)
-{
-    for (size_t i = 0; i < 3 * self->faces->particles; ++i) {
-        self->field[i] = self->runs[1].xyz[i] - self->runs[0].xyz[i];
-    }
-    put_plane(self, 1, 0, self->field, 3, LENGTH);
-    page_bytes(self->stream, self->block, page_block_size(1, self->count));
-}
-
-static weft_status write_frames(player_page *self, weft_error *err)
-{
-    for (size_t i = 0; i < self->shown; ++i) {
-        for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_status status = write_frame(self, &self->runs[r], i, err);
-            if (status != WEFT_OK) {
-                return status;
-            }
-        }
-        if (self->run_count > 1) {
-            write_difference(self);
+    for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
+        if (self->present[f]) {
+            const player_field *field = &player_fields[f];
+            TRY(record_frames_field(frames, field->field, frame, self->field, err));
+            put_plane(self, self->planes, plane++, self->field, field->width,
+                      field->width == 3 ? LENGTH : 0);
         }
     }
     return WEFT_OK;
@@ -250,14 +190,38 @@ weft_status player_page_open(player_page *self, const char *const *directories,
     for (size_t r = 0; r < count; ++r) {
         self->runs[r].directory = directories[r];
     }
-    const weft_status status = open_runs(self, err);
-    return status == WEFT_OK ? choose(self, err) : status;
+    TRY(open_runs(self, err));
+    find_fields(self);
+    self->chosen = match(self->runs, self->run_count);
+    if (self->chosen == 0) {
+        return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",
+                              self->runs[0].directory, self->runs[1].directory);
+    }
+    TRY(choose_particles(self, err));
+    thin(self);
+    return WEFT_OK;
 }
 
+/* Of two runs also the distance between them at each particle, from their unrounded
+ * frames. */
 weft_status player_page_write(player_page *self, weft_error *err)
 {
     player_page_describe(self);
-    return write_frames(self, err);
+    for (size_t i = 0; i < self->shown; ++i) {
+        for (size_t r = 0; r < self->run_count; ++r) {
+            TRY(player_page_encode(self, r, self->runs[r].index[i], err));
+            page_bytes(self->stream, self->block,
+                       page_block_size(self->planes, self->count));
+        }
+        for (size_t k = 0; self->run_count > 1 && k < 3 * self->faces->particles; ++k) {
+            self->field[k] = self->runs[1].xyz[k] - self->runs[0].xyz[k];
+        }
+        if (self->run_count > 1) {
+            put_plane(self, 1, 0, self->field, 3, LENGTH);
+            page_bytes(self->stream, self->block, page_block_size(1, self->count));
+        }
+    }
+    return WEFT_OK;
 }
 
 void player_page_close(player_page *self)
@@ -279,9 +243,7 @@ weft_status record_player(const char *const *directories, size_t count,
     player_page self = { .budget = PLAYER_BUDGET };
     record_file file;
     weft_status status = player_page_open(&self, directories, count, err);
-    if (status == WEFT_OK) {
-        status = page_open(&file, path, err);
-    }
+    status = status == WEFT_OK ? page_open(&file, path, err) : status;
     if (status == WEFT_OK) {
         self.stream = file.stream;
         status = page_commit(&file, player_page_write(&self, err), err);

@@ -10,9 +10,8 @@
 
 /* player_page.c: writes `path`, the frames of the runs in directories[count], one or
  * two side by side, as one HTML page that a browser plays without a network. Two runs
- * are shown at the times that both have. docs/player.md describes the page and its
- * data. Errors: WEFT_IO (a file), WEFT_INVALID (runs of different grids or without a
- * common time), WEFT_NO_MEMORY. */
+ * are shown at the times that both have. Errors: WEFT_IO (a file), WEFT_INVALID (runs
+ * of different grids or without a common time), WEFT_NO_MEMORY. */
 weft_status record_player(const char *const *directories, size_t count,
                           const char *path, weft_error *err);
 
@@ -68,8 +67,9 @@ weft_status player_page_open(player_page *self, const char *const *directories,
                              size_t count, weft_error *err);
 /* Writes description and frames to self->stream. */
 weft_status player_page_write(player_page *self, weft_error *err);
-/* One frame of run 0, by its index in the file, into self->block. */
-weft_status player_page_encode(player_page *self, size_t frame, weft_error *err);
+/* One frame of a run, by its index in the file, into self->block. */
+weft_status player_page_encode(player_page *self, size_t run, size_t frame,
+                               weft_error *err);
 void player_page_close(player_page *self);
 
 /* page_description.c: the JSON of a page, in its <script>. */

@@ -170,7 +170,7 @@ static bool write_message(feed *self)
     const size_t count = server->open ? server->page.runs[0].frames->count : 0;
     const size_t i = choose_frame(self, count);
     const bool frame
-        = i < count && player_page_encode(&server->page, i, NULL) == WEFT_OK;
+        = i < count && player_page_encode(&server->page, 0, i, NULL) == WEFT_OK;
     const bool more = i < count || !server->over
                       || (server->frames && !server->open
                           && weft__wall_clock() < server->moved + FAREWELL / 2);
