@@ -43,6 +43,8 @@ static const bounds scenes[] = {
     { "ribbon.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
     { "towel.yaml", 0.01, 0.1, 0.1, false, .gsl = true, .self = true },
     { "twist.yaml", 0.01, 0.15, 0.2, false, .gsl = true, .self = true },
+    { "skirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
+    { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])

@@ -65,6 +65,19 @@ def test_the_programs_draw_their_pictures(name, in_a_tree, capsys):
     assert (in_a_tree / picture).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", ["skirt", "tshirt"])
+def test_the_garments_are_those_of_the_scenes(name, in_a_tree, capsys):
+    pytest.importorskip("scipy")
+    runpy.run_path(str(TREE / "examples" / "garments.py"))
+    angles = re.findall(r"least angle (\d+)", capsys.readouterr().out)
+    assert len(angles) == 6 and min(map(int, angles)) >= 25
+    shutil.copy(TREE / "scenes" / (name + ".yaml"), in_a_tree)
+    made, shipped = weft.load(name + ".yaml"), weft.load("scenes/" + name + ".yaml")
+    assert made.positions.shape == shipped.positions.shape
+    assert abs(made.positions - shipped.positions).max() < 1e-5
+
+
 UNDER_VALGRIND = """
 import gc, warnings, weft
 from weft._weft import ffi, lib
