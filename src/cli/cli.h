@@ -66,10 +66,12 @@ extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check,
  * exit code. */
 int verb_start(const verb *self, int argc, char **argv);
 
-/* ---- errors.c ---- */
+/* ---- human.c: errors ---- */
 
 /* "weft: error: file:line: message" to stderr; returns the exit code of its status. */
 int report_error(const weft_error *err);
+/* The same with an error made of these. */
+WEFT_PRINTF(2, 3) int report_status(weft_status status, const char *format, ...);
 
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const arguments *given, const char *format, ...);
@@ -79,7 +81,7 @@ WEFT_PRINTF(2, 3) int usage_error(const arguments *given, const char *format, ..
 int choose(const arguments *given, const char *option, const char *typed,
            const char *const *names, size_t *chosen);
 
-/* ---- method_list.c: every method of every plugin ---- */
+/* ---- steppers.c: every method of every plugin ---- */
 
 typedef struct stepper_method {
     const weft_plugin *plugin;

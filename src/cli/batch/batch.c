@@ -132,7 +132,7 @@ static int print_counts(const batch *self)
         print_plainly(stdout, "%zu runs in %s", mine, self->out);
         for (size_t i = 0; i < BATCH_STATUSES; ++i) {
             if (counts[i] > 0) {
-                printf("%s%zu %s", join, counts[i], batch_status_name((batch_status)i));
+                printf("%s%zu %s", join, counts[i], batch_status_names[i]);
                 join = ", ";
                 if (i == BATCH_DONE) {
                     print_warned(self);
@@ -152,9 +152,10 @@ static int run_batch(batch *self)
 {
     weft_error err = { 0 };
     batch_run **wanted = calloc(self->run_count, sizeof *wanted);
-    weft_status status = wanted == NULL ? weft_error_set(&err, WEFT_NO_MEMORY,
-                                                         "no memory for the runs")
-                                        : record_directory(self->out, &err);
+    if (wanted == NULL) {
+        return report_status(WEFT_NO_MEMORY, "no memory for the runs");
+    }
+    weft_status status = record_directory(self->out, &err);
     if (status != WEFT_OK) {
         free(wanted);
         return report_error(&err);

@@ -48,16 +48,16 @@ typedef struct batch {
     size_t run_count;
 } batch;
 
-const char *batch_status_name(batch_status status);
+extern const char *const batch_status_names[BATCH_STATUSES];
 /* Whether result.yaml has that status: done, failed, io_error, crashed or timeout. */
 bool batch_is_over(batch_status status);
 
-/* batch_name.c: the directory of a run: the file's stem, then key=value of each varied
+/* batch_plan.c. The directory of a run: the file's stem, then key=value of each varied
  * key, in at most 120 safe characters. A hash is added if a character or the end was
  * lost. The caller frees it; NULL: no memory. */
 char *batch_name(const char *stem, const weft_sweep *sweep, size_t number);
 
-/* batch_plan.c: reads all scenes and names their runs. Returns the exit code. */
+/* Reads all scenes and names their runs. Returns the exit code. */
 int batch_plan(batch *self);
 /* Checks one sweep: EXIT_SCENE if two of its runs are the same. */
 int batch_check(const arguments *given, const char *file, weft_sweep *sweep);
@@ -67,32 +67,15 @@ void batch_free(batch *self);
 batch_status batch_look(const batch *self, const batch_run *run);
 /* Whether it is done, and its log.txt has warnings. */
 bool batch_warned(const batch *self, const batch_run *run);
-weft_status batch_directory(const batch *self, const batch_run *run,
-                            char path[RECORD_PATH], weft_error *err);
 
 /* [s] to wait for a lock: a run whose batch was just killed may still be writing its
  * files. */
 #define BATCH_PATIENCE 5.0
 
-/* batch_show.c: progress, on stderr. */
-typedef struct batch_show {
-    const batch *batch;
-    batch_run **runs; /* of this call */
-    bool quiet, terminal;
-    size_t planned, ended, failed; /* of them */
-    size_t lines;                  /* of the table on the terminal */
-    double began, shown;           /* [s] of the wall clock */
-} batch_show;
-
-void batch_show_ended(batch_show *self, const batch_run *run, double began);
-/* `all`: the processes of the pool. */
-void batch_show_table(batch_show *self, const process *all);
-void batch_show_end(batch_show *self);
-
 /* batch_pool.c: runs all of these. Returns the signal that stopped it, or 0. */
 int batch_pool_run(batch *self, batch_run **runs, size_t count);
 
-/* batch_summary.c: summary.csv, one row per run. */
+/* Writes summary.csv, one row per run. */
 weft_status batch_summary(const batch *self, weft_error *err);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_pool.c -- runs in child processes, and their ends. */
+/* batch_pool.c -- runs in child processes, their ends, and progress on stderr: a redrawn
+ * table on a terminal, or one line per run in a pipe. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -12,12 +13,17 @@
 #include "cli/batch/batch.h"
 #include "cli/run/run.h"
 
+enum { SHOWN_SLOTS = 16, WIDTH = 79 };
+
 typedef struct batch_pool {
     const batch *batch;
     batch_run **runs; /* the jobs */
     int stop;         /* the signal that stopped it */
     process_pool pool;
-    batch_show show;
+    bool terminal;        /* shows a table */
+    size_t ended, failed; /* of the jobs */
+    size_t lines;         /* of the table on the terminal */
+    double began, shown;  /* [s] of the wall clock */
 } batch_pool;
 
 /* ---- one run, in a child process ------------------------------------------------- */
@@ -71,7 +77,7 @@ static int run_job(void *ctx, size_t job)
     char directory[RECORD_PATH];
     weft_error err = { 0 };
     interrupt_catch(false); /* until it runs, a signal ends it */
-    if (batch_directory(self, one, directory, &err) != WEFT_OK
+    if (record_path(self->out, one->name, directory, &err) != WEFT_OK
         || record_directory(directory, &err) != WEFT_OK) {
         return report_error(&err);
     }
@@ -106,10 +112,10 @@ static batch_status write_end(const batch_pool *self, const process *ended,
     char directory[RECORD_PATH];
     weft_error err = { 0 };
     const batch_run *one = self->runs[ended->job];
-    weft_status written = batch_directory(self->batch, one, directory, &err);
+    weft_status written = record_path(self->batch->out, one->name, directory, &err);
     if (written == WEFT_OK) {
         record_result result = find_result(one, ended->began, directory);
-        result.status = batch_status_name(status);
+        result.status = batch_status_names[status];
         result.reason = reason;
         written = record_result_amend(directory, &result, &err);
     }
@@ -159,20 +165,75 @@ static batch_status status_of_end(const batch_pool *self, const process *ended)
     return write_end(self, ended, BATCH_CRASHED, reason);
 }
 
+/* ---- progress ------------------------------------------------------------------- */
+
+/* Back to the first line of the table. */
+static void erase(batch_pool *self)
+{
+    if (self->lines > 0) {
+        fprintf(stderr, "\033[%zuA\r\033[J", self->lines);
+        self->lines = 0;
+    }
+}
+
+/* "3:07" */
+static const char *clock_text(double seconds, char out[32])
+{
+    const long whole = (long)seconds;
+    if (whole < 3600) {
+        (void)snprintf(out, 32, "%ld:%02ld", whole / 60, whole % 60);
+    } else {
+        (void)snprintf(out, 32, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60,
+                       whole % 60);
+    }
+    return out;
+}
+
+/* process_def.tick */
+static void show_table(void *ctx)
+{
+    batch_pool *self = ctx;
+    const double now = weft__wall_clock(), spent = now - self->began;
+    if (!self->terminal || now - self->shown < 0.2) {
+        return;
+    }
+    const double left = (double)(self->pool.jobs - self->ended);
+    char took[32], eta[32] = "?";
+    if (self->ended > 0) {
+        (void)clock_text(spent * left / (double)self->ended, eta);
+    }
+    erase(self);
+    fprintf(stderr, "%zu of %zu done, %zu failed, %zu running   %s   ETA %s\n",
+            self->ended - self->failed, self->pool.jobs, self->failed,
+            self->pool.running, clock_text(spent, took), eta);
+    self->lines = 1;
+    for (size_t i = 0; i < self->pool.at_once && self->lines <= SHOWN_SLOTS; ++i) {
+        const process *one = &self->pool.all[i];
+        if (one->pid > 0) {
+            fprintf(stderr, "  %8s  %.*s\n", clock_text(now - one->began, took),
+                    WIDTH - 12, self->runs[one->job]->name);
+            ++self->lines;
+        }
+    }
+    self->shown = now;
+    (void)fflush(stderr);
+}
+
 /* ---- the pool ------------------------------------------------------------------ */
 
 static void on_end(void *ctx, const process *ended)
 {
     batch_pool *self = ctx;
     batch_run *one = self->runs[ended->job];
-    one->status = status_of_end(self, ended);
-    batch_show_ended(&self->show, one, ended->began);
-}
-
-static void on_tick(void *ctx)
-{
-    batch_pool *self = ctx;
-    batch_show_table(&self->show, self->pool.all);
+    const batch_status status = one->status = status_of_end(self, ended);
+    ++self->ended;
+    self->failed += status != BATCH_DONE && status != BATCH_PARTIAL;
+    if (!self->batch->given->quiet && !(self->terminal && status == BATCH_DONE)) {
+        erase(self);
+        fprintf(stderr, "%zu/%zu %s %s (%.2f s)\n", self->ended, self->pool.jobs,
+                batch_status_names[status], one->name,
+                weft__wall_clock() - ended->began);
+    }
 }
 
 static int take_signal(void *ctx)
@@ -190,23 +251,19 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count)
             .runs = runs,
             .pool = { .def = { .work = run_job,
                                .ctx = &all,
-                               .tick = on_tick,
+                               .tick = show_table,
                                .end_signal = SIGTERM, /* a run leaves a result then */
                                .seconds = self->timeout },
                       .jobs = count,
                       .at_once = self->jobs,
                       .ended = on_end,
                       .stop = take_signal },
-            .show = { .batch = self,
-                      .runs = runs,
-                      .planned = count,
-                      .quiet = self->given->quiet,
-                      .terminal = !self->given->quiet && isatty(STDERR_FILENO) == 1,
-                      .began = weft__wall_clock() } };
+            .terminal = !self->given->quiet && isatty(STDERR_FILENO) == 1,
+            .began = weft__wall_clock() };
     interrupt_catch(true);
     const bool able = process_pool_run(&all.pool);
     const int why = errno;
-    batch_show_end(&all.show);
+    erase(&all);
     if (!able) {
         fprintf(stderr, "weft: error: no process for %s: %s\n",
                 runs[all.pool.started]->name, strerror(why));
