@@ -178,7 +178,9 @@ static void reap(process_pool *pool)
     for (size_t i = 0; i < pool->at_once; ++i) {
         if (pool->all[i].pid > 0 && has_ended(&pool->def, &pool->all[i])) {
             --pool->running;
-            pool->ended(pool->def.ctx, &pool->all[i]);
+            if (pool->ended != NULL) {
+                pool->ended(pool->def.ctx, &pool->all[i]);
+            }
         }
     }
 }

@@ -45,7 +45,7 @@ void process_describe(int status, char *text, size_t size);
 typedef struct process_pool {
     process_def def;
     size_t jobs, at_once;
-    void (*ended)(void *ctx, const process *one); /* after each job */
+    void (*ended)(void *ctx, const process *one); /* after each job; NULL: not called */
     /* Returns a signal that came since the last call, or 0. After the first, no more
      * jobs start, and it is sent to the children; from the second on they get SIGKILL.
      * NULL: no signal is caught. */

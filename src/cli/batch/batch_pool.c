@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* batch_pool.c -- runs in child processes, their ends, and progress on stderr: a redrawn
- * table on a terminal, or one line per run in a pipe. */
+/* batch_pool.c -- runs in child processes, their ends, and progress on stderr: a
+ * redrawn table on a terminal, or one line per run in a pipe. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>

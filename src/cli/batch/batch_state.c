@@ -72,9 +72,7 @@ batch_status batch_look(const batch *self, const batch_run *run)
         = weft_sweep_scene(run->scene->sweep, run->number, &scene, NULL) == WEFT_OK
           && holds(path, weft_scene_text(scene), &missing);
     weft_scene_destroy(scene);
-    return same      ? result_status(directory)
-           : missing ? BATCH_NEW
-                     : BATCH_CHANGED;
+    return same ? result_status(directory) : missing ? BATCH_NEW : BATCH_CHANGED;
 }
 
 bool batch_warned(const batch *self, const batch_run *run)
@@ -90,10 +88,10 @@ bool batch_warned(const batch *self, const batch_run *run)
 /* The columns after those of the varied keys: of the run, or keys of its result.yaml.
  * The wall time is the last, as it alone differs from one batch to the next. */
 static const char *const columns[]
-    = { "scene",      "status",   "reason",    "frames",     "time",
-        "steps",      "rejected", "rhs_calls", "max_strain", "energy_start",
-        "energy_end", "dissipated", "hash",    "directory",  "warnings",
-        "wall_time" };
+    = { "scene",      "status",       "reason",     "frames",
+        "time",       "steps",        "rejected",   "rhs_calls",
+        "max_strain", "energy_start", "energy_end", "dissipated",
+        "hash",       "directory",    "warnings",   "wall_time" };
 
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
@@ -176,10 +174,11 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     for (size_t i = 0; i < COLUMNS; ++i) {
         const char *name = columns[i];
         cell(out,
-             strcmp(name, "scene") == 0       ? run->scene->stem
-             : strcmp(name, "status") == 0    ? batch_status_names[run->status]
-             : strcmp(name, "directory") == 0 ? run->name
-                                              : result_text(known ? &result : NULL, name),
+             strcmp(name, "scene") == 0    ? run->scene->stem
+             : strcmp(name, "status") == 0 ? batch_status_names[run->status]
+             : strcmp(name, "directory") == 0
+                 ? run->name
+                 : result_text(known ? &result : NULL, name),
              i + 1 < COLUMNS ? ',' : '\n');
     }
     if (known) {

@@ -69,12 +69,12 @@ static bool unknown_word(const weft_registry *registry, const char *list,
 }
 
 /* Steps end at frames, so a whole number of them makes a frame. */
-static weft_status set_steps(const compare *self, const weft_stiffness *modes,
-                             compare_method *method, weft_error *err)
+static weft_status set_steps(const compare *self, compare_method *method,
+                             weft_error *err)
 {
     survey_method stable = { 0 };
     const weft_status status
-        = stable_step(self->scene, method->by.type, modes, &stable, err);
+        = stable_step(self->scene, method->by.type, &self->modes, &stable, err);
     if (status == WEFT_NO_MEMORY) {
         return status;
     }
@@ -88,8 +88,7 @@ static weft_status set_steps(const compare *self, const weft_stiffness *modes,
     return WEFT_OK;
 }
 
-static weft_status add_method(compare *self, const stepper_method *by,
-                              const weft_stiffness *modes, weft_error *err)
+static weft_status add_method(compare *self, const stepper_method *by, weft_error *err)
 {
     compare_method *method = &self->shared->methods[self->count++];
     const size_t n = weft_cloth_particles(self->cloth);
@@ -102,7 +101,7 @@ static weft_status add_method(compare *self, const stepper_method *by,
                        "%s: for small cloths only", matrices);
         return WEFT_OK;
     }
-    return method_adapts(by->type) ? WEFT_OK : set_steps(self, modes, method, err);
+    return method_adapts(by->type) ? WEFT_OK : set_steps(self, method, err);
 }
 
 /* The scene's own method is added whether listed or not. */
@@ -116,17 +115,14 @@ static weft_status add_methods(compare *self, weft_error *err)
     weft_cloth_start(self->cloth, y);
     self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
-    weft_status status = WEFT_OK;
-    for (size_t i = 0; status == WEFT_OK && method_at(self->given->registry, i, &m);
-         ++i) {
-        const bool own = m.type == weft_scene_method_type(self->scene);
-        if (own
+    for (size_t i = 0; method_at(self->given->registry, i, &m); ++i) {
+        if (m.type == weft_scene_method_type(self->scene)
             || (is_listed(&m, self->given->methods)
                 && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
-            status = add_method(self, &m, &self->modes, err);
+            TRY(add_method(self, &m, err));
         }
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* ---- references and horizon ------------------------------------------------- */
@@ -295,30 +291,22 @@ static weft_status take_times(const compare *self, weft_error *err)
             times[i][turn] = compare_call_time(self, &self->shared->methods[i]);
         }
     }
+    compare_method *methods = self->shared->methods;
     for (size_t i = 0; i < self->count; ++i) {
         qsort(times[i], CALL_TIMES, sizeof times[i][0], by_value);
-        self->shared->methods[i].call_time = times[i][CALL_TIMES / 2];
-    }
-    free(times);
-    for (size_t i = 0; i < self->count; ++i) {
-        const compare_method *method = &self->shared->methods[i];
-        set_times(&self->shared->methods[i], method);
-        if (method->own) {
-            set_times(&self->shared->methods[self->count], method);
+        methods[i].call_time = times[i][CALL_TIMES / 2];
+        set_times(&methods[i], &methods[i]);
+        if (methods[i].own) {
+            set_times(&methods[self->count], &methods[i]);
         }
     }
+    free(times);
     return WEFT_OK;
-}
-
-static void stiffness_ended(void *ctx, const process *one)
-{
-    (void)ctx;
-    (void)one;
 }
 
 static weft_status compare_all(compare *self, weft_error *err)
 {
-    TRY(run_jobs(self, 1, compare_stiffness, stiffness_ended, err));
+    TRY(run_jobs(self, 1, compare_stiffness, NULL, err));
     TRY(make_references(self, err));
     set_budget(self);
     const weft_status status
@@ -378,6 +366,8 @@ static weft_status find_references(compare *self, weft_error *err)
 /* Checks for references before it makes the directory. */
 static weft_status compare_into(compare *self, const char *directory, weft_error *err)
 {
+    TRY(scene_supported(self->scene, err));
+    TRY(cloth_create(self->scene, weft_scene_cloth(self->scene), &self->cloth, err));
     TRY(find_references(self, err));
     TRY(record_outdir(directory, self->given->force, err));
     TRY(open_memory(self, err));
@@ -391,51 +381,39 @@ static weft_status compare_into(compare *self, const char *directory, weft_error
 
 static int compare_scene(const arguments *given, double until, const weft_scene *scene)
 {
-    char text[RECORD_PATH];
-    const char *directory = out_directory(given, ".compare", text);
+    char text[RECORD_PATH], word[NAME_MOST], near[80];
+    weft__guess guess = { 0 };
     weft_error err = { 0 };
-    weft_cloth *cloth = NULL;
     compare self = { .given = given,
                      .scene = scene,
                      .run = *weft_scene_run(scene),
                      .progress.mode = given->mode };
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
-    weft_status status = scene_supported(scene, &err);
-    status = status == WEFT_OK
-                 ? cloth_create(scene, weft_scene_cloth(scene), &cloth, &err)
-                 : status;
-    self.cloth = cloth;
-    status = status == WEFT_OK ? compare_into(&self, directory, &err) : status;
-    weft_cloth_destroy(cloth);
-    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
-}
-
-static int open_and_compare(const arguments *given, double until)
-{
-    char word[NAME_MOST], near[80];
-    weft__guess guess = { 0 };
-    weft_scene *scene = NULL;
-    int code = open_scene(given->operands[0], given, &scene, NULL);
-    if (code == EXIT_DONE) {
-        (void)load_plugins(given->registry, NULL);
-        code = unknown_word(given->registry, given->methods, word, &guess)
-                   ? usage_error(
-                       given, "--methods: no method '%s'%s; weft steppers lists them",
-                       word, weft__guess_text(&guess, near, sizeof near))
-                   : compare_scene(given, until, scene);
+    (void)load_plugins(given->registry, NULL);
+    if (unknown_word(given->registry, given->methods, word, &guess)) {
+        return usage_error(given,
+                           "--methods: no method '%s'%s; weft steppers lists them",
+                           word, weft__guess_text(&guess, near, sizeof near));
     }
-    weft_scene_destroy(scene);
-    return code;
+    const weft_status status
+        = compare_into(&self, out_directory(given, ".compare", text), &err);
+    weft_cloth_destroy(self.cloth);
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
 static int compare_verb(const arguments *given)
 {
     const double until
         = given->until == NULL ? (double)INFINITY : option_real(given->until);
-    return until > 0.0
-               ? open_and_compare(given, until)
-               : usage_error(given, "--until %s: not a time [s] > 0", given->until);
+    weft_scene *scene = NULL;
+    if (!(until > 0.0)) {
+        return usage_error(given, "--until %s: not a time [s] > 0", given->until);
+    }
+    int code = open_scene(given->operands[0], given, &scene, NULL);
+    code = code == EXIT_DONE ? compare_scene(given, until, scene) : code;
+    weft_scene_destroy(scene);
+    return code;
 }
 
 const verb verb_compare = {

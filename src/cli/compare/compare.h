@@ -81,7 +81,7 @@ typedef struct compare_shared {
 typedef struct compare {
     const arguments *given;
     const weft_scene *scene;
-    const weft_cloth *cloth;
+    weft_cloth *cloth;
     weft_run_def run; /* of the scene, up to --until */
     stepper_method by[2];
     size_t last;          /* frame up to which errors are judged */
@@ -151,11 +151,11 @@ typedef struct compare_advice {
 
 bool compare_reach(const compare_method *method, double accuracy, compare_cost *out);
 void compare_advise(const compare *self, compare_advice *out);
-/* These append to a sentence: a rank, and the properties of the scene. */
-void compare_say(const compare_rank *rank, sentence *out);
-void compare_say_as_is(const compare *self, sentence *out);
-void compare_say_horizon(const compare *self, sentence *out);
-void compare_say_reference(const compare *self, sentence *out);
+/* A rank, and the properties of the scene, in words. */
+sentence compare_rank_text(const compare_rank *rank);
+sentence compare_as_is_text(const compare *self);
+sentence compare_horizon_text(const compare *self);
+sentence compare_reference_text(const compare *self);
 
 /* ---- compare_write.c -------------------------------------------------------- */
 

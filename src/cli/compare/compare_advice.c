@@ -32,18 +32,6 @@ static const compare_point *first_good(const compare_method *method, double accu
 }
 
 /* A finer setting may cost less: its cost bounds that of every coarser accuracy. */
-static void take_cheaper(const compare_method *method, const compare_point *good,
-                         compare_cost *out)
-{
-    for (const compare_point *p = good; p < method->points + COMPARE_RUNGS; ++p) {
-        if (p->outcome == COMPARE_DONE && p->time < out->time) {
-            out->calls = (double)p->calls;
-            out->time = p->time;
-            out->setting = p->setting;
-        }
-    }
-}
-
 bool compare_reach(const compare_method *method, double accuracy, compare_cost *out)
 {
     const compare_point *before, *good = first_good(method, accuracy, &before);
@@ -51,10 +39,7 @@ bool compare_reach(const compare_method *method, double accuracy, compare_cost *
     if (good == NULL) {
         return false;
     }
-    out->method = method;
-    out->calls = (double)good->calls;
-    out->time = good->time;
-    out->setting = good->setting;
+    *out = (compare_cost){ method, good->setting, (double)good->calls, good->time };
     if (before != NULL) {
         const double e = log(fmax(good->error, LEAST_ERROR));
         const double part
@@ -63,7 +48,11 @@ bool compare_reach(const compare_method *method, double accuracy, compare_cost *
         out->time = between(before->time, out->time, part);
         out->setting = between(before->setting, out->setting, part);
     }
-    take_cheaper(method, good, out);
+    for (const compare_point *p = good; p < method->points + COMPARE_RUNGS; ++p) {
+        if (p->outcome == COMPARE_DONE && p->time < out->time) {
+            *out = (compare_cost){ method, p->setting, (double)p->calls, p->time };
+        }
+    }
     return true;
 }
 
@@ -138,71 +127,79 @@ static void add_rival(const char *lead, const compare_cost *other, double times,
         times);
 }
 
-void compare_say(const compare_rank *rank, sentence *out)
+sentence compare_rank_text(const compare_rank *rank)
 {
     const compare_cost *best = &rank->best, *second = &rank->second, *own = &rank->own,
                        *fewest = &rank->fewest;
-    add_cost(best, out);
+    sentence out = { "" };
+    add_cost(best, &out);
     if (second->method != NULL) {
-        add_rival("; next, ", second, second->time / best->time, out);
-        say(out, " as long");
+        add_rival("; next, ", second, second->time / best->time, &out);
+        say(&out, " as long");
     }
     if (own->method == best->method) {
-        say(out, "; it is the scene's");
+        say(&out, "; it is the scene's");
     } else if (own->method != NULL && own->method != second->method) {
-        add_rival(", the scene's ", own, own->time / best->time, out);
+        add_rival(", the scene's ", own, own->time / best->time, &out);
     }
     if (fewest->method != NULL && !compare_is_implicit(best->method)
         && fewest->calls * WORTH < best->calls) {
-        say(out, "; %s %s needs %.1f times fewer evaluations",
+        say(&out, "; %s %s needs %.1f times fewer evaluations",
             fewest->method->by.plugin->id, fewest->method->by.type->name,
             best->calls / fewest->calls);
     }
+    return out;
 }
 
-void compare_say_as_is(const compare *self, sentence *out)
+sentence compare_as_is_text(const compare *self)
 {
     const compare_point *point = compare_as_is(self);
     compare_rank rank;
     char time[HUMAN];
-    say(out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
+    sentence out = { "" };
+    say(&out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
         weft_scene_method(self->scene));
     if (point->outcome != COMPARE_DONE) {
-        say(out, ": %s",
+        say(&out, ": %s",
             point->outcome == COMPARE_FAILED ? point->why
                                              : "more evaluations than the reference");
-        return;
+        return out;
     }
-    say(out, ": error %.1e m in %s, %llu evaluations", point->error,
+    say(&out, ": error %.1e m in %s, %llu evaluations", point->error,
         human_time(point->time, time), (unsigned long long)point->calls);
     rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
     if (rank.best.method != NULL && rank.best.time * WORTH < point->time) {
-        say(out, "; as good and %.1f times faster: ", point->time / rank.best.time);
-        add_cost(&rank.best, out);
+        say(&out, "; as good and %.1f times faster: ", point->time / rank.best.time);
+        add_cost(&rank.best, &out);
     }
+    return out;
 }
 
-void compare_say_horizon(const compare *self, sentence *out)
+sentence compare_horizon_text(const compare *self)
 {
-    say(out,
+    sentence out = { "" };
+    say(&out,
         "predictable to t = %.4g s%s: a twin displaced by %.0e m is then %.1e m away "
         "(rate %.3g 1/s",
         compare_time(self, self->last), self->chaotic ? "" : " at least", COMPARE_NUDGE,
         self->twin[self->last], self->growth);
     if (self->chaotic) {
-        say(out, ": 10 times every %.2g s); compared up to there, not to %.4g s",
+        say(&out, ": 10 times every %.2g s); compared up to there, not to %.4g s",
             log(10.0) / self->growth, self->run.duration);
     } else {
-        say(out, ")");
+        say(&out, ")");
     }
+    return out;
 }
 
-void compare_say_reference(const compare *self, sentence *out)
+sentence compare_reference_text(const compare *self)
 {
-    say(out,
+    sentence out = { "" };
+    say(&out,
         "%s %s and %s %s at tolerance %.0e, %.1e m apart: errors below %.0e m are "
         "marked and not judged",
         self->by[0].plugin->id, self->by[0].type->name, self->by[1].plugin->id,
         self->by[1].type->name, COMPARE_TIGHTEST, self->apart,
         COMPARE_NEAR * self->apart);
+    return out;
 }

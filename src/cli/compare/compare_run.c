@@ -139,13 +139,6 @@ double compare_farthest(const double *a, const double *b, size_t n, double *squa
     return sqrt(top);
 }
 
-static weft_status create_twin(const compare *self, const weft_stepper_config *config,
-                               weft_sim **twin, weft_error *err)
-{
-    TRY(create(self, &self->by[0], config, twin, err));
-    return nudge(*twin, err);
-}
-
 static weft_status keep(void *ctx, size_t i, weft_error *err)
 {
     compare_trial *of = ctx;
@@ -203,7 +196,8 @@ int compare_reference(void *ctx, size_t which)
     const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
-        status = create_twin(self, &config, &of.twin, err);
+        status = create(self, &self->by[0], &config, &of.twin, err);
+        status = status == WEFT_OK ? nudge(of.twin, err) : status;
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
     err->status = status == WEFT_STOPPED ? WEFT_OK : status;
@@ -317,15 +311,6 @@ static double foresee(const compare *self, const compare_method *method, size_t 
     return last * fmax(1.0, last / before);
 }
 
-/* A method that refused the cloth, for the reason that it gave. */
-static void leave_out(compare_method *method)
-{
-    const compare_point refused = method->points[0];
-    (void)snprintf(method->left_out, sizeof method->left_out, "%.*s",
-                   (int)sizeof method->left_out - 1, refused.why);
-    method->points[0] = (compare_point){ 0 };
-}
-
 int compare_ladder(void *ctx, size_t i)
 {
     const compare *self = ctx;
@@ -346,8 +331,11 @@ int compare_ladder(void *ctx, size_t i)
             point->outcome = COMPARE_EXPENSIVE;
         } else if (run(self, &method->by, &config, self->budget, point)
                        == WEFT_UNSUPPORTED
-                   && rung == 0) {
-            leave_out(method);
+                   && rung == 0) { /* the method refuses the cloth */
+            const compare_point refused = *point;
+            (void)snprintf(method->left_out, sizeof method->left_out, "%.*s",
+                           (int)sizeof method->left_out - 1, refused.why);
+            *point = (compare_point){ 0 };
             break;
         }
         dear = point->outcome == COMPARE_EXPENSIVE;

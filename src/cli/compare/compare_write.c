@@ -110,15 +110,13 @@ static void print_rows(const compare *self, const compare_advice *advice)
 
 void compare_print(const compare *self, const compare_advice *advice)
 {
-    sentence horizon = { "" }, reference = { "" }, legend = { "" }, as_is = { "" };
+    sentence legend = { "" };
     char size[HUMAN_SIZE];
     print_plain(stdout, weft_scene_name(self->scene), "");
     printf(", %s\n", weft_cloth_text(self->cloth, size, sizeof size));
-    compare_say_horizon(self, &horizon);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, horizon.text);
-    compare_say_reference(self, &reference);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, compare_horizon_text(self).text);
     printf("reference: ");
-    print_wrapped(stdout, 11, 11, PAGE_WIDTH, reference.text);
+    print_wrapped(stdout, 11, 11, PAGE_WIDTH, compare_reference_text(self).text);
     if (self->shared->stiffness.text[0] != '\0') {
         print_wrapped(stdout, 0, 2, PAGE_WIDTH, self->shared->stiffness.text);
     }
@@ -137,13 +135,11 @@ void compare_print(const compare *self, const compare_advice *advice)
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, legend.text);
     putchar('\n');
     for (size_t i = 0; i < advice->count; ++i) {
-        sentence rank = { "" };
-        compare_say(&advice->ranks[i], &rank);
         printf("%.0e m: ", advice->ranks[i].accuracy);
-        print_wrapped(stdout, 9, 9, PAGE_WIDTH, rank.text);
+        print_wrapped(stdout, 9, 9, PAGE_WIDTH,
+                      compare_rank_text(&advice->ranks[i]).text);
     }
-    compare_say_as_is(self, &as_is);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, as_is.text);
+    print_wrapped(stdout, 0, 2, PAGE_WIDTH, compare_as_is_text(self).text);
 }
 
 /* ---- for machines ----------------------------------------------------------- */
@@ -176,31 +172,25 @@ void compare_end(const compare *self, const char *failed)
 
 /* ---- compare.csv ------------------------------------------------------------ */
 
-static const char *outcome_text(compare_outcome outcome)
+static void put_row(const compare *self, const compare_method *method,
+                    const compare_point *point, FILE *stream)
 {
-    static const char *const texts[] = {
+    static const char *const outcomes[] = {
         [COMPARE_NOT_RUN] = "not run", [COMPARE_RUNNING] = "crashed",
         [COMPARE_DONE] = "done",       [COMPARE_EXPENSIVE] = "too expensive",
         [COMPARE_FAILED] = "failed",
     };
-    return texts[outcome];
-}
-
-static void put_row(const compare *self, const compare_method *method,
-                    const compare_point *point, FILE *stream)
-{
-    const bool done = point->outcome == COMPARE_DONE;
-    fprintf(stream, "%s,%s,%d,%s,%.9g,", method->by.plugin->id, method->by.type->name,
-            method->by.type->order, method->step > 0.0 ? "fixed_step" : "tolerance",
-            point->setting);
-    if (done) {
-        fprintf(stream,
-                "done,%.9g,%.9g,%.9g,%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,",
-                point->error, point->rms, point->velocity, near(self, point),
-                point->calls, point->steps, point->rejected, point->energy,
-                point->time);
+    fprintf(stream, "%s,%s,%d,%s,%.9g,%s,", method->by.plugin->id,
+            method->by.type->name, method->by.type->order,
+            method->step > 0.0 ? "fixed_step" : "tolerance", point->setting,
+            outcomes[point->outcome]);
+    if (point->outcome == COMPARE_DONE) {
+        fprintf(
+            stream, "%.9g,%.9g,%.9g,%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",%.9g,%.9g,",
+            point->error, point->rms, point->velocity, near(self, point), point->calls,
+            point->steps, point->rejected, point->energy, point->time);
     } else {
-        fprintf(stream, "%s,,,,,,,,,,", outcome_text(point->outcome));
+        fputs(",,,,,,,,,", stream);
     }
     record_csv_quoted(stream, point->why);
     putc('\n', stream);
@@ -239,8 +229,7 @@ weft_status compare_csv(const compare *self, const char *directory, weft_error *
 
 static void put_member(FILE *stream, const char *name, const char *text)
 {
-    page_text(stream, name);
-    putc(':', stream);
+    fprintf(stream, "\"%s\":", name);
     page_text(stream, text);
     putc(',', stream);
 }
@@ -277,25 +266,16 @@ static void put_method(const compare_method *method, FILE *stream)
     fputs("]}", stream);
 }
 
-static size_t index_of(const compare *self, const compare_rank *rank,
-                       const compare_cost *cost)
-{
-    const compare_method *method
-        = cost->method == NULL ? rank->best.method : cost->method;
-    return (size_t)(method - self->shared->methods);
-}
-
 static void put_advice(const compare *self, const compare_advice *advice, FILE *stream)
 {
     fputs("\"ranks\":[", stream);
     for (size_t i = 0; i < advice->count; ++i) {
         const compare_rank *rank = &advice->ranks[i];
-        sentence text = { "" };
-        compare_say(rank, &text);
-        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%zu,\"fewest\":%zu,\"text\":",
-                i == 0 ? "" : ",", rank->accuracy, index_of(self, rank, &rank->best),
-                index_of(self, rank, &rank->fewest));
-        page_text(stream, text.text);
+        const compare_method *best = rank->best.method, *fewest = rank->fewest.method;
+        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%td,\"fewest\":%td,\"text\":",
+                i == 0 ? "" : ",", rank->accuracy, best - self->shared->methods,
+                (fewest == NULL ? best : fewest) - self->shared->methods);
+        page_text(stream, compare_rank_text(rank).text);
         putc('}', stream);
     }
     fputs("],", stream);
@@ -305,18 +285,14 @@ static void put_description(const compare *self, const compare_advice *advice,
                             FILE *stream)
 {
     char size[HUMAN_SIZE];
-    sentence horizon = { "" }, reference = { "" }, as_is = { "" };
     fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
     put_member(stream, "weft", weft_version());
     put_member(stream, "scene", weft_scene_name(self->scene));
     put_member(stream, "size", weft_cloth_text(self->cloth, size, sizeof size));
     put_member(stream, "yaml", weft_scene_text(self->scene));
-    compare_say_horizon(self, &horizon);
-    put_member(stream, "horizon", horizon.text);
-    compare_say_reference(self, &reference);
-    put_member(stream, "reference", reference.text);
-    compare_say_as_is(self, &as_is);
-    put_member(stream, "asIs", as_is.text);
+    put_member(stream, "horizon", compare_horizon_text(self).text);
+    put_member(stream, "reference", compare_reference_text(self).text);
+    put_member(stream, "asIs", compare_as_is_text(self).text);
     put_member(stream, "stiffness", self->shared->stiffness.text);
     put_advice(self, advice, stream);
     if (judged(compare_as_is(self))) {
