@@ -69,8 +69,18 @@ static bool both_have_frames(const comparison *self)
     return self->side[0].frames != NULL && self->side[1].frames != NULL;
 }
 
-static weft_status prepare(comparison *self, weft_error *err)
+static weft_status open_both(comparison *self, weft_error *err)
 {
+    TRY(open_side(&self->side[0], err));
+    TRY(open_side(&self->side[1], err));
+    if (!both_have_frames(self)) {
+        return self->tolerance < 0.0
+                   ? WEFT_OK
+                   : weft_error_set(err, WEFT_IO,
+                                    "%s/run.vtkhdf is missing: --tol compares the "
+                                    "positions of frames",
+                                    self->side[self->side[0].frames != NULL].directory);
+    }
     const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
     if (!record_faces_same(&a->faces, &b->faces)) {
         return record_faces_differ(self->side[0].directory, &a->faces,
@@ -85,30 +95,6 @@ static weft_status prepare(comparison *self, weft_error *err)
         }
     }
     return WEFT_OK;
-}
-
-static weft_status open_both(comparison *self, weft_error *err)
-{
-    TRY(open_side(&self->side[0], err));
-    TRY(open_side(&self->side[1], err));
-    if (both_have_frames(self)) {
-        return prepare(self, err);
-    }
-    return self->tolerance < 0.0
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_IO,
-                                "%s/run.vtkhdf is missing: --tol compares the "
-                                "positions of frames",
-                                self->side[self->side[0].frames != NULL].directory);
-}
-
-static void close_both(comparison *self)
-{
-    for (size_t k = 0; k < 2; ++k) {
-        record_frames_close(self->side[k].frames);
-        free(self->side[k].rows);
-        free(self->side[k].x);
-    }
 }
 
 /* ---- comparing -------------------------------------------------------------- */
@@ -142,16 +128,6 @@ static double rounded(const comparison *self, double value)
     return self->single ? (double)record_single(value) : value;
 }
 
-static double distance(const comparison *self, size_t particle)
-{
-    double d[3];
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t i = 3 * particle + k;
-        d[k] = rounded(self, self->side[0].x[i]) - rounded(self, self->side[1].x[i]);
-    }
-    return hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
-}
-
 static bool are_equal(const comparison *self, size_t count)
 {
     const double *a = self->side[0].x, *b = self->side[1].x;
@@ -168,26 +144,21 @@ static bool both_have_field(const comparison *self, size_t k)
            && self->side[1].frames->fields[fields[k].field];
 }
 
-/* One field of frame i of the first run and of frame j of the second into their x. */
-static weft_status read_both(comparison *self, weft_record_field field, size_t i,
-                             size_t j, weft_error *err)
-{
-    const diff_side *a = &self->side[0], *b = &self->side[1];
-    TRY(record_frames_field(a->frames, field, i, a->x, err));
-    return record_frames_field(b->frames, field, j, b->x, err);
-}
-
+/* The first of them to differ in frame i of the first run and frame j of the second. */
 static weft_status compare_fields(comparison *self, size_t i, size_t j, const gap *here,
                                   weft_error *err)
 {
-    const size_t n = self->side[0].frames->faces.particles;
+    const diff_side *a = &self->side[0], *b = &self->side[1];
+    const size_t n = a->frames->faces.particles;
     for (size_t k = 0; self->field == NULL && k < FIELDS; ++k) {
-        if (both_have_field(self, k)) {
-            TRY(read_both(self, fields[k].field, i, j, err));
-            if (!are_equal(self, fields[k].width * n)) {
-                self->field = fields[k].name;
-                self->other = *here;
-            }
+        if (!both_have_field(self, k)) {
+            continue;
+        }
+        TRY(record_frames_field(a->frames, fields[k].field, i, a->x, err));
+        TRY(record_frames_field(b->frames, fields[k].field, j, b->x, err));
+        if (!are_equal(self, fields[k].width * n)) {
+            self->field = fields[k].name;
+            self->other = *here;
         }
     }
     return WEFT_OK;
@@ -195,11 +166,16 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
 
 static void find_farthest(const comparison *self, gap *here)
 {
-    const size_t n = self->side[0].frames->faces.particles;
-    for (size_t p = 0; p < n; ++p) {
-        const double d = distance(self, p);
-        if (d > here->distance) {
-            here->distance = d;
+    const double *a = self->side[0].x, *b = self->side[1].x;
+    for (size_t p = 0; p < self->side[0].frames->faces.particles; ++p) {
+        double d[3];
+        for (size_t k = 0; k < 3; ++k) {
+            d[k] = rounded(self, a[3 * p + k]) - rounded(self, b[3 * p + k]);
+        }
+        const double distance
+            = hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
+        if (distance > here->distance) {
+            here->distance = distance;
             here->particle = p;
             here->found = true;
         }
@@ -245,19 +221,17 @@ static weft_status compare_frames(comparison *self, weft_error *err)
 
 /* ---- the report ------------------------------------------------------------- */
 
-static double end_of(const diff_side *self)
+static bool ends_differ(const comparison *self, double end[2])
 {
-    return self->rows[self->row_count - 1].time;
-}
-
-static bool ends_differ(const comparison *self)
-{
-    return order(end_of(&self->side[0]), end_of(&self->side[1])) != 0;
+    for (size_t k = 0; k < 2; ++k) {
+        end[k] = self->side[k].rows[self->side[k].row_count - 1].time;
+    }
+    return order(end[0], end[1]) != 0;
 }
 
 static bool differs(const comparison *self)
 {
-    return ends_differ(self) || self->begin.found
+    return ends_differ(self, (double[2]){ 0 }) || self->begin.found
            || (self->tolerance < 0.0 && (self->unequal > 0 || self->field != NULL));
 }
 
@@ -278,15 +252,6 @@ static void print_gap(const comparison *self, const char *label, const gap *foun
     printf(": %s by %.3g m\n",
            record_particle_text(&self->side[0].frames->faces, found->particle, name),
            found->distance);
-}
-
-static void print_hashes(const comparison *self)
-{
-    if (self->unequal > 0) {
-        printf("first other state: ");
-        print_frame(&self->first);
-        printf("; %zu of %zu states differ\n", self->unequal, self->rows);
-    }
 }
 
 static void print_positions(const comparison *self)
@@ -342,6 +307,7 @@ static void print_all(const comparison *self)
 {
     const bool framed = both_have_frames(self);
     const bool bitwise = self->tolerance < 0.0;
+    double end[2];
     const bool other_frames
         = bitwise && self->unequal == 0 && (self->begin.found || self->field != NULL);
     const bool differ = bitwise ? other_frames || self->unequal > 0 : self->begin.found;
@@ -350,12 +316,15 @@ static void print_all(const comparison *self)
            : bitwise ? "equal"
                      : "equal within the tolerance",
            bitwise ? self->rows : self->frames);
-    if (ends_differ(self)) {
+    if (ends_differ(self, end)) {
         print_plainly(stdout, "%s ends at t = %.9g s, %s at t = %.9g s\n",
-                      self->side[0].directory, end_of(&self->side[0]),
-                      self->side[1].directory, end_of(&self->side[1]));
+                      self->side[0].directory, end[0], self->side[1].directory, end[1]);
     }
-    print_hashes(self);
+    if (self->unequal > 0) {
+        printf("first other state: ");
+        print_frame(&self->first);
+        printf("; %zu of %zu states differ\n", self->unequal, self->rows);
+    }
     if (other_frames) {
         print_other_frames(self);
     } else if (framed && (self->unequal > 0 || !bitwise)) {
@@ -382,24 +351,6 @@ static weft_status compare(comparison *self, weft_error *err)
                                 self->side[0].directory, self->side[1].directory);
 }
 
-static int diff_runs(char *const *directories, double tolerance)
-{
-    weft_error err = { 0 };
-    comparison self = { .side = { { .directory = directories[0] },
-                                  { .directory = directories[1] } },
-                        .tolerance = tolerance };
-    const weft_status status = compare(&self, &err);
-    int code = EXIT_DONE;
-    if (status != WEFT_OK) {
-        code = report_error(&err);
-    } else {
-        print_all(&self);
-        code = differs(&self) ? EXIT_DIFFERENT : EXIT_DONE;
-    }
-    close_both(&self);
-    return code;
-}
-
 static int diff_verb(const arguments *given)
 {
     const double tolerance
@@ -408,7 +359,23 @@ static int diff_verb(const arguments *given)
         return usage_error(given, "--tol %s: must be a number >= 0 [m]",
                            given->tolerance);
     }
-    return diff_runs(given->operands, tolerance);
+    weft_error err = { 0 };
+    comparison self = { .side = { { .directory = given->operands[0] },
+                                  { .directory = given->operands[1] } },
+                        .tolerance = tolerance };
+    int code = EXIT_DONE;
+    if (compare(&self, &err) != WEFT_OK) {
+        code = report_error(&err);
+    } else {
+        print_all(&self);
+        code = differs(&self) ? EXIT_DIFFERENT : EXIT_DONE;
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        record_frames_close(self.side[k].frames);
+        free(self.side[k].rows);
+        free(self.side[k].x);
+    }
+    return code;
 }
 
 const verb verb_diff = {

@@ -21,7 +21,6 @@ static int new_verb(const arguments *given)
     const char *name = given->operands[0];
     const char *dot = strrchr(name, '.');
     char path[RECORD_PATH];
-    weft_error err = { 0 };
     const bool whole = dot != NULL && strcmp(dot, ".yaml") == 0;
     if (!names_file(name, whole ? (size_t)(dot - name) : strlen(name))) {
         return usage_error(given,
@@ -41,9 +40,8 @@ static int new_verb(const arguments *given)
         errno = kept;
     }
     if (status != WEFT_OK) {
-        (void)weft_error_set(&err, status, "%s: %s", path,
+        return report_status(status, "%s: %s", path,
                              length < RECORD_PATH ? strerror(errno) : "too long");
-        return report_error(&err);
     }
     print_plainly(stdout, "%s: a hammock; 'weft run %s --view' plays it\n", path, path);
     return EXIT_DONE;

@@ -154,8 +154,7 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     weft_scene_def def = weft_scene_def_default();
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
-        weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
-        return report_error(&err);
+        return report_status(WEFT_NO_MEMORY, "out of memory");
     }
     def.file = file;
     def.text = text;
@@ -228,10 +227,10 @@ static weft_status check_memory(const weft_scene *scene, const weft_cloth_def *c
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const double states = 2.0 + (type == NULL ? 0.0 : type->stages);
-    const bool grid = cloth->mesh == NULL;
+    const weft_mesh_def *mesh = cloth->mesh;
     const size_t rows = cloth->band_rows > 0 ? cloth->band_rows : cloth->rows;
-    const size_t across = grid ? cloth->cols : 1;
-    const size_t down = grid ? rows : cloth->mesh->vertices;
+    const size_t across = mesh == NULL ? cloth->cols : 1;
+    const size_t down = mesh == NULL ? rows : mesh->vertices;
     const double bytes
         = (double)down * (double)across * (20.0 + states * 6.0 * sizeof(double));
     struct rlimit limit = { .rlim_cur = RLIM_INFINITY };

@@ -73,17 +73,12 @@ static void list_options(const verb *self, struct option out[OPTIONS + 2])
 }
 
 /* By what getopt_long returns. */
-static const struct option *option_of(int value)
+static void apply(int value, arguments *out)
 {
-    const struct option *one = all_options;
-    while (one->val != (value == 'j' ? OPTION_AT(jobs) : value)) {
-        ++one;
+    const struct option *option = all_options;
+    while (option->val != value) {
+        ++option;
     }
-    return one;
-}
-
-static void apply(const struct option *option, arguments *out)
-{
     void *member = (char *)out + (option->val - 256);
     size_t jobs;
     if (option->val == OPTION_AT(sets)) {
@@ -157,6 +152,7 @@ static int parse(arguments *given, int argc)
     opterr = 0;
     optind = 1;
     for (int value; (value = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
+        value = value == 'j' ? OPTION_AT(jobs) : value;
         switch (value) {
         case 'h':
             print_help(self->help);
@@ -166,9 +162,9 @@ static int parse(arguments *given, int argc)
         case ':':
             return usage_error(given, "option %s needs a value", argv[optind - 1]);
         default:
-            apply(option_of(value), given);
+            apply(value, given);
         }
-        if ((value == 'j' || value == OPTION_AT(jobs)) && given->jobs == 0) {
+        if (value == OPTION_AT(jobs) && given->jobs == 0) {
             return usage_error(given, "--jobs %s: not a number from 1 to %d", optarg,
                                MOST_JOBS);
         }
@@ -191,9 +187,7 @@ int verb_start(const verb *self, int argc, char **argv)
                         .argv = argv,
                         .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
     if (given.sets == NULL) {
-        weft_error err = { 0 };
-        weft_error_set(&err, WEFT_NO_MEMORY, "out of memory");
-        return report_error(&err);
+        return report_status(WEFT_NO_MEMORY, "out of memory");
     }
     given.ats = given.sets + argc;
     int code = parse(&given, argc);

@@ -96,27 +96,27 @@ static int check_promise(void *ctx, size_t check)
     return EXIT_DONE;
 }
 
-/* A check whose process returned no verdict. Returns whether it had to be ended. */
-static bool explain(const process *child, weft_conformance *out)
+typedef struct finding {
+    weft_conformance of;
+    bool printed; /* the promise is broken by output */
+    bool hung;    /* it did not come to an end */
+} finding;
+
+/* A check whose process returned no verdict. */
+static void explain(int status, finding *out)
 {
     char text[128];
-    const int status = child->status;
-    const bool hung = WIFSIGNALED(status)
-                      && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
-    *out = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
-    if (hung) {
-        (void)snprintf(text, sizeof text, "the check did not come to an end");
-    } else {
-        process_describe(status, text, sizeof text);
-    }
-    breaks(out, text);
-    return hung;
+    out->hung = WIFSIGNALED(status)
+                && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+    out->of = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
+    process_describe(status, text, sizeof text);
+    breaks(&out->of, out->hung ? "the check did not come to an end" : text);
 }
 
-/* Reports the first line printed. Returns whether only this breaks the promise. */
-static bool report_output(FILE *printed, weft_conformance *out)
+/* Reports the first line printed, if only this breaks the promise. */
+static void report_output(FILE *printed, finding *out)
 {
-    const bool kept = out->verdict != WEFT_PROMISE_BROKEN;
+    const bool kept = out->of.verdict != WEFT_PROMISE_BROKEN;
     char line[256], seen[320];
     /* the stream may still buffer the output of an earlier check */
     const ssize_t length = pread(fileno(printed), line, sizeof line - 1, 0);
@@ -124,16 +124,10 @@ static bool report_output(FILE *printed, weft_conformance *out)
         line[length] = '\0';
         (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
                        line);
-        breaks(out, seen);
+        breaks(&out->of, seen);
+        out->printed = kept;
     }
-    return kept && out->verdict == WEFT_PROMISE_BROKEN;
 }
-
-typedef struct finding {
-    weft_conformance of;
-    bool printed; /* the promise is broken by output */
-    bool hung;    /* it did not come to an end */
-} finding;
 
 /* After HANGS_MOST. */
 static const finding skipped
@@ -176,9 +170,9 @@ static bool run_check(bench *self, size_t check, finding *out)
     }
     out->of = self->seen;
     if (!self->returned) {
-        out->hung = explain(&child, &out->of);
+        explain(child.status, out);
     }
-    out->printed = report_output(self->printed, &out->of);
+    report_output(self->printed, out);
     return true;
 }
 
@@ -193,19 +187,15 @@ typedef struct tally {
     weft_conformance note; /* the last */
 } tally;
 
-/* One crash, or one line printed, breaks many promises. */
-static bool same_finding(const finding *a, const finding *b)
-{
-    return a->of.verdict == b->of.verdict
-           && ((a->printed && b->printed) || strcmp(a->of.seen, b->of.seen) == 0);
-}
-
-/* The number of checks in [from, to) with the same finding. */
+/* The number of checks in [from, to) with the same finding: one crash, or one line
+ * printed, breaks many promises. */
 static size_t count_same(const found *self, size_t check, size_t from, size_t to)
 {
+    const finding *a = &self->checks[check];
     size_t count = 0;
-    for (size_t i = from; i < to; ++i) {
-        count += same_finding(&self->checks[i], &self->checks[check]) ? 1 : 0;
+    for (const finding *b = self->checks + from; b < self->checks + to; ++b) {
+        count += a->of.verdict == b->of.verdict
+                 && ((a->printed && b->printed) || strcmp(a->of.seen, b->of.seen) == 0);
     }
     return count;
 }
@@ -331,8 +321,7 @@ static int plugin_test_verb(const arguments *given)
     weft_error err = { 0 };
     const char *file = given->operands[0];
     if (access(file, R_OK) != 0) {
-        weft_error_set(&err, WEFT_IO, "%s: %s", file, strerror(errno));
-        return report_error(&err);
+        return report_status(WEFT_IO, "%s: %s", file, strerror(errno));
     }
     if (weft_registry_load(given->registry, file, &err) != WEFT_OK) {
         print_plainly(stdout, "FAIL %s\n", err.message);
