@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.c -- weft check: validates scenes and describes them; writes no file. */
+#include <math.h>
 #include <string.h>
 
 #include "cli/batch/batch.h"
@@ -57,21 +58,10 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
     }
 }
 
-static void print_masses(const weft_cloth *cloth)
-{
-    double least = weft_cloth_particle_mass(cloth, 0), most = least;
-    for (size_t i = 1; i < weft_cloth_particles(cloth); ++i) {
-        const double mass = weft_cloth_particle_mass(cloth, i);
-        least = mass < least ? mass : least;
-        most = mass > most ? mass : most;
-    }
-    printf("  masses     %.6g kg in all, %.6g to %.6g kg a particle\n",
-           weft_cloth_mass(cloth), least, most);
-}
-
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     char size[HUMAN_SIZE];
+    double least = weft_cloth_particle_mass(cloth, 0), most = least;
     if (def->mesh != NULL) {
         print_item("mesh", "%s", weft_cloth_text(cloth, size, sizeof size));
     } else {
@@ -83,7 +73,12 @@ static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
         printf(" %zu %s%s", weft_cloth_springs(cloth, (weft_family)i),
                weft_family_name((weft_family)i), i + 1 < WEFT_FAMILIES ? "," : "\n");
     }
-    print_masses(cloth);
+    for (size_t i = 1; i < weft_cloth_particles(cloth); ++i) {
+        least = fmin(least, weft_cloth_particle_mass(cloth, i));
+        most = fmax(most, weft_cloth_particle_mass(cloth, i));
+    }
+    printf("  masses     %.6g kg in all, %.6g to %.6g kg a particle\n",
+           weft_cloth_mass(cloth), least, most);
     print_pins(def, cloth);
     fputs("  memory     ", stdout);
     print_bytes("cloth", (double)weft_cloth_bytes(cloth));
@@ -91,47 +86,31 @@ static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
     putchar('\n');
 }
 
-static void print_matrices(const weft_scene *scene, size_t particles)
-{
-    const weft_stepper_type *type = weft_scene_method_type(scene);
-    char text[160];
-    if (type != NULL
-        && weft_stepper_matrices(type, particles, text, sizeof text) > 0.0) {
-        print_item("matrices", "%s", text + strlen("matrices "));
-    }
-}
-
-static void print_stepper(const weft_scene *scene)
+static void print_stepper(const weft_scene *scene, size_t particles)
 {
     const weft_stepper_type *type = weft_scene_method_type(scene);
     const weft_stepper_config *config = weft_scene_config(scene);
     const int order = type != NULL ? type->order : config->butcher->order;
-    char number[16], steps[120];
+    char number[16], matrices[160];
+    sentence steps = { "" };
     (void)snprintf(number, sizeof number, order > 0 ? "%d" : "variable", order);
     if (config->fixed_step > 0.0) {
-        (void)snprintf(steps, sizeof steps, "fixed step %.9g s", config->fixed_step);
+        say(&steps, "fixed step %.9g s", config->fixed_step);
         if (record_step_differs(scene)) {
-            const size_t used = strlen(steps);
-            (void)snprintf(
-                steps + used, sizeof steps - used,
-                ", of at most %g s, so that a frame has %.0f", weft_scene_step(scene),
+            say(&steps, ", of at most %g s, so that a frame has %.0f",
+                weft_scene_step(scene),
                 weft_run_frame_time(weft_scene_run(scene), 1) / config->fixed_step);
         }
     } else {
-        (void)snprintf(steps, sizeof steps, "rtol %g, atol %g m and %g m/s, %s norm",
-                       config->rtol, config->atol_position, config->atol_velocity,
-                       config->norm == WEFT_NORM_MAX ? "max" : "rms");
+        say(&steps, "rtol %g, atol %g m and %g m/s, %s norm", config->rtol,
+            config->atol_position, config->atol_velocity,
+            config->norm == WEFT_NORM_MAX ? "max" : "rms");
     }
     print_item("stepper", "%s %s, order %s, %s", weft_scene_plugin(scene),
-               weft_scene_method(scene), number, steps);
-}
-
-static void print_limit(const weft_limit_def *limit)
-{
-    if (limit->method != WEFT_LIMIT_NONE) {
-        printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
-               limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
-               limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep", limit->sweeps);
+               weft_scene_method(scene), number, steps.text);
+    if (type != NULL
+        && weft_stepper_matrices(type, particles, matrices, sizeof matrices) > 0.0) {
+        print_item("matrices", "%s", matrices + strlen("matrices "));
     }
 }
 
@@ -139,14 +118,18 @@ static void print_scene(const char *file, const weft_scene *scene,
                         const weft_cloth *cloth, const survey *found, bool all)
 {
     const weft_run_def *run = weft_scene_run(scene);
+    const weft_limit_def *limit = weft_scene_limit(scene);
     weft_error err;
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
     fabric_print(scene);
     contact_print(weft_scene_cloth(scene));
-    print_limit(weft_scene_limit(scene));
-    print_stepper(scene);
-    print_matrices(scene, weft_cloth_particles(cloth));
+    if (limit->method != WEFT_LIMIT_NONE) {
+        printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
+               limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
+               limit->solver == WEFT_LIMIT_FAST ? "fast" : "sweep", limit->sweeps);
+    }
+    print_stepper(scene, weft_cloth_particles(cloth));
     printf("  run        %g s in %zu frames,", run->duration,
            weft_run_last_frame(run) + 1);
     print_bytes(" run.vtkhdf", frames_bytes(scene, &(size_t){ 0 }));
@@ -154,19 +137,6 @@ static void print_scene(const char *file, const weft_scene *scene,
     stability_print(scene, found, all);
     if (scene_supported(scene, &err) != WEFT_OK) {
         print_item("note", "%s", err.message);
-    }
-}
-
-static void print_sweep(const char *file, const weft_sweep *sweep)
-{
-    const size_t keys = weft_sweep_keys(sweep);
-    if (keys == 0) {
-        return;
-    }
-    printf("%s: ok: a sweep of %zu runs; the first:\n", file, weft_sweep_runs(sweep));
-    for (size_t k = 0; k < keys; ++k) {
-        printf("  %s %s=%s\n", k == 0 ? "sweep     " : "          ",
-               weft_sweep_key(sweep, k), weft_sweep_value(sweep, k, 1));
     }
 }
 
@@ -180,21 +150,6 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     contact_yaml(out, weft_scene_cloth(scene));
     stability_yaml(out, scene, found);
     yaml_out_write(out, "}");
-}
-
-/* A warning only: it may be on purpose. */
-static void warn_of_springs(const char *file, const weft_cloth_def *def,
-                            const weft_cloth *cloth)
-{
-    size_t springs = def->mesh != NULL;
-    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-        springs += weft_cloth_springs(cloth, (weft_family)i);
-    }
-    if (springs == 0) {
-        print_line(stderr,
-                   "%s: warning: cloth has no springs: nothing holds it together",
-                   file);
-    }
 }
 
 /* Describes a valid scene, to *out or, if that is NULL, as text. */
@@ -216,7 +171,15 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
                       : cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
     }
     if (status == WEFT_OK) {
-        warn_of_springs(file, weft_scene_cloth(scene), cloth);
+        size_t springs = weft_scene_cloth(scene)->mesh != NULL;
+        for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+            springs += weft_cloth_springs(cloth, (weft_family)i);
+        }
+        if (springs == 0) { /* it may be on purpose */
+            print_line(stderr,
+                       "%s: warning: cloth has no springs: nothing holds it together",
+                       file);
+        }
         status = survey_create(scene, cloth, sim, given, &found, &err);
     }
     if (status != WEFT_OK) {
@@ -277,8 +240,14 @@ static int check_file(const char *file, const arguments *given, yaml_out *out)
         weft_sweep_destroy(sweep);
         return code;
     }
-    if (out == NULL) {
-        print_sweep(file, sweep);
+    const size_t keys = out == NULL ? weft_sweep_keys(sweep) : 0;
+    if (keys > 0) {
+        printf("%s: ok: a sweep of %zu runs; the first:\n", file,
+               weft_sweep_runs(sweep));
+    }
+    for (size_t k = 0; k < keys; ++k) {
+        printf("  %s %s=%s\n", k == 0 ? "sweep     " : "          ",
+               weft_sweep_key(sweep, k), weft_sweep_value(sweep, k, 1));
     }
     code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
                ? describe(file, scene, given, out)

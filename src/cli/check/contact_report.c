@@ -112,20 +112,16 @@ static double friction_of(const weft_contact_def *law, const weft_shape *shape)
     return shape->friction < 0.0 ? law->friction : shape->friction;
 }
 
-static bool is_moved(const weft_shape *shape)
-{
-    return shape->frequency > 0.0 || length_of(shape->velocity) > 0.0
-           || length_of(shape->spin) > 0.0;
-}
-
 static void print_shape(const weft_cloth_def *def, size_t k)
 {
     const weft_contact_def *law = &def->contact;
     const weft_shape *shape = &law->shapes[k];
     const fall onto = fall_onto(def, k);
+    const bool moved = shape->frequency > 0.0 || length_of(shape->velocity) > 0.0
+                       || length_of(shape->spin) > 0.0;
     sentence text = { "" };
     say(&text, "shapes[%zu]: %s, friction %g%s", k, weft_shape_name(shape->kind),
-        friction_of(law, shape), is_moved(shape) ? ", moved" : "");
+        friction_of(law, shape), moved ? ", moved" : "");
     if (isfinite(onto.drop)) {
         say(&text, "; after a fall of %.3g m at %.3g m/s: gap %.3g mm, omega %.4g 1/s",
             onto.drop, onto.speed, 1e3 * onto.z * law->thickness, omega(law, onto.z));

@@ -19,27 +19,22 @@ static void set_length(report *out, size_t k, const weft_cloth_def *def, double 
     out->coarse[k] = out->length[k] > 0.0 && out->edge[k] > part * out->length[k];
 }
 
-/* [m] The mean edge at rest of the triangles of a fabric; 0: there are none. */
-static double mean_edge(const weft_mesh_def *mesh, size_t fabric)
-{
-    const uint32_t *places
-        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
-    double sum = 0.0, count = 0.0;
-    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
-        const double *a = &mesh->rest[2 * (size_t)places[j]];
-        const double *b = &mesh->rest[2 * (size_t)places[j % 3 == 2 ? j - 2 : j + 1]];
-        if ((mesh->fabric_of != NULL ? mesh->fabric_of[j / 3] : 0) == fabric) {
-            sum += hypot(b[0] - a[0], b[1] - a[1]);
-            count += 1.0;
-        }
-    }
-    return count > 0.0 ? sum / count : 0.0;
-}
-
+/* Of its triangles; none has it: edges of 0. */
 static report mesh_report(const weft_cloth_def *def, size_t fabric)
 {
-    const double edge = mean_edge(def->mesh, fabric);
-    report out = { .fabric = def->mesh->fabrics[fabric], .edge = { edge, edge } };
+    const weft_mesh_def *mesh = def->mesh;
+    double sum = 0.0, count = 0.0;
+    for (size_t t = 0; t < mesh->triangles; ++t) {
+        const rest_triangle at = rest_triangle_of(mesh, t);
+        if ((mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0) == fabric) {
+            for (size_t k = 0; k < 3; ++k, count += 1.0) {
+                const double *a = at.corners[k], *b = at.corners[(k + 1) % 3];
+                sum += hypot(b[0] - a[0], b[1] - a[1]);
+            }
+        }
+    }
+    const double edge = count > 0.0 ? sum / count : 0.0;
+    report out = { .fabric = mesh->fabrics[fabric], .edge = { edge, edge } };
     set_length(&out, 0, def, 0.25);
     set_length(&out, 1, def, 0.25);
     return out;
@@ -59,32 +54,23 @@ static bool report_of(const weft_scene *scene, report *out)
            || def->bending.twist > 0.0;
 }
 
-/* The smallest angle at rest [degrees], and its triangle. */
-static double smallest_angle(const weft_mesh_def *mesh, size_t *triangle)
+/* The smallest angle at rest, and its triangle. */
+static void print_angle(const weft_mesh_def *mesh)
 {
-    const uint32_t *places
-        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
     double least = 180.0;
+    size_t triangle = 0, name[3];
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
-        const size_t first = j - j % 3;
-        const double *a = &mesh->rest[2 * (size_t)places[j]];
-        const double *b = &mesh->rest[2 * (size_t)places[first + (j + 1) % 3]];
-        const double *c = &mesh->rest[2 * (size_t)places[first + (j + 2) % 3]];
+        const rest_triangle at = rest_triangle_of(mesh, j / 3);
+        const double *a = at.corners[j % 3], *b = at.corners[(j + 1) % 3],
+                     *c = at.corners[(j + 2) % 3];
         const double u[] = { b[0] - a[0], b[1] - a[1] };
         const double v[] = { c[0] - a[0], c[1] - a[1] };
         const double angle
             = 180.0 / acos(-1.0)
               * atan2(fabs(u[0] * v[1] - u[1] * v[0]), u[0] * v[0] + u[1] * v[1]);
-        *triangle = angle < least ? j / 3 : *triangle;
+        triangle = angle < least ? j / 3 : triangle;
         least = fmin(least, angle);
     }
-    return least;
-}
-
-static void print_angle(const weft_mesh_def *mesh)
-{
-    size_t triangle = 0, name[3];
-    const double angle = smallest_angle(mesh, &triangle);
     for (size_t k = 0; k < 3; ++k) {
         const size_t vertex = mesh->corners[3 * triangle + k];
         name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
@@ -92,7 +78,15 @@ static void print_angle(const weft_mesh_def *mesh)
     print_item("angles",
                "%.3g degrees or more at rest, in the triangle of vertices %zu, "
                "%zu, %zu",
-               angle, name[0], name[1], name[2]);
+               least, name[0], name[1], name[2]);
+}
+
+static void print_peirce(const report *of, const char *first, const char *second)
+{
+    if (of->length[0] > 0.0 || of->length[1] > 0.0) {
+        print_item("", "Peirce length %.3g mm along %s, %.3g mm along %s",
+                   1e3 * of->length[0], first, 1e3 * of->length[1], second);
+    }
 }
 
 static void print_mesh(const weft_cloth_def *def)
@@ -114,11 +108,7 @@ static void print_mesh(const weft_cloth_def *def)
                    fabric->twist < 0.0 ? sqrt(fabric->bend[0] * fabric->bend[1])
                                        : fabric->twist,
                    1e3 * of.edge[0]);
-        if (of.length[0] > 0.0 || of.length[1] > 0.0) {
-            print_item("",
-                       "Peirce length %.3g mm along the warp, %.3g mm along the weft",
-                       1e3 * of.length[0], 1e3 * of.length[1]);
-        }
+        print_peirce(&of, "the warp", "the weft");
         if (of.coarse[0] || of.coarse[1]) {
             print_item("warning",
                        "edges of %.3g mm are above a quarter of the Peirce length: too "
@@ -158,10 +148,7 @@ void fabric_print(const weft_scene *scene)
                "%.4g, twist %.4g N m",
                of.fabric.stretch[0], of.fabric.stretch[1], of.fabric.shear,
                of.fabric.bend[0], of.fabric.bend[1], of.fabric.twist);
-    if (of.length[0] > 0.0 || of.length[1] > 0.0) {
-        print_item("", "Peirce length %.3g mm along columns, %.3g mm along rows",
-                   1e3 * of.length[0], 1e3 * of.length[1]);
-    }
+    print_peirce(&of, "columns", "rows");
     for (size_t k = 0; k < 2; ++k) {
         if (of.coarse[k]) {
             print_item("warning",

@@ -9,14 +9,6 @@
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
-/* RHS calls per simulated second of the scene as it stands; 0: not known. */
-static double own_cost(const weft_scene *scene, const survey *of)
-{
-    const double h = step_taken(scene);
-    return h > 0.0 && of->own != NULL ? calls_per_second(scene, of->own, h)
-                                      : of->trial_calls;
-}
-
 /* The cheapest of order 2 and more, or one of higher order that costs little more; the
  * first if there is none. Methods of order 1 miss a millimetre at their stable steps.
  */
@@ -38,12 +30,15 @@ static const survey_method *recommended(const survey *of)
 static void say_cheapest(const weft_scene *scene, const survey *of, sentence *out)
 {
     const survey_method *best = recommended(of);
-    const double factor = own_cost(scene, of) / best->per_second;
+    const double h = step_taken(scene);
+    const double own_cost = h > 0.0 && of->own != NULL
+                                ? calls_per_second(scene, of->own, h)
+                                : of->trial_calls;
+    const double factor = own_cost / best->per_second; /* 0: not known */
     if (!(factor >= WORTH) || !isfinite(factor)) {
         say(out, "no method needs notably fewer evaluations%s",
-            step_taken(scene) < weft_run_frame_time(weft_scene_run(scene), 1)
-                ? ""
-                : " at this run.fps");
+            h < weft_run_frame_time(weft_scene_run(scene), 1) ? ""
+                                                              : " at this run.fps");
     } else if (best == of->own) {
         say(out, "that step needs %.2g x fewer evaluations", factor);
     } else {
@@ -66,35 +61,30 @@ static void advise_fixed(const weft_scene *scene, const survey *of, sentence *ou
     }
 }
 
-static void advise_tolerance(const survey *of, sentence *out)
-{
-    say(out,
-        "the tolerances limit the step (%.2g s on average in a trial, %.0f %% of the "
-        "stable one): ",
-        of->trial_mean, 100.0 * of->trial_mean / of->own->step);
-    if (of->rival != NULL) {
-        say(out, "%s %s needs %.2g x fewer evaluations under them",
-            of->rival->plugin->id, of->rival->type->name, of->rival_saves);
-    } else {
-        say(out, "only looser ones save evaluations");
-    }
-}
-
 static void advise_adaptive(const weft_scene *scene, const survey *of, sentence *out)
 {
-    if (survey_held(of) < 0.5 && of->own->step > 0.0) {
-        advise_tolerance(of, out);
-        return;
-    }
+    const survey_method *own = of->own;
     if (survey_held(of) >= 0.5) {
         say(out, "%.0f %% stability-limited (a trial of %zu steps): ",
             100.0 * of->trial_held, of->trial_steps);
-    } else {
+        say_cheapest(scene, of, out);
+    } else if (!(own->step > 0.0)) {
         say(out,
             "%s %s has no stable step to compare with, %.2g s on average in a trial: ",
-            of->own->plugin->id, of->own->type->name, of->trial_mean);
+            own->plugin->id, own->type->name, of->trial_mean);
+        say_cheapest(scene, of, out);
+    } else {
+        say(out,
+            "the tolerances limit the step (%.2g s on average in a trial, %.0f %% of "
+            "the stable one): ",
+            of->trial_mean, 100.0 * of->trial_mean / own->step);
+        if (of->rival != NULL) {
+            say(out, "%s %s needs %.2g x fewer evaluations under them",
+                of->rival->plugin->id, of->rival->type->name, of->rival_saves);
+        } else {
+            say(out, "only looser ones save evaluations");
+        }
     }
-    say_cheapest(scene, of, out);
 }
 
 static sentence advise(const weft_scene *scene, const survey *of)
@@ -122,32 +112,6 @@ static sentence stiffness(const weft_scene *scene, const survey *of)
     return out;
 }
 
-static void print_method(const survey_method *method)
-{
-    printf("             %-8s %-18s", method->plugin->id, method->type->name);
-    if (method->step > 0.0) {
-        printf(" %10.4g s %12.4g%s\n", method->step, method->per_second,
-               method->doubling ? " *" : "");
-    } else {
-        printf(" %10s   %12s\n", "-", "-");
-    }
-}
-
-/* Methods with the same stability polynomial count once. */
-static bool is_new(const survey *of, size_t i)
-{
-    return i == 0 || of->methods[i].step != of->methods[i - 1].step
-           || of->methods[i].calls != of->methods[i - 1].calls;
-}
-
-static void print_doubling(const weft_scene *scene)
-{
-    print_item("",
-               "* no step is stable on undamped modes; at this one none more than "
-               "doubles in the %g s of the run",
-               weft_scene_run(scene)->duration);
-}
-
 /* Whether a method with an allowance was shown. */
 static bool print_table(const survey *of, bool all)
 {
@@ -157,12 +121,22 @@ static bool print_table(const survey *of, bool all)
     bool doubling = false;
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *method = &of->methods[i];
-        const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new(of, i);
-        if (all || method == of->own || brief) {
-            print_method(method);
-            ++shown;
-            doubling = doubling || method->doubling;
+        /* methods with the same stability polynomial count once */
+        const bool is_new = i == 0 || method->step != method[-1].step
+                            || method->calls != method[-1].calls;
+        const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new;
+        if (!all && method != of->own && !brief) {
+            continue;
         }
+        printf("             %-8s %-18s", method->plugin->id, method->type->name);
+        if (method->step > 0.0) {
+            printf(" %10.4g s %12.4g%s\n", method->step, method->per_second,
+                   method->doubling ? " *" : "");
+        } else {
+            printf(" %10s   %12s\n", "-", "-");
+        }
+        ++shown;
+        doubling = doubling || method->doubling;
     }
     return doubling;
 }
@@ -188,7 +162,10 @@ void stability_print(const weft_scene *scene, const survey *of, bool all)
                    of->any_state.doubling ? " *" : "");
     }
     if (doubling || of->any_state.doubling) {
-        print_doubling(scene);
+        print_item("",
+                   "* no step is stable on undamped modes; at this one none more than "
+                   "doubles in the %g s of the run",
+                   weft_scene_run(scene)->duration);
     }
     if (advice.text[0] != '\0') {
         print_item("advice", "%s", advice.text);

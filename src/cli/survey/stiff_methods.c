@@ -62,21 +62,14 @@ static const survey_method *cheapest_explicit(const survey *of)
 /* NULL: it is not there. */
 static const survey_method *find(const survey *of, const char *plugin, const char *name)
 {
-    const survey_method *found = NULL;
-    for (size_t i = 0; i < of->count && found == NULL; ++i) {
+    for (size_t i = 0; i < of->count; ++i) {
         const survey_method *one = &of->methods[i];
-        const bool same = strcmp(one->plugin->id, plugin) == 0
-                          && strcmp(one->type->name, name) == 0;
-        found = same ? one : NULL;
+        if (strcmp(one->plugin->id, plugin) == 0
+            && strcmp(one->type->name, name) == 0) {
+            return one;
+        }
     }
-    return found;
-}
-
-/* The one that RKC_COST was measured with. */
-static const survey_method *find_stabilised(const survey *of)
-{
-    const survey_method *found = find(of, "stiff", "rkc2");
-    return found != NULL && found->step > 0.0 && isfinite(found->step) ? found : NULL;
+    return NULL;
 }
 
 /* The largest omega^2, and the least damping that goes with it. */
@@ -92,19 +85,6 @@ static void find_stiffest(const weft_stiffness *modes, stiff_gains *out)
     out->zeta = w > 0.0 ? 0.5 * c / out->omega : 0.0;
 }
 
-/* A gain that is not worth its name is none. */
-static double worth(double gain)
-{
-    return gain >= WORTH ? gain : 0.0;
-}
-
-/* An estimate in evaluations per simulated second. */
-static double bdf_cost(double waves, double width, double accuracy)
-{
-    return BDF_COST * pow(waves / BDF_WAVES, BDF_STIFF)
-           * pow(1e-2 / accuracy, BDF_ACCURACY) / pow(width, BDF_WIDTH);
-}
-
 /* [m] The root of the area of a particle. */
 static double spacing_of(const weft_cloth_def *cloth)
 {
@@ -113,12 +93,9 @@ static double spacing_of(const weft_cloth_def *cloth)
     if (mesh == NULL) {
         return sqrt(cloth->spacing[0] * cloth->spacing[1]);
     }
-    const uint32_t *places
-        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
     for (size_t t = 0; t < mesh->triangles; ++t) {
-        const double *a = &mesh->rest[2 * (size_t)places[3 * t]];
-        const double *b = &mesh->rest[2 * (size_t)places[3 * t + 1]];
-        const double *c = &mesh->rest[2 * (size_t)places[3 * t + 2]];
+        const rest_triangle at = rest_triangle_of(mesh, t);
+        const double *a = at.corners[0], *b = at.corners[1], *c = at.corners[2];
         area += 0.5
                 * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     }
@@ -130,8 +107,12 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
     const double side = sqrt((double)weft_cloth_def_particles(cloth));
     const double width = side * spacing_of(cloth); /* [m] */
     const survey_method *least = cheapest_explicit(of);
-    stiff_gains out = { .rkc = find_stabilised(of) };
+    const survey_method *rkc = find(of, "stiff", "rkc2"); /* measured for RKC_COST */
+    stiff_gains out = { 0 };
     find_stiffest(&of->modes, &out);
+    if (rkc != NULL && rkc->step > 0.0 && isfinite(rkc->step)) {
+        out.rkc = rkc;
+    }
     out.over = of->own != NULL && is_explicit(of->own) ? of->own : least;
     if (least == NULL || !(out.omega > 0.0)) {
         return out;
@@ -143,20 +124,16 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
     const bool may = find(of, "cvode", "bdf") != NULL
                      && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
-        const double bdf = bdf_cost(out.omega / side, width, accuracies[i]);
-        out.bdf[i] = cost(least) / bdf >= WORTH ? worth(cost(out.over) / bdf) : 0.0;
+        const double bdf = BDF_COST * pow(out.omega / side / BDF_WAVES, BDF_STIFF)
+                           * pow(1e-2 / accuracies[i], BDF_ACCURACY)
+                           / pow(width, BDF_WIDTH);
+        const double gain = fmin(cost(least), cost(out.over)) / bdf;
+        out.bdf[i] = gain >= WORTH ? cost(out.over) / bdf : 0.0;
     }
     return out;
 }
 
 /* ---- in words ---------------------------------------------------------------- */
-
-static const char *kind(double zeta)
-{
-    return zeta >= 1.0          ? "over-damped"
-           : zeta >= LEAST_ZETA ? "damped"
-                                : "lightly damped";
-}
 
 static void say_gain(double gain, sentence *out)
 {
@@ -166,7 +143,10 @@ static void say_gain(double gain, sentence *out)
 void stiff_say(const stiff_gains *gains, sentence *out)
 {
     say(out, "stiffest mode: omega %.4g 1/s, damping ratio %.2g: %s", gains->omega,
-        gains->zeta, kind(gains->zeta));
+        gains->zeta,
+        gains->zeta >= 1.0          ? "over-damped"
+        : gains->zeta >= LEAST_ZETA ? "damped"
+                                    : "lightly damped");
     if (!(gains->stabilised > 0.0) && !(gains->bdf[0] > 0.0)) {
         say(out, "; explicit methods: %s",
             gains->zeta < LEAST_ZETA

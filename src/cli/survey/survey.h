@@ -75,6 +75,22 @@ double calls_per_second(const weft_scene *scene, const survey_method *method, do
  * on stderr unless quiet. */
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
+/* The places of the corners of a triangle in its rest shape [m]. */
+typedef struct rest_triangle {
+    const double *corners[3];
+} rest_triangle;
+
+static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t)
+{
+    const uint32_t *places
+        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    rest_triangle at;
+    for (size_t k = 0; k < 3; ++k) {
+        at.corners[k] = &mesh->rest[2 * (size_t)places[3 * t + k]];
+    }
+    return at;
+}
+
 /* ---- stiff_methods.c: estimates, not bounds ---- */
 
 enum { STIFF_ACCURACIES = 2 };
