@@ -58,6 +58,8 @@ endif
 HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
 # The server of --watch, of the program alone.
 HAVE_HTTP := $(call has,microhttpd.h)
+# The mesher of cloth.cut, of the program alone.
+HAVE_QHULL := $(call has,libqhull_r/libqhull_r.h)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
 # SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
 mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
@@ -90,7 +92,8 @@ LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
 RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*/*.c)) $(BUILD)/src/record/pages.o
 PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src/cli/*/*.c src/conformance/*.c))
 PROG_OBJ := $(filter-out $(if $(HAVE_HTTP),,%/watch_server.o),$(PROG_OBJ))
-PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd)
+PROG_OBJ += $(if $(HAVE_QHULL),$(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cut/*.c)))
+PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd) $(if $(HAVE_QHULL),-lqhull_r)
 # libweft has them for scenes, and does not export them.
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
@@ -137,6 +140,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) $(MPI_SO)
 .PHONY: skipped
 skipped:
 	@$(if $(HAVE_HTTP),:,echo "--watch skipped: microhttpd.h not found (package libmicrohttpd-dev)")
+	@$(if $(HAVE_QHULL),:,echo "cloth.cut skipped: libqhull_r/libqhull_r.h not found (package libqhull-dev)")
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
 	@$(if $(HAVE_MPI),:,echo "weft-mpi.so skipped (weft run --bands): mpicc not found (package libopenmpi-dev)")
@@ -155,6 +159,7 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(PROG_LIBS) $(LIB_LIBS)
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
+$(BUILD)/src/cli/open.o: OWN += $(if $(HAVE_QHULL),-DWEFT_QHULL)
 $(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
 $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
@@ -218,7 +223,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every shipped scene runs to its end within bounds on strain and energy. */
+#include "cut/cut.h"
 #include "support.h"
 
 #include <dirent.h>
@@ -15,6 +16,7 @@ typedef struct bounds {
     bool passive;
     double until; /* [s] no further than that; 0: to its end */
     bool gsl;     /* needs that plugin */
+    bool cut;     /* needs the mesher */
     bool self;    /* contact.self, without which it would pass through itself */
 } bounds;
 
@@ -45,6 +47,9 @@ static const bounds scenes[] = {
     { "twist.yaml", 0.01, 0.15, 0.2, false, .gsl = true, .self = true },
     { "skirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
+    { "disc.yaml", 0.01, 0.05, 1.0, .passive = true, .until = 0.3, .cut = true },
+    { "pennant-cut.yaml", 0.01, 0.15, 1.0, .passive = false, .until = 0.3,
+      .cut = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])
@@ -71,6 +76,9 @@ static weft_scene *load(const char *file, const char *set)
     weft_scene_def def = weft_scene_def_default();
     def.file = path;
     def.find_plugin = linked;
+#ifdef WEFT_QHULL
+    def.mesh_cut = cut_mesh;
+#endif
     def.sets = &set, def.set_count = set != NULL ? 1 : 0;
     weft_scene *scene = NULL;
     weft_error err = { 0 };
@@ -125,6 +133,11 @@ START_TEST(every_scene_stays_within_its_bounds)
     const bounds *bound = &scenes[_i];
 #ifndef HAVE_GSL
     if (bound->gsl) {
+        return;
+    }
+#endif
+#ifndef WEFT_QHULL
+    if (bound->cut) {
         return;
     }
 #endif

@@ -58,6 +58,29 @@ typedef struct weft_diagnostics {
 WEFT_API int weft_diagnostic_format(const weft_diagnostic *diagnostic, char *text,
                                     size_t size);
 
+/* A flat piece of cloth that is to be meshed, in the plane (u, v). Fixed for ever. */
+typedef struct weft_cut {
+    const double *points; /* [m] u v of each */
+    size_t point_count;
+    const uint32_t *lines; /* the two points of each line that edges must run along;
+                              none crosses another */
+    size_t line_count, border_count; /* the first border_count bound the piece */
+    double spacing;                  /* [m] length of edge aimed at */
+    uint64_t seed;                   /* of the points inside */
+    const weft_allocator *memory;    /* of the arrays that are made */
+} weft_cut;
+
+/* Vertices: those on the lines, in their order, then those inside by rows. Fixed for
+ * ever. */
+typedef struct weft_cut_mesh {
+    size_t vertices, triangles, edges;
+    double *places;     /* [m] u v of each vertex */
+    uint32_t *corners;  /* 3 of each triangle, counterclockwise */
+    uint32_t *edge;     /* on the lines: its two vertices and the line */
+    double least_angle; /* [degrees] of all corners but those of the border itself */
+    double least_at[2]; /* [m] where */
+} weft_cut_mesh;
+
 typedef struct weft_scene_def {
     uint32_t struct_size;
     const char *file; /* regular file to read, or the name of `text` in messages */
@@ -77,6 +100,12 @@ typedef struct weft_scene_def {
 
     size_t bands; /* of the cloth (weft/comm.h): what does not run in so many bands is a
                      mistake. 0 or 1: the cloth is whole */
+
+    /* Meshes cloth.cut; the same cut gives the same mesh. NULL: a scene with a cut is a
+     * mistake, unless its scene.obj is beside it (weft_scene_mesh_file). */
+    weft_status (*mesh_cut)(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
+                            weft_error *err);
+    void *mesh_ctx;
 } weft_scene_def;
 
 WEFT_DEFAULT(weft_scene_def)
@@ -108,6 +137,9 @@ WEFT_API double weft_scene_step(const weft_scene *scene);
 /* The OBJ file that the cloth was read from; NULL: it has none. A scene.yaml that has a
  * scene.obj beside it takes its mesh from there, whatever its name in the scene. */
 WEFT_API const char *weft_scene_mesh_file(const weft_scene *scene);
+/* The mesh of cloth.cut as the text of an OBJ file; NULL: the cloth is no cut, or was
+ * read from a file. */
+WEFT_API const char *weft_scene_mesh_text(const weft_scene *scene);
 
 /* What weft_sim_create said of the scene's method, at its place in the scene. */
 WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,

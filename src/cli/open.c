@@ -17,6 +17,7 @@
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/run/ranks.h"
+#include "cut/cut.h"
 #include "record/child_process.h"
 
 /* The build tree has its plugins beside libweft; "" if it is none. */
@@ -163,6 +164,9 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     def.set_count = text == NULL ? given->set_count : 0;
     def.find_plugin = find_plugin;
     def.find_ctx = given->registry;
+#ifdef WEFT_QHULL
+    def.mesh_cut = cut_mesh;
+#endif
     if (given->comm != NULL) {
         def.bands = (size_t)given->comm->size;
     }

@@ -172,9 +172,11 @@ static weft_status copy_mesh(const char *directory, const char *from, weft_error
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err)
 {
-    const char *mesh = weft_scene_mesh_file(scene);
+    const char *mesh = weft_scene_mesh_file(scene), *made = weft_scene_mesh_text(scene);
     if (mesh != NULL) {
         TRY(copy_mesh(directory, mesh, err));
+    } else if (made != NULL) {
+        TRY(record_text(directory, RECORD_MESH, made, err));
     }
     return record_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }

@@ -112,10 +112,31 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
     }
 }
 
+/* Exactly one of grid, mesh and cut. */
+static void check_kind(weft__reader *reader, const weft__match *match)
+{
+    static const char *const kinds[] = { "grid", "mesh", "cut" };
+    const weft__node *first = NULL;
+    bool lacks = true;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        const weft__node *key = weft__found_in(match, kinds[i])->key;
+        lacks = lacks && weft__lacks(match, kinds[i]);
+        if (key != NULL && first != NULL) {
+            weft__report_exclusive(reader->report, first, key);
+        }
+        first = first == NULL ? key : first;
+    }
+    if (lacks) {
+        weft__report_error(reader->report, match->map->at,
+                           "%s lacks 'grid', 'mesh' or 'cut': exactly one is required",
+                           match->title);
+    }
+}
+
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
-    weft__check_one(reader, match, "grid", "mesh");
+    check_kind(reader, match);
     if (reader->scene->meshed) {
         weft__check_mesh_cloth(reader, match);
     } else if (weft__found_in(match, "grid")->key != NULL) {

@@ -15,8 +15,10 @@ static const char *default_text(const weft__key *key)
 /* The keys below a key; NULL: there are none, or they are told elsewhere. */
 static const weft__section *below(const weft__key *key)
 {
-    return key->kind == WEFT__INSIDE || key->kind == WEFT__FABRICS ? NULL
-                                                                   : key->section;
+    return key->kind == WEFT__INSIDE || key->kind == WEFT__FABRICS
+                   || key->kind == WEFT__PATH || key->kind == WEFT__PATHS
+               ? NULL
+               : key->section;
 }
 
 /* ---- plain text: a tree, in columns ----------------------------------------- */

@@ -78,7 +78,7 @@ static const weft__key load_keys[] = {
     { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
       AT(weft_load, rows), .meaning = "of a grid: which particles" },
     { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_load, vertices),
-      .meaning = "of a mesh: numbers of v in its file, from 0" },
+      .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },
     { "group", WEFT__GROUP, .absent = "none", AT(weft_load, vertices),
       .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
     { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_load, vertices),
@@ -103,7 +103,7 @@ static const weft__key pin_keys[] = {
     { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
       AT(weft_pin, rows), .meaning = "of a grid: which particles" },
     { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_pin, vertices),
-      .meaning = "of a mesh: numbers of v in its file, from 0" },
+      .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },
     { "group", WEFT__GROUP, .absent = "none", AT(weft_pin, vertices),
       .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
     { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_pin, vertices),
@@ -255,6 +255,44 @@ static const weft__key mesh_keys[] = {
 static const weft__section mesh_section
     = { SECTION(mesh_keys), .check = weft__check_mesh };
 
+static const weft__key disc_keys[] = {
+    { "disc", WEFT__NUMBER, .required = true, RANGE(.strict = true), .unit = "m",
+      AT(weft__cut_path, radius), .meaning = "radius" },
+    { "at", WEFT__PAIR, .fallback = "[0, 0]", .unit = "m", AT(weft__cut_path, centre),
+      .meaning = "centre [u, v]" },
+};
+
+static const weft__section disc_section = { SECTION(disc_keys) };
+
+static const weft__key cut_keys[] = {
+    { "outline", WEFT__PATH, .required = true, .section = &disc_section, .unit = "m",
+      AT(weft__cut, outline),
+      .meaning
+      = "points [u, v] in order, u along the weft, v along the warp; or {disc: "
+        "radius, at: [u, v]}" },
+    { "holes", WEFT__PATHS, .absent = "none", .section = &disc_section, .unit = "m",
+      AT(weft__cut, holes), .meaning = "each as outline" },
+    { "lines", WEFT__PATHS, .absent = "none", .section = &disc_section, .unit = "m",
+      AT(weft__cut, lines),
+      .meaning = "edges of triangles run along these, as far as they lie in the piece; "
+                 "each points in order, or a disc's circle" },
+    { "spacing", WEFT__NUMBER, .required = true, NUMBER(grid, spacing),
+      .meaning = "length of edge aimed at" },
+    { "seed", WEFT__INTEGER, .fallback = "1", RANGE(.type = WEFT__SIZE),
+      AT(weft__cut, seed), .meaning = "of the vertices inside" },
+    { "origin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, origin),
+      .meaning = "where (u, v) = (0, 0) starts" },
+    { "right", WEFT__VECTOR, .fallback = "[1, 0, 0]", AT(weft_cloth_def, right),
+      .meaning = "direction of increasing u; normalised on reading" },
+    { "down", WEFT__VECTOR, .fallback = "[0, -1, 0]", AT(weft_cloth_def, down),
+      .meaning = "direction of decreasing v; perpendicular to right (1e-9)" },
+    { "scale", WEFT__NUMBER, .fallback = "1.0", NUMBER(grid, scale),
+      .meaning = "vertices start at origin + scale * (u * right - v * down)" },
+};
+
+static const weft__section cut_section
+    = { SECTION(cut_keys), .check = weft__check_cut };
+
 /* In the order of weft_seam. */
 static const char *const seam_names[] = { "bend", "hinge", NULL };
 static const char *const membrane_names[] = { "chord", "arc", NULL };
@@ -263,12 +301,17 @@ static const char *const membrane_names[] = { "chord", "arc", NULL };
 
 /* The grid, or the mesh, comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
-    { "grid", WEFT__MAPPING, .absent = "grid or mesh", .section = &grid_section,
-      .meaning = "exactly one of grid and mesh is required; particle (row, col) rests "
-                 "at origin + col * spacing * right + row * "
-                 "spacing * down" },
-    { "mesh", WEFT__MAPPING, .absent = "grid or mesh", .section = &mesh_section,
+    { "grid", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &grid_section,
+      .meaning
+      = "exactly one of grid, mesh and cut is required; particle (row, col) rests "
+        "at origin + col * spacing * right + row * "
+        "spacing * down" },
+    { "mesh", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &mesh_section,
       IN_SCENE(mesh_file), .meaning = "triangles of any outline, instead of a grid" },
+    { "cut", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &cut_section,
+      IN_SCENE(cut),
+      .meaning = "a flat piece that weft makes a mesh of, instead of its file; groups: "
+                 "outline, hole0, ..., line0, ..." },
     { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, mass),
       .meaning = "mass of each particle; exactly one of mass and density is required" },
     { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, density),
@@ -721,6 +764,8 @@ weft__read_fn *const weft__readers[WEFT__KINDS] = {
     [WEFT__NEAREST] = weft__read_near,
     [WEFT__INSIDE] = weft__read_inside,
     [WEFT__FABRICS] = weft__read_fabrics,
+    [WEFT__PATH] = weft__read_paths,
+    [WEFT__PATHS] = weft__read_paths,
     [WEFT__ROW] = weft__read_row,
     [WEFT__ROWS] = weft__read_rows,
     [WEFT__BOOLEAN] = weft__read_boolean,

@@ -29,6 +29,8 @@ typedef enum weft__kind {
     WEFT__NEAREST,     /* the same: a point */
     WEFT__INSIDE,      /* the same: a shape */
     WEFT__FABRICS,     /* weft__fabrics: mappings by name */
+    WEFT__PATH,        /* weft__cut_paths of one: points, or a disc */
+    WEFT__PATHS,       /* weft__cut_paths: a list of them */
     WEFT__ITEMS,       /* an array of the cloth's definition: a list of mappings */
     WEFT__ROW,         /* weft__list: numbers of a Butcher table */
     WEFT__ROWS,        /* weft__list: its matrix */

@@ -281,7 +281,7 @@ static bool build(weft__obj *obj)
 
 /* ---- files --------------------------------------------------------------------- */
 
-static bool take(weft__obj *obj)
+bool weft__obj_read(weft__obj *obj)
 {
     return weft__obj_parse(obj) && build(obj);
 }
@@ -296,7 +296,7 @@ bool weft__obj_take(weft__obj *obj, const char *text, size_t length)
     memcpy(obj->text, text, length);
     obj->text[length] = '\0';
     obj->length = length;
-    return take(obj);
+    return weft__obj_read(obj);
 }
 
 static bool read_all(weft__obj *obj, FILE *stream)
@@ -334,7 +334,7 @@ bool weft__obj_load(weft__obj *obj, const char *path)
     }
     const bool read = read_all(obj, stream);
     (void)fclose(stream);
-    return read && take(obj);
+    return read && weft__obj_read(obj);
 }
 
 /* ---- what scenes ask ----------------------------------------------------------- */
@@ -443,10 +443,18 @@ void weft__obj_forget(weft__obj *obj)
     if (obj->report == NULL) {
         return;
     }
-    void *const blocks[]
-        = { obj->text,        obj->vertex,    obj->place,    obj->vertex_byte,
-            obj->place_byte,  obj->face,      obj->point,    obj->fabrics.list,
-            obj->groups.list, obj->vertex_of, obj->place_of, obj->face_of };
+    void *const blocks[] = { obj->kept ? NULL : obj->text,
+                             obj->vertex,
+                             obj->place,
+                             obj->vertex_byte,
+                             obj->place_byte,
+                             obj->face,
+                             obj->point,
+                             obj->fabrics.list,
+                             obj->groups.list,
+                             obj->vertex_of,
+                             obj->place_of,
+                             obj->face_of };
     fill_places(obj);
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         weft__free(obj->report->memory, blocks[i]);
@@ -455,7 +463,8 @@ void weft__obj_forget(weft__obj *obj)
         weft__free(obj->report->memory, obj->name);
         obj->name = NULL;
     }
-    *obj = (weft__obj){ .def = obj->def,
+    *obj = (weft__obj){ .text = obj->kept ? obj->text : NULL,
+                        .def = obj->def,
                         .start = obj->start,
                         .rest = obj->rest,
                         .corner = obj->corner,
@@ -467,8 +476,8 @@ void weft__obj_forget(weft__obj *obj)
 void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
 {
     weft__obj_forget(obj);
-    void *const blocks[] = { obj->start,        obj->rest,      obj->corner,
-                             obj->corner_place, obj->fabric_of, obj->name };
+    void *const blocks[] = { obj->start,     obj->rest, obj->corner, obj->corner_place,
+                             obj->fabric_of, obj->name, obj->text };
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         weft__free(memory, blocks[i]);
     }

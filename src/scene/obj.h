@@ -39,6 +39,7 @@ typedef struct weft__obj {
     /* while it is read */
     char *text; /* ends with NUL */
     size_t length;
+    bool kept;                              /* the text is, as long as the definition */
     size_t vertices, places, faces, points; /* in the file */
     double (*vertex)[3], (*place)[2];
     uint32_t *vertex_byte, *place_byte; /* of the text, where they stand */
@@ -63,6 +64,7 @@ typedef struct weft__obj {
  * fabrics. false: mistakes were reported, or memory ran out, which the report knows. */
 bool weft__obj_load(weft__obj *obj, const char *path);
 bool weft__obj_take(weft__obj *obj, const char *text, size_t length);
+bool weft__obj_read(weft__obj *obj); /* what obj->text is already */
 
 /* Multiplies all lengths, turns by `angle` [degrees] about the axis through the origin
  * (its length does not matter, but it has one), then moves. */

@@ -56,6 +56,35 @@ typedef struct weft__fabrics {
     const weft__node *node; /* NULL: none */
 } weft__fabrics;
 
+/* A line of cloth.cut, through points or around a disc. */
+typedef struct weft__cut_path {
+    double radius, centre[2]; /* [m] of a disc; radius 0: none */
+    const weft__node *node;
+    double (*points)[2]; /* [m] in order, of a closed one counterclockwise */
+    size_t count;
+    bool closed, reversed; /* the points of the node come from its end but the first */
+} weft__cut_path;
+
+typedef struct weft__cut_paths {
+    weft__cut_path *list;
+    size_t count;
+} weft__cut_paths;
+
+/* cloth.cut */
+typedef struct weft__cut {
+    weft_cloth_def grid; /* spacing and where it lies, as of a grid */
+    weft__cut_paths outline, holes, lines;
+    size_t seed;
+} weft__cut;
+
+/* What the mesher gets of them, and the path of each line: the outline, holes, lines.
+ */
+typedef struct weft__cut_lines {
+    double *points;
+    uint32_t *lines, *path;
+    size_t point_count, line_count, border_count;
+} weft__cut_lines;
+
 /* Vertices of a mesh, as a pin and a load have them. */
 typedef struct weft__vertices {
     const size_t *list;
@@ -72,6 +101,7 @@ struct weft_scene {
     weft_cloth_def cloth;
     weft_fabric fabric; /* density 0: none */
     weft__mesh_file mesh_file;
+    weft__cut cut;
     const char *mesh_path; /* of the file that was read; NULL: none */
     weft__fabrics fabrics;
     weft__obj obj; /* what cloth.mesh points to */
@@ -236,9 +266,22 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 weft__read_fn weft__read_index, weft__read_place, weft__read_pin;
 weft__check_fn weft__check_place, weft__check_pin, weft__check_load;
 
+/* scene_cut.c */
+weft__read_fn weft__read_paths;
+weft__check_fn weft__check_cut;
+
+/* cut_lines.c: the paths of a cut as lines that do not cross, of the tree. false: what
+ * the paths are was reported, or no memory. */
+bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
+                        weft__cut_lines *out);
+
 /* scene_mesh.c */
 weft__read_fn weft__read_fabrics;
 weft__check_fn weft__check_mesh, weft__check_turn;
+
+/* A file beside the scene; in the results of a run its copy there. NULL: no memory, or
+ * there is no copy and no name. */
+char *weft__mesh_path(weft__reader *reader, const char *name);
 
 /* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);

@@ -357,6 +357,11 @@ const char *weft_scene_mesh_file(const weft_scene *scene)
     return scene->mesh_path;
 }
 
+const char *weft_scene_mesh_text(const weft_scene *scene)
+{
+    return scene->obj.text;
+}
+
 double weft_scene_step(const weft_scene *scene)
 {
     return scene->step;

@@ -14,14 +14,13 @@ enum { MOST_FABRICS = 64 };
 
 /* ---- the file ----------------------------------------------------------------- */
 
-/* A file beside the scene; the results of a run have a copy of it. NULL: no memory. */
-static char *path_of(weft__reader *reader, const char *name)
+char *weft__mesh_path(weft__reader *reader, const char *name)
 {
     static const char scene_copy[] = "scene.yaml", copy[] = "scene.obj";
     const char *scene = reader->def->file == NULL ? "" : reader->def->file;
     const char *slash = strrchr(scene, '/');
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - scene) + 1;
-    const size_t length = strlen(name);
+    const size_t length = name == NULL ? 0 : strlen(name);
     char *path = weft__tree_take(
         reader->tree, folder + (length < sizeof copy ? sizeof copy : length + 1), 1);
     if (path == NULL) {
@@ -30,6 +29,9 @@ static char *path_of(weft__reader *reader, const char *name)
     memcpy(path, scene, folder);
     strcpy(path + folder, copy);
     if (strcmp(scene + folder, scene_copy) != 0 || access(path, F_OK) != 0) {
+        if (name == NULL) {
+            return NULL;
+        }
         strcpy(path + (name[0] == '/' ? 0 : folder), name);
     }
     return path;
@@ -58,7 +60,7 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
             return;
         }
     }
-    char *path = from->file == NULL ? NULL : path_of(reader, from->file);
+    char *path = from->file == NULL ? NULL : weft__mesh_path(reader, from->file);
     if (path == NULL) {
         return;
     }

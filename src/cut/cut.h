@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* cut.h -- the mesher of cloth.cut: points inside an outline and its holes, and the
+ * triangles between them. Part of the program, not of libweft. */
+#ifndef WEFT_CUT_CUT_H
+#define WEFT_CUT_CUT_H
+
+#include "weft/scene.h"
+
+/* As weft_scene_def.mesh_cut; ctx is not used. Errors: WEFT_NO_MEMORY, WEFT_BAD_SCENE.
+ */
+weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
+                     weft_error *err);
+
+#endif
