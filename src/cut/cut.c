@@ -16,7 +16,7 @@
 
 typedef struct cutter {
     const weft_cut *cut;
-    shape shape;
+    cut_shape shape;
     uint32_t *point;         /* of the net, for a point of the cut */
     uint32_t *first;         /* part of a line */
     uint32_t *bucket, *next; /* points on lines by their place */

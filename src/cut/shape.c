@@ -106,7 +106,7 @@ static void polish(cut_net *net, uint32_t point)
 
 /* ---- further points ------------------------------------------------------------ */
 
-bool shape_add_part(shape *self, shape_part part)
+bool shape_add_part(cut_shape *self, shape_part part)
 {
     if (self->parts == self->part_room) {
         const size_t room = self->parts + self->parts / 2 + 64;
@@ -122,7 +122,7 @@ bool shape_add_part(shape *self, shape_part part)
     return true;
 }
 
-static bool divide_part(shape *self, uint32_t edge)
+static bool divide_part(cut_shape *self, uint32_t edge)
 {
     cut_net *net = &self->net;
     const uint32_t mark = net->triangle[edge / 3].mark[edge % 3];
@@ -157,7 +157,7 @@ static void centre_of(const cut_net *net, const net_triangle *at, double out[2])
 }
 
 /* Whether a point was added for a triangle. */
-static bool improve(shape *self, uint32_t t)
+static bool improve(cut_shape *self, uint32_t t)
 {
     cut_net *net = &self->net;
     const net_triangle *at = &net->triangle[t];
@@ -182,7 +182,7 @@ static bool improve(shape *self, uint32_t t)
     return added || (edge != NET_NONE && divide_part(self, edge));
 }
 
-static bool sweep(shape *self)
+static bool sweep(cut_shape *self)
 {
     bool changed = false;
     for (size_t t = 0; t < self->net.triangles && !self->net.no_memory; ++t) {
@@ -191,7 +191,7 @@ static bool sweep(shape *self)
     return changed;
 }
 
-void shape_refine(shape *self)
+void shape_refine(cut_shape *self)
 {
     for (unsigned i = 0; i < SWEEPS && sweep(self); ++i) {
     }

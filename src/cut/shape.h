@@ -12,12 +12,12 @@ typedef struct shape_part {
     uint32_t line, next; /* the part behind it; NET_NONE: the last */
 } shape_part;
 
-typedef struct shape {
+typedef struct cut_shape {
     cut_net net;
     shape_part *part;
     size_t parts, part_room;
     double floor; /* [m] shorter edges are not divided */
-} shape;
+} cut_shape;
 
 /* Tangent of the smallest angle of a triangle, and its corner. */
 double shape_angle(const cut_net *net, const net_triangle *at, unsigned *corner);
@@ -26,9 +26,9 @@ double shape_angle(const cut_net *net, const net_triangle *at, unsigned *corner)
 void shape_smooth(cut_net *net);
 
 /* Adds points where an angle is small, then moves some. */
-void shape_refine(shape *self);
+void shape_refine(cut_shape *self);
 
 /* Adds a part; false: no memory. */
-bool shape_add_part(shape *self, shape_part part);
+bool shape_add_part(cut_shape *self, shape_part part);
 
 #endif

@@ -11,13 +11,13 @@
 #define SHARP 0.4663 /* tan(25 degrees): sharper corners are warned of */
 
 /* From point a to b of a path, the paths being those of a list. */
-typedef struct part {
+typedef struct path_part {
     const weft__cut_path *path;
     uint32_t number; /* of the path */
     uint32_t index;  /* of its point a in the path */
     uint32_t a, b;   /* points */
     double low[2], high[2];
-} part;
+} path_part;
 
 /* Where a part is divided. */
 typedef struct division {
@@ -25,18 +25,18 @@ typedef struct division {
     double along;
 } division;
 
-typedef struct lines {
+typedef struct line_maker {
     weft__reader *reader;
     const weft__cut *cut;
     weft__cut_lines *out;
-    part *parts;
+    path_part *parts;
     division *nodes;
     uint32_t *same; /* a point in the place of each */
     size_t count, bounds, node_count, node_room, point_room;
     double near;
-} lines;
+} line_maker;
 
-static const double *at(const lines *self, uint32_t point)
+static const double *at(const line_maker *self, uint32_t point)
 {
     return &self->out->points[2 * (size_t)point];
 }
@@ -52,7 +52,8 @@ static double apart(const double a[2], const double b[2])
 }
 
 /* [m] from a point to a part, and where that is nearest, from 0 to 1. */
-static double distance(const lines *self, const part *to, const double x[2], double *s)
+static double distance(const line_maker *self, const path_part *to, const double x[2],
+                       double *s)
 {
     const double *a = at(self, to->a), *b = at(self, to->b), length = apart(a, b);
     *s = ((x[0] - a[0]) * (b[0] - a[0]) + (x[1] - a[1]) * (b[1] - a[1]))
@@ -64,7 +65,7 @@ static double distance(const lines *self, const part *to, const double x[2], dou
 
 /* ---- mistakes ------------------------------------------------------------------ */
 
-static const char *name_of(const lines *self, uint32_t number, char out[32])
+static const char *name_of(const line_maker *self, uint32_t number, char out[32])
 {
     const size_t holes = self->cut->holes.count;
     (void)snprintf(out, 32,
@@ -83,7 +84,8 @@ static weft__mark mark_of(const weft__cut_path *path, size_t index)
     return node->type == WEFT__LIST ? weft__item(node, i)->at : node->at;
 }
 
-static void report_touch(const lines *self, const part *one, const part *two)
+static void report_touch(const line_maker *self, const path_part *one,
+                         const path_part *two)
 {
     char a[32], b[32];
     const double *x = at(self, two->a), *y = at(self, two->b);
@@ -104,8 +106,8 @@ static double angle_of(double x)
 }
 
 /* A point of a path: whether the next is another one, and the angle of the cloth. */
-static void check_corner(const lines *self, const weft__cut_path *path, uint32_t number,
-                         size_t i)
+static void check_corner(const line_maker *self, const weft__cut_path *path,
+                         uint32_t number, size_t i)
 {
     const double *o = path->points[i], *a = path->points[(i + 1) % path->count],
                  *b = path->points[(i + path->count - 1) % path->count];
@@ -125,7 +127,8 @@ static void check_corner(const lines *self, const weft__cut_path *path, uint32_t
 
 /* ---- points and parts ---------------------------------------------------------- */
 
-static bool room_for(lines *self, void *array, size_t *room, size_t count, size_t size)
+static bool room_for(line_maker *self, void *array, size_t *room, size_t count,
+                     size_t size)
 {
     const size_t more = count + count / 2 + 64;
     if (count < *room) {
@@ -139,7 +142,7 @@ static bool room_for(lines *self, void *array, size_t *room, size_t count, size_
     return true;
 }
 
-static uint32_t add_point(lines *self, const double x[2])
+static uint32_t add_point(line_maker *self, const double x[2])
 {
     const size_t i = self->out->point_count;
     size_t room = self->point_room;
@@ -152,7 +155,7 @@ static uint32_t add_point(lines *self, const double x[2])
     return (uint32_t)self->out->point_count++;
 }
 
-static void add_path(lines *self, const weft__cut_path *path, uint32_t number)
+static void add_path(line_maker *self, const weft__cut_path *path, uint32_t number)
 {
     const uint32_t first = (uint32_t)self->out->point_count;
     for (size_t i = 0; i < path->count; ++i) {
@@ -162,14 +165,14 @@ static void add_path(lines *self, const weft__cut_path *path, uint32_t number)
         return;
     }
     for (size_t i = 0; i + !path->closed < path->count; ++i) {
-        part *to = &self->parts[self->count++];
-        *to = (part){ path,
-                      number,
-                      (uint32_t)i,
-                      first + (uint32_t)i,
-                      first + (uint32_t)((i + 1) % path->count),
-                      { 0 },
-                      { 0 } };
+        path_part *to = &self->parts[self->count++];
+        *to = (path_part){ path,
+                           number,
+                           (uint32_t)i,
+                           first + (uint32_t)i,
+                           first + (uint32_t)((i + 1) % path->count),
+                           { 0 },
+                           { 0 } };
         for (size_t k = 0; k < 2; ++k) {
             const double a = at(self, to->a)[k], b = at(self, to->b)[k];
             to->low[k] = fmin(a, b) - self->near;
@@ -181,7 +184,8 @@ static void add_path(lines *self, const weft__cut_path *path, uint32_t number)
 
 /* ---- pairs --------------------------------------------------------------------- */
 
-static void add_node(lines *self, const part *on, uint32_t point, double along)
+static void add_node(line_maker *self, const path_part *on, uint32_t point,
+                     double along)
 {
     if (room_for(self, &self->nodes, &self->node_room, self->node_count,
                  sizeof *self->nodes)) {
@@ -190,7 +194,7 @@ static void add_node(lines *self, const part *on, uint32_t point, double along)
     }
 }
 
-static uint32_t root(const lines *self, uint32_t point)
+static uint32_t root(const line_maker *self, uint32_t point)
 {
     while (self->same[point] != point) {
         point = self->same[point];
@@ -200,7 +204,7 @@ static uint32_t root(const lines *self, uint32_t point)
 
 /* Whether an end of a part lies on another part, which is divided there, or has the
  * same point at its end. */
-static bool meets(lines *self, uint32_t end, const part *on)
+static bool meets(line_maker *self, uint32_t end, const path_part *on)
 {
     double s;
     const double *x = at(self, end);
@@ -218,7 +222,8 @@ static bool meets(lines *self, uint32_t end, const part *on)
 }
 
 /* Where two parts cross within both, as a part of the first; NAN: nowhere. */
-static double crossing(const lines *self, const part *one, const part *two)
+static double crossing(const line_maker *self, const path_part *one,
+                       const path_part *two)
 {
     const double *a = at(self, one->a), *b = at(self, one->b), *c = at(self, two->a),
                  *d = at(self, two->b);
@@ -228,7 +233,7 @@ static double crossing(const lines *self, const part *one, const part *two)
 }
 
 /* A point where lines cross: one that is there already, or a new one. */
-static uint32_t point_at(lines *self, const double x[2])
+static uint32_t point_at(line_maker *self, const double x[2])
 {
     for (size_t i = self->bounds; i < self->out->point_count; ++i) {
         if (apart(at(self, (uint32_t)i), x) <= self->near) {
@@ -239,14 +244,14 @@ static uint32_t point_at(lines *self, const double x[2])
 }
 
 /* Parts that follow each other in a path may only have their common point. */
-static bool folds(const lines *self, const part *one, const part *two)
+static bool folds(const line_maker *self, const path_part *one, const path_part *two)
 {
     double s;
     return distance(self, two, at(self, one->a), &s) <= self->near
            || distance(self, one, at(self, two->b), &s) <= self->near;
 }
 
-static void compare_pair(lines *self, const part *one, const part *two)
+static void compare_pair(line_maker *self, const path_part *one, const path_part *two)
 {
     double s;
     if (one->number == two->number && (one->b == two->a || two->b == one->a)) {
@@ -282,16 +287,16 @@ static void compare_pair(lines *self, const part *one, const part *two)
 
 static int by_left(const void *a, const void *b)
 {
-    const part *const *x = a, *const *y = b;
+    const path_part *const *x = a, *const *y = b;
     return (*x)->low[0] != (*y)->low[0]
                ? ((*x)->low[0] > (*y)->low[0]) - ((*x)->low[0] < (*y)->low[0])
                : (*x > *y) - (*x < *y);
 }
 
 /* Every two parts whose boxes meet, the one that stands first in the cut first. */
-static void compare_all(lines *self)
+static void compare_all(line_maker *self)
 {
-    const part **order
+    const path_part **order
         = weft__alloc(self->reader->report->memory, self->count, sizeof *order);
     self->reader->report->no_memory = self->reader->report->no_memory || order == NULL;
     for (size_t i = 0; order != NULL && i < self->count; ++i) {
@@ -301,10 +306,10 @@ static void compare_all(lines *self)
         qsort(order, self->count, sizeof *order, by_left);
     }
     for (size_t i = 0; order != NULL && i < self->count; ++i) {
-        const part *one = order[i];
+        const path_part *one = order[i];
         for (size_t j = i + 1; j < self->count && order[j]->low[0] <= one->high[0];
              ++j) {
-            const part *two = order[j];
+            const path_part *two = order[j];
             if (two->low[1] <= one->high[1] && one->low[1] <= two->high[1]) {
                 compare_pair(self, one < two ? one : two, one < two ? two : one);
             }
@@ -328,7 +333,7 @@ static bool is_in(const weft__cut_path *path, const double x[2])
     return in;
 }
 
-static void check_holes(const lines *self)
+static void check_holes(const line_maker *self)
 {
     const weft__cut_paths *holes = &self->cut->holes;
     for (size_t i = 0; i < holes->count; ++i) {
@@ -356,7 +361,7 @@ static int by_part(const void *a, const void *b)
                                   : (x->point > y->point) - (x->point < y->point);
 }
 
-static void add_line(lines *self, uint32_t from, uint32_t to, uint32_t path)
+static void add_line(line_maker *self, uint32_t from, uint32_t to, uint32_t path)
 {
     weft__cut_lines *out = self->out;
     from = root(self, from);
@@ -369,27 +374,28 @@ static void add_line(lines *self, uint32_t from, uint32_t to, uint32_t path)
 }
 
 /* The ends of a line, the lower one first, and its number. */
-typedef struct ends {
+typedef struct end_points {
     uint32_t low, high, line;
-} ends;
+} end_points;
 
 static int by_ends(const void *a, const void *b)
 {
-    const ends *x = a, *y = b;
+    const end_points *x = a, *y = b;
     return x->low != y->low     ? (x->low > y->low) - (x->low < y->low)
            : x->high != y->high ? (x->high > y->high) - (x->high < y->high)
                                 : (x->line > y->line) - (x->line < y->line);
 }
 
 /* Leaves out lines that are there twice. */
-static void drop_copies(lines *self)
+static void drop_copies(line_maker *self)
 {
     weft__cut_lines *out = self->out;
-    ends *list = weft__tree_take(self->reader->tree, out->line_count, sizeof *list);
+    end_points *list
+        = weft__tree_take(self->reader->tree, out->line_count, sizeof *list);
     size_t kept = 0;
     for (size_t i = 0; list != NULL && i < out->line_count; ++i) {
         const uint32_t a = out->lines[2 * i], b = out->lines[2 * i + 1];
-        list[i] = (ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
+        list[i] = (end_points){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
     }
     if (list != NULL) {
         qsort(list, out->line_count, sizeof *list, by_ends);
@@ -412,7 +418,7 @@ static void drop_copies(lines *self)
     out->line_count = kept;
 }
 
-static void divide_parts(lines *self)
+static void divide_parts(line_maker *self)
 {
     const size_t most = self->count + self->node_count;
     self->out->lines
@@ -437,7 +443,7 @@ static void divide_parts(lines *self)
 }
 
 /* Points of lines; others were merged. */
-static void number_points(lines *self)
+static void number_points(line_maker *self)
 {
     weft__cut_lines *out = self->out;
     uint32_t *number
@@ -463,7 +469,7 @@ bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
                         weft__cut_lines *out)
 {
     const weft__cut_paths *const all[] = { &cut->outline, &cut->holes, &cut->lines };
-    lines self = { .reader = reader, .cut = cut, .out = out };
+    line_maker self = { .reader = reader, .cut = cut, .out = out };
     const size_t before = reader->report->mistakes;
     size_t points = 0;
     uint32_t number = 0;
