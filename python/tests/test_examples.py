@@ -15,7 +15,7 @@ from conftest import TREE, sheet
 import weft
 
 
-@pytest.mark.parametrize("module", [weft, weft.library, weft.simulation, weft.runs], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [weft, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
 def test_docstrings(module, doctest_folder):
     globs = {"weft": weft, "scene": sheet(), "tmp": doctest_folder}
     result = doctest.testmod(module, extraglobs=globs)

@@ -25,12 +25,13 @@ from weft._weft import lib as _lib
 from weft.callbacks import CORRECT, FORCE, PerformanceWarning
 from weft.library import (Diagnostic, Error, Failure, Method, SceneError, SceneWarning, Spring, StepError,
                           amplification, load_plugin, methods, scene_help)
+from weft.mesh import Mesh
 from weft.runs import Run, RunError, batch, compare, open, program, run
 from weft.simulation import Energy, Ledger, Measures, Sim, Stats, Stiffness, load
 
 __version__: str = _ffi.string(_lib.weft_version()).decode()
 
-__all__ = ["CORRECT", "FORCE", "Diagnostic", "Energy", "Error", "Failure", "Ledger", "Measures", "Method",
+__all__ = ["CORRECT", "FORCE", "Diagnostic", "Energy", "Error", "Failure", "Ledger", "Measures", "Mesh", "Method",
            "PerformanceWarning", "Run", "RunError", "SceneError", "SceneWarning", "Sim", "Spring", "Stats",
            "StepError", "Stiffness", "amplification", "batch", "compare", "load", "load_plugin", "methods", "open",
            "program", "run", "scene_help"]

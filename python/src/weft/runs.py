@@ -16,6 +16,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
+from weft.mesh import Mesh, has_mesh, with_file
 from weft.simulation import Scene
 
 if TYPE_CHECKING:
@@ -63,10 +64,13 @@ def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
     """Paths of scenes: of a dict or a text, of a file in folder."""
     paths = []
     for i, scene in enumerate(scenes):
+        name = scene.get("name") if isinstance(scene, Mapping) else None
+        stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in str(name or "scene-%d" % i))
+        if isinstance(scene, Mapping) and has_mesh(scene):
+            Mesh.of(scene["cloth"]["mesh"]).write(Path(folder, stem + ".obj"))
+            scene = with_file(scene, stem + ".obj")
         content = yaml_text(scene) if isinstance(scene, Mapping) else os.fspath(scene)
         if isinstance(scene, Mapping) or "\n" in content:
-            name = scene.get("name") if isinstance(scene, Mapping) else None
-            stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in str(name or "scene-%d" % i))
             path = Path(folder, stem + ".yaml")
             path.write_text(content, encoding="utf-8")
             content = str(path)

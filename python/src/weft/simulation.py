@@ -16,6 +16,7 @@ from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
                           numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
+from weft.mesh import MeshScene, has_mesh
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
@@ -123,7 +124,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     """Makes a simulation of a scene, at t = 0.
 
     scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
-    of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program.
+    of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program. In a dict,
+    `cloth.mesh` may be a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of {"file": ...}.
 
     force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
     (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
@@ -142,6 +144,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     >>> sim.time, sim.positions.shape
     (0.5, (80, 3))
     """
+    if isinstance(scene, Mapping) and has_mesh(scene):
+        return Sim(None, MeshScene(scene, overrides), [], force, correct)
     if isinstance(scene, Mapping):
         return Sim(None, yaml_text(scene), settings(overrides), force, correct)
     if isinstance(scene, str) and "\n" in scene:
@@ -149,8 +153,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     return Sim(os.fspath(scene), None, settings(overrides), force, correct)
 
 
-def _revive(name: str, content: str, saved: bytes, force: Any, correct: Any) -> Sim:
-    sim = Sim(name, content, [], force, correct)
+def _revive(name: str, content: Any, saved: bytes, force: Any, correct: Any) -> Sim:
+    sim = Sim(name, MeshScene(content) if isinstance(content, Mapping) else content, [], force, correct)
     sim.restore(saved)
     return sim
 
@@ -165,14 +169,18 @@ class Sim:
     r * cols + c.
     """
 
-    def __init__(self, file: Optional[str], content: Optional[str], sets: list[str], force: Any, correct: Any) -> None:
+    def __init__(self, file: Optional[str], content: Union[str, MeshScene, None], sets: list[str], force: Any,
+                 correct: Any) -> None:
         self._exclusion, self._process = Exclusion(), os.getpid()
         self._name, self._given = file or "scene", (force, correct)
-        self._scene, found = read_scene(file, content, sets)
+        self._meshed = content if isinstance(content, MeshScene) else None
+        self._scene, found = (content.read() if isinstance(content, MeshScene) else read_scene(file, content, sets))
         for warning in found:
             warnings.warn(warning, SceneWarning, stacklevel=3)
         err, cloth, sim = ffi.new("weft_error *"), ffi.new("weft_cloth **"), ffi.new("weft_sim **")
-        check(lib.weft_cloth_create(lib.weft_scene_cloth(self._scene), cloth, err), err)
+        made, _alive = (lib.weft_scene_cloth(self._scene), None) if self._meshed is None else \
+            self._meshed.definition(self._scene)
+        check(lib.weft_cloth_create(made, cloth, err), err)
         self._cloth = ffi.gc(cloth[0], lib.weft_cloth_destroy)
         definition = ffi.new("weft_sim_def *", lib.weft_sim_def_default())
         definition.cloth, definition.method = self._cloth, lib.weft_scene_method_type(self._scene)
@@ -226,7 +234,8 @@ class Sim:
             text(lib.weft_scene_plugin(self._scene)), text(lib.weft_scene_method(self._scene)), self.time)
 
     def __reduce__(self) -> Any:
-        return _revive, (self._name, self.scene, self.save(), *self._given)
+        content = self.scene if self._meshed is None else self._meshed.scene
+        return _revive, (self._name, content, self.save(), *self._given)
 
     @contextmanager
     def _alone(self) -> Iterator[Any]:
@@ -244,8 +253,9 @@ class Sim:
 
     @property
     def scene(self) -> str:
-        """The scene as it runs, in YAML: with overrides applied."""
-        return text(lib.weft_scene_text(self._scene))
+        """The scene as it runs, in YAML: with overrides applied. One of a weft.Mesh names the file scene.obj, for
+        Mesh.write()."""
+        return text(lib.weft_scene_text(self._scene)) if self._meshed is None else self._meshed.text()
 
     @property
     def rows(self) -> int:

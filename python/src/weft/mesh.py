@@ -1,0 +1,521 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Triangles of fabric from arrays: Mesh, and the scenes whose cloth is one."""
+from __future__ import annotations
+
+import re
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+
+from weft._weft import ffi, lib
+from weft.library import Array, PathLike, SceneWarning, chars, read_scene, real, yaml_text
+
+Indices = np.ndarray[Any, np.dtype[np.uint32]]
+
+_FLAT = 1e-6  # of its extent: a surface that leaves its plane by less is flat
+
+
+# ---- arrays ---------------------------------------------------------------------------
+
+def _numbers(value: Any, name: str, columns: int) -> Array:
+    """A copy (n, columns) of finite numbers. Zeros lose their sign, as in an OBJ file."""
+    array = np.asarray(value)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError("%s has the shape %s, not (n, %d)" % (name, array.shape, columns))
+    found = np.array(real(array, name, array.shape)) + 0.0
+    bad = np.flatnonzero(~np.isfinite(found).all(axis=1))
+    if len(bad) > 0:
+        raise ValueError("%s[%d] is %s, not finite%s" % (name, bad[0], found[bad[0]].tolist(), _first_of(len(bad))))
+    return found
+
+
+def _first_of(count: int) -> str:
+    return ", the first of %d" % count if count > 1 else ""
+
+
+def _integers(value: Any, name: str, limit: int, of: str) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """A copy of indices below a limit, of which there are so many."""
+    array = np.asarray(value)
+    if array.size > 0 and array.dtype.kind not in "iu":
+        raise TypeError("%s consists of integers, not of %s" % (name, array.dtype.name))
+    bad = np.argwhere((array < 0) | (array >= limit))
+    if len(bad) > 0:
+        at = "".join("[%d]" % k for k in bad[0])
+        raise IndexError("%s%s is %d, but there are %d %s: 0 to %d%s"
+                         % (name, at, array[tuple(bad[0])], limit, of, limit - 1, _first_of(len(bad))))
+    return np.array(array, dtype=np.intp, order="C")
+
+
+def _corners(value: Any, name: str, rows: Optional[int], limit: int, of: str) -> Indices:
+    array = np.asarray(value)
+    if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] != (array.shape[0] if rows is None else rows):
+        raise ValueError("%s has the shape %s, not (%s, 3)" % (name, array.shape, "T" if rows is None else rows))
+    return _integers(array, name, limit, of).astype(np.uint32)
+
+
+def _members(value: Any, name: str, count: int, of: str) -> np.ndarray[Any, np.dtype[np.intp]]:
+    """Indices, each once and in order, from a list of them or from `count` flags."""
+    array = np.asarray(value)
+    if array.dtype.kind == "b":
+        if array.shape != (count,):
+            raise ValueError("%s has %s flags, but there are %d %s" % (name, array.shape, count, of))
+        return np.flatnonzero(array)
+    if array.ndim != 1:
+        raise ValueError("%s has the shape %s, not (n,)" % (name, array.shape))
+    return np.unique(_integers(array, name, count, of))
+
+
+def _word(name: Any, what: str) -> str:
+    """A name that an OBJ file can hold."""
+    if not isinstance(name, str) or not re.fullmatch(r"[^\s\x00#\\]+", name):
+        raise ValueError("%s is named by one word without blanks, # or \\, not by %r" % (what, name))
+    return name
+
+
+def _read_only(array: Any) -> Any:
+    array.flags.writeable = False
+    return array
+
+
+def _places_of(corners: Array, triangles: Indices) -> tuple[Array, Indices]:
+    """Places and their numbers from (T, 3, 2) corners: a vertex has one for each different u v."""
+    vertex, uv = triangles.ravel().astype(np.intp), corners.reshape(-1, 2)
+    one = np.zeros((int(vertex.max()) + 1, 2))  # of each vertex
+    one[vertex] = uv
+    several = np.zeros(len(one), dtype=np.bool_)
+    several[vertex[(uv != one[vertex]).any(axis=1)]] = True
+    number = np.cumsum(~several) - 1
+    places = number[vertex]
+    rows = np.flatnonzero(several[vertex])
+    if len(rows) == 0:
+        return one, places.astype(np.uint32).reshape(-1, 3)
+    rows = rows[np.lexsort((uv[rows, 1], uv[rows, 0], vertex[rows]))]
+    new = np.r_[True, (vertex[rows[1:]] != vertex[rows[:-1]]) | (uv[rows[1:]] != uv[rows[:-1]]).any(axis=1)]
+    places[rows] = number[-1] + np.cumsum(new)
+    return np.concatenate((one[~several], uv[rows[new]])), places.astype(np.uint32).reshape(-1, 3)
+
+
+class Mesh:
+    """Triangles of fabric: where their vertices start, and the flat rest shape. It stands in a scene, a dict, as
+    `cloth.mesh`, for load(), run() and batch(). Its arrays are copies, and read-only.
+
+    rest: [m] u (along the weft), v (along the warp) of the vertices, (N, 2); or of the corners of the triangles,
+    (T, 3, 2); or of places, (P, 2), with places (T, 3) that say which is whose corner. Triangles that share vertices
+    but not their places are sewn there.
+    start: (N, 3) [m] at t = 0; None: u, v, 0.
+    triangles: (T, 3) vertices, in one order all over a piece.
+    fabrics: {NAME: triangles}, indices or flags, or a list of T names (None: no name), for `cloth.fabrics`.
+    groups: {NAME: vertices}, indices or flags, for pins and loads.
+
+    >>> mesh = weft.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], None, [[0, 1, 2], [0, 2, 3]], groups={"top": [2, 3]})
+    >>> cloth = {"mesh": mesh, "fabric": {"preset": "11oz-black-denim"}, "pins": [{"group": "top"}]}
+    >>> weft.load({**scene, "cloth": cloth}).positions.shape
+    (4, 3)
+    """
+
+    def __init__(self, rest: Any, start: Any, triangles: Any, *, places: Any = None, fabrics: Any = None,
+                 groups: Optional[Mapping[str, Any]] = None) -> None:
+        shape = np.shape(rest)
+        uv = _numbers(np.reshape(rest, (-1, 2)) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
+        if start is None:
+            if len(shape) == 3 or places is not None:
+                raise ValueError("start is None, but rest is not by vertices")
+            start = np.c_[uv, np.zeros(len(uv))]
+        self.start: Array = _numbers(start, "start", 3)
+        """(N, 3) [m], positions at t = 0"""
+        count = len(self.start)
+        self.triangles: Indices = _corners(triangles, "triangles", None, count, "vertices")
+        """(T, 3), vertices"""
+        if len(self.triangles) == 0:
+            raise ValueError("a mesh has a triangle or more, not 0")
+        self.rest: Array
+        """(P, 2) [m], u v of places"""
+        self.places: Indices
+        """(T, 3), the place of each corner"""
+        if len(shape) == 3:
+            if places is not None:
+                raise ValueError("rest is by corners, and places are given, too")
+            if shape[0] != len(self.triangles):
+                raise ValueError("rest has the shape %s, but there are %d triangles" % (shape, len(self.triangles)))
+            self.rest, self.places = _places_of(uv.reshape(-1, 3, 2), self.triangles)
+        elif places is None:
+            if len(uv) != count:
+                raise ValueError("rest has %d rows and start %d: without places, both are by vertices"
+                                 % (len(uv), count))
+            self.rest, self.places = uv, self.triangles
+        else:
+            self.rest, self.places = uv, _corners(places, "places", len(self.triangles), len(uv), "places")
+        used = np.bincount(self.triangles.ravel(), minlength=count)
+        unused = np.flatnonzero(used == 0)
+        if len(unused) > 0:
+            raise ValueError("vertex %d is in no triangle%s" % (unused[0], _first_of(len(unused))))
+        self.fabric_names: list[str]
+        """names of fabrics"""
+        self.fabric_of: Indices
+        """(T,), 0: no name; k: the fabric k - 1 of fabric_names"""
+        self.fabric_names, self.fabric_of = self._fabrics(fabrics)
+        self.groups: dict[str, Any] = {
+            _word(name, "a group"): _read_only(_members(of, "group '%s'" % name, count, "vertices"))
+            for name, of in (groups or {}).items()}
+        """vertices by names"""
+        for array in (self.start, self.rest, self.triangles, self.places, self.fabric_of):
+            _read_only(array)
+
+    def _fabrics(self, fabrics: Any) -> tuple[list[str], Indices]:
+        of = np.zeros(len(self.triangles), dtype=np.uint32)
+        if fabrics is None:
+            return [], of
+        if not isinstance(fabrics, Mapping):
+            array = np.asarray(fabrics if isinstance(fabrics, np.ndarray) and fabrics.dtype.kind == "U"
+                               else [name or "" for name in fabrics], dtype=np.str_)
+            if array.shape != of.shape:
+                raise ValueError("fabrics has %s names, but there are %d triangles" % (array.shape, len(of)))
+            names, inverse = np.unique(array, return_inverse=True)
+            fabrics = {str(name): inverse == k for k, name in enumerate(names) if name}
+        for k, (name, triangles) in enumerate(fabrics.items()):
+            of[_members(triangles, "fabric '%s'" % _word(name, "a fabric"), len(of), "triangles")] = k + 1
+        return list(fabrics), of
+
+    def __repr__(self) -> str:
+        return "<weft.Mesh: %d vertices, %d triangles>" % (len(self.start), len(self.triangles))
+
+    def __reduce__(self) -> Any:
+        return _again, (self.rest, self.start, self.triangles, self.places,
+                        {name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)}, self.groups)
+
+    @property
+    def smallest_angle(self) -> float:
+        """[degrees], of all triangles at rest."""
+        x = self.rest[self.places]
+        a, b = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
+        cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+        return float(np.degrees(np.arctan2(cross, (a * b).sum(axis=2)).min()))
+
+    def write(self, path: PathLike) -> None:
+        """Writes an OBJ file for `cloth.mesh.file`, which makes the same cloth to the last bit: v, vt, usemtl, f, and
+        points p of each group g.
+
+        >>> weft.Mesh([[0, 0], [1, 0], [0, 1]], None, [[0, 1, 2]]).write(tmp / "one.obj")
+        >>> print((tmp / "one.obj").read_text().splitlines()[-1])
+        f 1/1 2/2 3/3
+        """
+        with open(path, "w", encoding="utf-8", newline="\n") as file:
+            _rows(file, "v %r %r %r\n", self.start)
+            _rows(file, "vt %r %r\n", self.rest)
+            faces = np.stack((self.triangles, self.places), axis=2).reshape(-1, 6).astype(np.intp) + 1
+            ends = np.flatnonzero(np.diff(self.fabric_of)) + 1
+            for first, end in zip([0, *ends.tolist()], [*ends.tolist(), len(faces)]):
+                name = self.fabric_of[first]
+                if first > 0 or name > 0:
+                    file.write("usemtl %s\n" % (self.fabric_names[name - 1] if name > 0 else ""))
+                _rows(file, "f %d/%d %d/%d %d/%d\n", faces[first:end])
+            for group, vertices in self.groups.items():
+                file.write("g %s\n" % group)
+                _rows(file, "p %d\n", vertices[:, None] + 1)
+
+    @staticmethod
+    def of(value: Any) -> Mesh:
+        """The mesh itself, or from_trimesh() or from_meshio() of what has their attributes."""
+        if isinstance(value, Mesh):
+            return value
+        if hasattr(value, "vertices") and hasattr(value, "faces"):
+            return Mesh.from_trimesh(value)
+        if hasattr(value, "points") and hasattr(value, "cells"):
+            return Mesh.from_meshio(value)
+        raise TypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a %s" % type(value).__name__)
+
+    @staticmethod
+    def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
+        """Of a trimesh.Trimesh, or what has `vertices`, `faces` and perhaps `visual.uv`. The rest shape is `visual.uv`
+        [m]; without it the mesh itself, if it is flat: its plane's coordinates (flat_coordinates). sew: vertices that
+        start at the same point and have different u v become one, as trimesh divides those of a seam."""
+        start, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+        uv = getattr(getattr(mesh, "visual", None), "uv", None)
+        if uv is None:
+            return _used(flat_coordinates(start), start, triangles, {}, {})
+        if np.shape(uv) != (len(start), 2):
+            raise ValueError("visual.uv has the shape %s, not (%d, 2)" % (np.shape(uv), len(start)))
+        return _used(uv, start, triangles, {}, {}, sew)
+
+    @staticmethod
+    def from_meshio(mesh: Any, *, rest: Optional[str] = None) -> Mesh:
+        """Of a meshio.Mesh, or what has `points`, `cells`, `point_data`. Its triangles; cells of lines and points are
+        left out, others refused. The rest shape [m] is point_data[rest]; by default "rest", "uv" or "obj:vt" if there
+        is one, else the mesh itself, if it is flat (flat_coordinates). `point_sets` are groups; physical groups of
+        gmsh are fabrics, if they have triangles, or groups."""
+        points = np.asarray(mesh.points)
+        start = np.c_[points, np.zeros(len(points))] if points.ndim == 2 and points.shape[1] == 2 else points
+        data = getattr(mesh, "point_data", {})
+        if rest is None:
+            rest = next((name for name in ("rest", "uv", "obj:vt") if name in data), None)
+        elif rest not in data:
+            raise KeyError("the mesh has no point_data %r; it has %s" % (rest, ", ".join(map(repr, data)) or "none"))
+        triangles, fabrics, groups = _cells_of(mesh)
+        uv = flat_coordinates(start) if rest is None else np.asarray(data[rest])
+        if rest is not None and (uv.ndim != 2 or len(uv) != len(start) or uv.shape[1] < 2):
+            raise ValueError("point_data[%r] has the shape %s, not (%d, 2)" % (rest, uv.shape, len(start)))
+        return _used(uv[:, :2], start, triangles, fabrics, groups)
+
+
+def _again(rest: Any, start: Any, triangles: Any, places: Any, fabrics: Any, groups: Any) -> Mesh:
+    return Mesh(rest, start, triangles, places=places, fabrics=fabrics, groups=groups)
+
+
+def _rows(file: Any, line: str, rows: Any) -> None:
+    """Writes numbers by lines; many with one operator, as Python is slow line by line."""
+    for first in range(0, len(rows), 1 << 15):
+        some = rows[first:first + (1 << 15)]
+        file.write(line * len(some) % tuple(some.ravel().tolist()))
+
+
+# ---- meshes of other libraries --------------------------------------------------------
+
+def flat_coordinates(points: Any) -> Array:
+    """u, v (N, 2) [m] of points (N, 3) in one plane: v along what lies in it of the y axis, u across. In the x-y plane
+    that is x, y. In a plane nearer to the horizontal, v is along what lies in it of the z axis: x, z. Raises ValueError
+    if the points leave the plane by more than a millionth of their extent.
+
+    >>> weft.mesh.flat_coordinates([[0, 2, 5], [1, 2, 5], [1, 3, 5]]).tolist()
+    [[0.0, 2.0], [1.0, 2.0], [1.0, 3.0]]
+    """
+    x = _numbers(points, "points", 3)
+    if len(x) < 3:
+        raise ValueError("%d points have no plane" % len(x))
+    moved = x - x.mean(axis=0)
+    normal = np.linalg.eigh(moved.T @ moved)[1][:, 0]
+    away, extent = float(np.abs(moved @ normal).max()), float(np.ptp(moved, axis=0).max())
+    if not away <= _FLAT * extent:
+        raise ValueError("the mesh has no rest shape: it has no u v, and is not flat: it leaves its plane by %.3g of "
+                         "its extent of %.3g" % (away, extent))
+    normal = np.where(np.abs(normal) < 1e-9, 0.0, normal)  # an axis stays one
+    up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) <= np.sqrt(0.5) else np.array([0.0, 0.0, 1.0])
+    along = up - normal * (up @ normal) / (normal @ normal)
+    along /= np.linalg.norm(along)
+    across = np.cross(along, normal / np.linalg.norm(normal))
+    plane: Array = x @ np.stack((across * np.sign(across[np.abs(across).argmax()]), along), axis=1)
+    return plane
+
+
+def _cells_of(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """Triangles, fabrics by triangles and groups by vertices."""
+    names = {(int(tag[1]), int(tag[0])): str(name) for name, tag in getattr(mesh, "field_data", {}).items()
+             if np.shape(tag) == (2,)}
+    tags = getattr(mesh, "cell_data", {}).get("gmsh:physical", [None] * len(mesh.cells))
+    triangles, kinds = [], []
+    groups: dict[str, list[Any]] = {name: [of] for name, of in (getattr(mesh, "point_sets", None) or {}).items()}
+    for block, tag in zip(mesh.cells, tags):
+        data = np.asarray(block.data)
+        dimension = {"triangle": 2, "vertex": 0}.get(block.type, 1 if block.type.startswith("line") else 3)
+        if dimension == 3:
+            raise ValueError("the mesh has %d cells '%s': cloth is made of cells 'triangle'" % (len(data), block.type))
+        if dimension == 2:
+            triangles.append(data)
+            kinds.append(np.full(len(data), -1) if tag is None else np.asarray(tag))
+        elif tag is not None:
+            for kind in np.unique(tag):
+                name = names.get((dimension, int(kind)))
+                if name is not None:
+                    groups.setdefault(name, []).append(data[np.asarray(tag) == kind])
+    if not triangles:
+        raise ValueError("the mesh has no cells 'triangle'")
+    kind_of = np.concatenate(kinds)
+    fabrics = {names[2, int(kind)]: kind_of == kind for kind in np.unique(kind_of) if (2, int(kind)) in names}
+    return (np.concatenate(triangles), fabrics,
+            {name: np.concatenate([np.ravel(part) for part in of]) for name, of in groups.items()})
+
+
+def _used(uv: Any, start: Any, triangles: Any, fabrics: Any, groups: Mapping[str, Any], sew: bool = False) -> Mesh:
+    """A mesh of the vertices that triangles have; sew: with equal ones as one."""
+    start = _numbers(start, "start", 3)
+    corners = _corners(triangles, "triangles", None, len(start), "vertices")
+    flag = np.zeros(len(start), dtype=np.bool_)
+    flag[corners] = True
+    if not flag.all():
+        warnings.warn("vertex %d is in no triangle and is dropped%s" % (np.argmin(flag), _first_of((~flag).sum())),
+                      SceneWarning, stacklevel=4)
+    number = np.cumsum(flag) - 1
+    kept = np.flatnonzero(flag)
+    vertex_of, first = np.arange(len(kept)), np.arange(len(kept))
+    if sew:
+        _, first, vertex_of = np.unique(start[kept], axis=0, return_index=True, return_inverse=True)
+        order = np.argsort(first)  # vertices stay in their order
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        first, vertex_of = first[order], rank[vertex_of.ravel()]
+    places = number[corners]
+    members = {name: _integers(of, "group '%s'" % name, len(start), "vertices") for name, of in groups.items()}
+    return Mesh(np.asarray(uv)[kept], start[kept][first], vertex_of[places], places=places, fabrics=fabrics,
+                groups={name: vertex_of[number[of[flag[of]]]] for name, of in members.items()})
+
+
+# ---- scenes ---------------------------------------------------------------------------
+
+_WHERE = ("vertices", "group", "near", "inside")
+_ALL_PINNED = "are pinned: nothing will move freely"
+
+
+def has_mesh(scene: Mapping[str, Any]) -> bool:
+    """Whether the cloth of a scene is a mesh of arrays: neither a grid nor a file's."""
+    cloth = scene.get("cloth")
+    mesh = cloth.get("mesh") if isinstance(cloth, Mapping) else None
+    return mesh is not None and not isinstance(mesh, (Mapping, str, bytes, int, float, list, tuple, np.ndarray))
+
+
+def with_file(scene: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """The scene with a mesh from the OBJ file of a name."""
+    return {**scene, "cloth": {**scene["cloth"], "mesh": {"file": name}}}
+
+
+def _override(node: Any, path: str, value: Any) -> Any:
+    """A copy of a scene with the value at a path of keys, as `--set` puts it there; None removes a key."""
+    key, _, rest = path.partition(".")
+    if node is None:
+        node = [] if key.isdigit() else {}
+    if isinstance(node, Mapping):
+        copy = dict(node)
+        copy[key] = _override(node.get(key), rest, value) if rest else value
+        return {k: v for k, v in copy.items() if k != key or v is not None}
+    if not isinstance(node, (list, tuple)) or not key.isdigit() or int(key) > len(node):
+        raise ValueError("nothing can be set at '%s' of %r" % (path, node))
+    items, k = list(node), int(key)
+    there = items[k] if k < len(items) else None
+    items[k:k + 1] = [_override(there, rest, value) if rest else value]
+    return items
+
+
+def _gap(shape: Mapping[str, Any], x: Array) -> Array:
+    """[m] Distances of points (N, 3) to a shape of a scene: weft_shape of include/weft/cloth.h."""
+    kind, end = shape.get("shape"), "from" if shape.get("shape") == "capsule" else "at"
+    needs = {"plane": ("at", "normal"), "sphere": ("at", "radius"), "capsule": ("from", "to", "radius"),
+             "box": ("at", "half", "rounding")}.get(str(kind))
+    if needs is None or set(shape) != {"shape", *needs}:
+        raise ValueError("inside: a shape is a plane (at, normal), sphere (at, radius), capsule (from, to, radius) or "
+                         "box (at, half, rounding) with just these keys, not %r" % (dict(shape),))
+    value = {name: real(shape[name], name, () if name in ("radius", "rounding") else (3,)) for name in needs}
+    if not all(np.isfinite(v).all() for v in value.values()):
+        raise ValueError("inside: %r has numbers that are not finite" % (dict(shape),))
+    r = x - value[end]
+    if kind == "plane":
+        return r @ (value["normal"] / np.linalg.norm(value["normal"]))
+    if kind == "sphere":
+        return np.sqrt((r * r).sum(axis=1)) - value["radius"]  # type: ignore[no-any-return]
+    if kind == "box":
+        over = np.maximum(np.abs(r) - (value["half"] - value["rounding"]), 0.0)
+        return (over ** 4).sum(axis=1) ** 0.25 - value["rounding"]  # type: ignore[no-any-return]
+    axis = value["to"] - value["from"]
+    length = np.sqrt(axis @ axis)
+    along = r @ (axis / length)
+    side = r - along[:, None] * (axis / length)
+    over = along - np.clip(along, 0.0, length)
+    return ((side * side).sum(axis=1) ** 2 + over ** 4) ** 0.25 - value["radius"]  # type: ignore[no-any-return]
+
+
+class MeshScene:
+    """A scene, a dict, whose cloth is a Mesh. libweft reads a text in which another mesh stands in for it: a triangle
+    for each fabric, with the names of all groups, and held, so that its place does not matter."""
+
+    def __init__(self, scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> None:
+        merged: Any = scene
+        for path, value in (overrides or {}).items():
+            if path == "cloth.mesh" or path.startswith("cloth.mesh."):
+                raise ValueError("%s cannot be set: cloth.mesh is a mesh of arrays" % path)
+            merged = _override(merged, path, value)
+        self.mesh = Mesh.of(merged["cloth"]["mesh"])
+        self.scene: dict[str, Any] = {**merged, "cloth": {**merged["cloth"], "mesh": self.mesh}}
+
+    def text(self) -> str:
+        return yaml_text(with_file(self.scene, "scene.obj"))
+
+    def _obj(self) -> str:
+        fabrics = ["usemtl %s\n" % name for name in ("", *self.mesh.fabric_names)]
+        corner = "v 0 0 0\nvt %d %d\n"
+        triangle = corner % (0, 0) + corner % (1, 0) + corner % (0, 1) + "%sf -3/-3 -2/-2 -1/-1\n"
+        return "".join(triangle % fabric for fabric in fabrics) + "".join("g %s\np 1\n" % g for g in self.mesh.groups)
+
+    def _stand_in(self, file: str) -> str:
+        """The text that libweft reads."""
+        def replaced(item: Any) -> Any:
+            if not isinstance(item, Mapping):
+                return item
+            return {("vertices" if key == "inside" else key): ([0] if key in ("vertices", "inside") else value)
+                    for key, value in item.items()}
+
+        scene = with_file(self.scene, file)
+        cloth = scene["cloth"]
+        for key in ("pins", "loads"):
+            if isinstance(cloth.get(key), (list, tuple)):
+                cloth[key] = [replaced(item) for item in cloth[key]]
+        held = {"vertices": list(range(3 * (1 + len(self.mesh.fabric_names))))}
+        if isinstance(cloth.get("pins", []), (list, tuple)):
+            cloth["pins"] = [*cloth.get("pins", []), held]
+        return yaml_text(scene)
+
+    def read(self) -> tuple[Any, list[str]]:
+        """A weft_scene with the mesh that stands in, and its warnings."""
+        for key in ("pins", "loads"):  # before libweft, which would find nothing wrong with them
+            for i, item in enumerate(self.scene["cloth"].get(key) or []):
+                if isinstance(item, Mapping) and "vertices" in item:
+                    self._vertices(item["vertices"], "%s[%d].vertices" % (key, i))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "mesh.obj")
+            path.write_text(self._obj(), encoding="utf-8")
+            scene, found = read_scene(None, self._stand_in(str(path)), [])
+        return scene, [text for text in found if _ALL_PINNED not in text]
+
+    def _vertices(self, value: Any, name: str) -> Any:
+        found = _members(value, name, len(self.mesh.start), "vertices")
+        if len(found) == 0:
+            raise ValueError("%s is empty" % name)
+        return found
+
+    def _where(self, item: Mapping[str, Any], name: str) -> Any:
+        """The vertices of a pin or load, which libweft has read."""
+        key = next(key for key in _WHERE if key in item)
+        value, start = item[key], self.mesh.start
+        if key == "group":
+            return self.mesh.groups[value]
+        if key == "vertices":
+            return self._vertices(value, name + ".vertices")
+        if key == "near":
+            away = start - real(value, name + ".near", (3,))
+            return np.array([(away * away).sum(axis=1).argmin()])
+        found = np.flatnonzero(_gap(value, start) <= 1e-9)
+        if len(found) == 0:
+            raise ValueError("%s: no vertex of the mesh starts inside this %s" % (name, value["shape"]))
+        return found
+
+    def _put(self, kind: str, of: Any, alive: list[Any]) -> Any:
+        """A copy of pins or loads, of vertices of the mesh."""
+        items = self.scene["cloth"].get(kind) or []
+        array = ffi.new("weft_%s[]" % kind[:-1], len(items))
+        for i, item in enumerate(items):
+            vertices = self._where(item, "%s[%d]" % (kind, i)).astype(np.uintp)
+            array[i] = of[i]
+            array[i].vertices, array[i].vertex_count = ffi.from_buffer("size_t[]", vertices), len(vertices)
+            alive.append(vertices)
+        alive.append(array)
+        return array, len(items)
+
+    def definition(self, scene: Any) -> tuple[Any, list[Any]]:
+        """A weft_cloth_def of what read() returned, and what must live as long."""
+        cloth = ffi.new("weft_cloth_def *", lib.weft_scene_cloth(scene)[0])
+        mesh, alive = ffi.new("weft_mesh_def *", cloth.mesh[0]), []
+        in_place = np.zeros(1 + len(self.mesh.fabric_names), dtype=np.uint32)  # of the triangles that stand in
+        if mesh.fabric_of != ffi.NULL:
+            in_place[:] = [mesh.fabric_of[k] for k in range(len(in_place))]
+        arrays = {"start": ("double[]", self.mesh.start), "rest": ("double[]", self.mesh.rest),
+                  "corners": ("uint32_t[]", self.mesh.triangles), "corner_places": ("uint32_t[]", self.mesh.places),
+                  "fabric_of": ("uint32_t[]", in_place[self.mesh.fabric_of])}
+        for name, (kind, array) in arrays.items():
+            alive.append(ffi.from_buffer(kind, array))
+            setattr(mesh, name, alive[-1])
+        mesh.vertices, mesh.places, mesh.triangles = len(self.mesh.start), len(self.mesh.rest), len(self.mesh.triangles)
+        mesh.names = ffi.NULL
+        cloth.mesh = mesh
+        cloth.pins, cloth.pin_count = self._put("pins", cloth.pins, alive)
+        cloth.loads, cloth.load_count = self._put("loads", cloth.loads, alive)
+        return cloth, [mesh, *alive]

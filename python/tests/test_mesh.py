@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Cloths of triangles from arrays and from other libraries' meshes."""
+import pickle
+import warnings
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import weft
+from weft import Mesh
+from weft.mesh import flat_coordinates
+
+DENIM = {"preset": "11oz-black-denim", "damping": [1e-5, 1e-5]}
+
+
+def square(n, h=0.02):
+    """(u, v) and triangles of n x n vertices."""
+    r, c = np.mgrid[0:n, 0:n]
+    i = (r * n + c)[:-1, :-1].ravel()
+    return np.c_[c.ravel() * h, r.ravel() * -h], np.concatenate([np.c_[i, i + n, i + 1],
+                                                                 np.c_[i + 1, i + n, i + n + 1]])
+
+
+def sheet(**more):
+    uv, triangles = square(5)
+    return Mesh(uv, np.c_[uv, 0.002 * np.sin(60 * uv[:, 0])], triangles, **{"groups": {"top": np.arange(5)}, **more})
+
+
+def hung(mesh, **cloth):
+    return {"weft": 1, "cloth": {"mesh": mesh, "fabric": DENIM, "pins": [{"group": "top"}], **cloth},
+            "stepper": {"plugin": "verlet", "method": "velocity_verlet", "fixed_step": 2e-5},
+            "run": {"duration": 0.01, "fps": 200}}
+
+
+def from_file(scene, folder):
+    """The same scene with its mesh from a file."""
+    scene["cloth"]["mesh"].write(folder / "mesh.obj")
+    return {**scene, "cloth": {**scene["cloth"], "mesh": {"file": str(folder / "mesh.obj")}}}
+
+
+def hashes(sim):
+    return [sim.measure().hash for _ in sim.frames()]
+
+
+def two_panels():
+    """A seam along x = 0 of two squares, which are apart in the rest shape: rest, start, triangles, places."""
+    uv, triangles = square(3, 1 / 64)
+    left = np.c_[uv - [1 / 32, 0], np.zeros(9)]
+    right = np.c_[uv, np.zeros(9)]
+    number = np.arange(9, 18)
+    number[[0, 3, 6]] = [2, 5, 8]
+    kept = [1, 2, 4, 5, 7, 8]
+    number[kept] = np.arange(9, 15)
+    return (np.concatenate([uv, uv + [1, 0]]), np.concatenate([left, right[kept]]),
+            np.concatenate([triangles, number[triangles]]), np.concatenate([triangles, triangles + 9]))
+
+
+# ---- simulations -----------------------------------------------------------------------
+
+def test_arrays_and_the_file_that_is_written_make_the_same_bits(tmp_path):
+    mesh = sheet(fabrics={"hem": [0, 3, 7], "cuff": [5]})
+    scene = hung(mesh, fabrics={"cuff": {**DENIM, "density": 1.0}, "hem": {**DENIM, "stretch": [900, 800]}},
+                 pins=[{"group": "top"}, {"vertices": [24], "velocity": [0, 0, 0.1]}, {"near": [0.0, -0.08, 0]},
+                       {"inside": {"shape": "sphere", "at": [0.04, -0.04, 0], "radius": 0.01}}],
+                 loads=[{"vertices": np.array([20, 21]), "mass": 0.001}])
+    arrays, file = weft.load(scene), weft.load(from_file(scene, tmp_path))
+    assert np.flatnonzero(arrays.pinned).tolist() == [0, 1, 2, 3, 4, 12, 20, 24]
+    assert (arrays.masses == file.masses).all() and (arrays.positions == mesh.start).all()
+    assert {frozenset(t) for t in arrays.triangles.tolist()} == {frozenset(t) for t in mesh.triangles.tolist()}
+    made = hashes(arrays)
+    assert made == hashes(file) and len(set(made)) == 3
+    run = weft.run(scene, tmp_path / "run")
+    assert list(run.series["hash"]) == made
+    assert run.positions.shape == (3, 25, 3)
+
+
+def test_a_seam_shares_vertices_but_not_places(tmp_path):
+    rest, start, triangles, places = two_panels()
+    by_places = Mesh(rest, start, triangles, places=places, groups={"top": [0, 9]})
+    by_corners = Mesh(rest[places], start, triangles, groups={"top": [0, 9]})
+    assert len(by_corners.rest) == 18 and (by_corners.rest[by_corners.places] == rest[places]).all()
+    scenes = [hung(by_places), hung(by_corners), from_file(hung(by_corners), tmp_path)]
+    first, *others = [hashes(weft.load(scene)) for scene in scenes]
+    assert all(other == first for other in others)
+    whole = Mesh(np.where(rest[:, :1] >= 1, rest - [31 / 32, 0], rest)[places], start, triangles)
+    assert len(whole.rest) == 15  # where the panels meet in the plane, there is no seam
+
+
+@pytest.mark.parametrize("form", [
+    lambda a: a.astype(np.float32).astype(np.float64), lambda a: np.asfortranarray(a), lambda a: a.tolist(),
+    lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: a.astype(">f8"), lambda a: a[::-1][::-1]])
+def test_arrays_of_any_form_are_copied(form):
+    uv, triangles = square(4, 0.25)
+    start = np.c_[uv, np.zeros(16)]
+    given = form(start.copy())
+    mesh = Mesh(form(uv), given, triangles.astype(np.int16)[:, ::-1][:, ::-1])
+    assert mesh.start.dtype == np.float64 and (mesh.start == start).all() and (mesh.triangles == triangles).all()
+    if isinstance(given, np.ndarray):
+        given[:] = 7
+        assert (mesh.start == start).all()
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.start[0] = 0
+
+
+def test_scenes_of_meshes_are_changed_saved_and_pickled():
+    scene = hung(sheet())
+    sim = weft.load(scene, {"run.fps": 100.0, "cloth.pins.1": {"vertices": [24]}, "cloth.fabric.density": 0.5,
+                            "forces.damping": 1e-3})
+    assert sim.fps == 100 and sim.pinned[24] and not weft.load(scene).pinned[24]
+    assert 'mesh: {file: "scene.obj"}' in sim.scene and "{vertices: [24]}" in sim.scene and "damping: 0.001" in sim.scene
+    sim.advance(0.005)
+    again = pickle.loads(pickle.dumps(sim))
+    sim.advance(0.01)
+    again.advance(0.01)
+    assert again.measure().hash == sim.measure().hash and again.scene == sim.scene
+    with pytest.raises(ValueError, match="cloth.mesh.unit cannot be set"):
+        weft.load(scene, {"cloth.mesh.unit": 2})
+    with pytest.raises(ValueError, match="nothing can be set at '7'"):
+        weft.load(scene, {"cloth.pins.7": {"vertices": [1]}})
+
+
+@pytest.mark.parametrize("shape", [
+    {"shape": "plane", "at": [0, -0.045, 0], "normal": [0, 2, 0.1]},
+    {"shape": "sphere", "at": [0.03, -0.05, 0.01], "radius": 0.03},
+    {"shape": "capsule", "from": [0, -0.02, 0], "to": [0.05, -0.05, 0.01], "radius": 0.019},
+    {"shape": "box", "at": [0.05, -0.05, 0], "half": [0.031, 0.021, 0.01], "rounding": 0.005}])
+def test_pins_inside_a_shape_are_those_of_a_file(shape, tmp_path):
+    scene = hung(sheet(), pins=[{"inside": shape}])
+    pinned = weft.load(scene).pinned
+    assert (pinned == weft.load(from_file(scene, tmp_path)).pinned).all() and 0 < pinned.sum() < 25
+
+
+def test_contact_with_shapes_is_allowed_and_sees_the_mesh():
+    scene = hung(sheet())
+    scene["contact"] = {"shapes": [{"shape": "sphere", "at": [0.04, -0.12, 0], "radius": 0.03}]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", weft.SceneWarning)
+        assert weft.load(scene).measure().gap == pytest.approx(0.01, abs=1e-3)
+        scene["contact"]["shapes"][0]["at"] = [0.04, -0.08, 0]
+        with pytest.raises(weft.Error, match=r"vertex \d+ .*shapes\[0\]"):
+            weft.load(scene)
+    scene["contact"] = {"self": True}
+    with pytest.raises(weft.SceneError, match="needs a grid"):
+        weft.load(scene)
+
+
+# ---- refusals --------------------------------------------------------------------------
+
+UV, TRIANGLES = square(2)
+START = np.c_[UV, np.zeros(4)]
+
+
+@pytest.mark.parametrize("error, words, arguments", [
+    (ValueError, r"rest has the shape \(4, 3\), not \(n, 2\)", (START, START, TRIANGLES)),
+    (ValueError, r"start has the shape \(4, 2\), not \(n, 3\)", (UV, UV, TRIANGLES)),
+    (ValueError, r"triangles has the shape \(3, 2\), not \(T, 3\)", (UV, START, TRIANGLES.T)),
+    (ValueError, "triangle or more, not 0", (UV, START, np.zeros((0, 3), int))),
+    (ValueError, "rest has 3 rows and start 4", (UV[:3], START, TRIANGLES)),
+    (ValueError, r"rest has the shape \(1, 3, 2\), but there are 2", (UV[TRIANGLES][:1], START, TRIANGLES)),
+    (ValueError, "start is None", (UV[TRIANGLES], None, TRIANGLES)),
+    (ValueError, r"start\[2\] is \[0.0, nan, 0.0\], not finite",
+     (UV, np.where(np.arange(4)[:, None] == 2, [0, np.nan, 0], START), TRIANGLES)),
+    (ValueError, r"rest\[0\] is \[inf, 0.0\], not finite, the first of 4", (UV * 0 + [np.inf, 0], START, TRIANGLES)),
+    (IndexError, r"triangles\[1\]\[2\] is 4, but there are 4 vertices: 0 to 3", (UV, START, TRIANGLES + [[0], [1]])),
+    (IndexError, r"triangles\[0\]\[0\] is -1", (UV, START, TRIANGLES - 1)),
+    (TypeError, "triangles consists of integers, not of float64", (UV, START, TRIANGLES * 1.0)),
+    (TypeError, "start consists of real numbers, not of complex128", (UV, START * 1j, TRIANGLES)),
+    (ValueError, "vertex 3 is in no triangle", (UV, START, TRIANGLES[:1])),
+])
+def test_wrong_arrays_are_refused_in_a_sentence(error, words, arguments):
+    with pytest.raises(error, match=words):
+        Mesh(*arguments)
+
+
+@pytest.mark.parametrize("error, words, more", [
+    (IndexError, r"places\[0\]\[0\] is 9, but there are 4 places", {"places": TRIANGLES + 9}),
+    (IndexError, r"group 'a'\[0\] is 4, but there are 4 vertices", {"groups": {"a": [4]}}),
+    (ValueError, "one word without blanks", {"groups": {"a b": [1]}}),
+    (ValueError, r"fabrics has \(1,\) names, but there are 2", {"fabrics": ["a"]}),
+    (ValueError, r"fabric 'a' has \(3,\) flags, but there are 2", {"fabrics": {"a": np.ones(3, bool)}}),
+])
+def test_wrong_parts_are_refused_in_a_sentence(error, words, more):
+    with pytest.raises(error, match=words):
+        Mesh(UV, START, TRIANGLES, **more)
+
+
+@pytest.mark.parametrize("words, rest, triangles", [
+    ("is turned over in the rest shape", np.array([[0, 0], [1, 0], [0, 1], [0.2, 0.2]]), [[0, 1, 2], [1, 3, 2]]),
+    ("in the same direction: one of them is flipped", UV, [[0, 2, 1], [1, 3, 2]]),
+    ("degenerate at rest", UV * [1, 0], TRIANGLES),
+    ("edge 0-1 has 3 triangles", np.array([[0, 0], [1, 0], [0.2, 1], [0.7, 1.1], [0.4, 1.2]]),
+     [[0, 1, 2], [0, 1, 3], [0, 1, 4]]),
+])
+def test_meshes_that_are_no_cloth_are_refused_when_loaded(words, rest, triangles):
+    with pytest.raises(weft.Error, match=words):
+        weft.load(hung(Mesh(rest, None, triangles), pins=[]))
+
+
+@pytest.mark.parametrize("error, words, cloth", [
+    (weft.SceneError, "the mesh has no group 'tpo' .*did you mean 'top'", {"pins": [{"group": "tpo"}]}),
+    (IndexError, r"pins\[0\].vertices\[1\] is 25, but there are 25 vertices", {"pins": [{"vertices": [3, 25]}]}),
+    (ValueError, r"pins\[0\].vertices is empty", {"pins": [{"vertices": []}]}),
+    (ValueError, r"loads\[0\]: no vertex of the mesh starts inside this sphere",
+     {"loads": [{"inside": {"shape": "sphere", "at": [9, 9, 9], "radius": 1.0}, "mass": 1}]}),
+    (weft.SceneError, "the mesh has no usemtl 'hem'", {"fabrics": {"hem": DENIM}}),
+    (weft.SceneError, "'at' needs a grid", {"pins": [{"at": "top"}]}),
+    (weft.SceneError, "needs a grid: a mesh of triangles has a fabric", {"density": 0.1}),
+])
+def test_mistakes_of_a_scene_are_those_of_a_file(error, words, cloth):
+    with pytest.raises(error, match=words):
+        weft.load(hung(sheet(), **cloth))
+
+
+# ---- other libraries -------------------------------------------------------------------
+
+def bent(uv):
+    return np.c_[uv[:, 0], uv[:, 1], 0.01 * np.cos(40 * uv[:, 1])]
+
+
+def test_a_trimesh_has_its_rest_shape_in_uv_and_its_seams_are_sewn():
+    trimesh = pytest.importorskip("trimesh")
+    uv, triangles = square(4)
+    visual = trimesh.visual.TextureVisuals(uv=uv)
+    given = trimesh.Trimesh(bent(uv), triangles, visual=visual, process=False)
+    scene = hung(given, pins=[{"vertices": [0, 3]}])
+    assert hashes(weft.load(scene)) == hashes(weft.load(hung(Mesh(uv, bent(uv), triangles),
+                                                             pins=[{"vertices": [0, 3]}])))
+    rest, start, sewn, places = two_panels()
+    apart = np.empty((18, 3))
+    apart[places] = start[sewn]
+    divided = trimesh.Trimesh(apart, places, visual=trimesh.visual.TextureVisuals(uv=rest), process=False)
+    assert len(Mesh.of(divided).start) == 15 and len(Mesh.from_trimesh(divided, sew=False).start) == 18
+    again = Mesh.of(divided)
+    assert (again.start[again.triangles] == start[sewn]).all() and (again.rest[again.places] == rest[places]).all()
+
+
+def test_a_flat_trimesh_has_its_plane_as_rest_shape_and_another_one_is_refused():
+    trimesh = pytest.importorskip("trimesh")
+    uv, triangles = square(4)
+    flat = trimesh.Trimesh(np.c_[uv, np.full(16, 0.3)], triangles, process=False)
+    assert (Mesh.of(flat).rest == uv).all()
+    with pytest.raises(ValueError, match="has no u v, and is not flat"):
+        Mesh.of(trimesh.Trimesh(bent(uv), triangles, process=False))
+
+
+def test_coordinates_of_a_plane_keep_its_lengths():
+    rng = np.random.default_rng(1)
+    uv = rng.random((20, 2))
+    for _ in range(20):
+        turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        found = flat_coordinates(np.c_[uv, np.full(20, 0.7)] @ turn.T + [1, 2, 3])
+        apart, exact = (np.linalg.norm(x[:, None] - x, axis=2) for x in (found, uv))
+        assert np.abs(apart - exact).max() < 1e-14
+    x = np.c_[uv, np.ones(20)]
+    for order, columns in (([0, 1, 2], [0, 1]), ([0, 2, 1], [0, 2]), ([2, 1, 0], [2, 1])):  # x-y, x-z, z-y
+        assert (flat_coordinates(x[:, order]) == x[:, order][:, columns]).all()
+
+
+def test_a_meshio_mesh_has_groups_and_fabrics_of_gmsh():
+    meshio = pytest.importorskip("meshio")
+    uv, triangles = square(4)
+    points = np.concatenate([[[9.0, 9.0, 9.0]], bent(uv)])  # the centre of a circle, in no triangle
+    given = meshio.Mesh(points, [("line", [[1, 2], [2, 3]]), ("triangle", triangles + 1), ("vertex", [[0], [16]])],
+                        point_data={"uv": np.concatenate([[[0.0, 0.0]], uv])},
+                        cell_data={"gmsh:physical": [np.array([5, 5]), np.repeat([1, 2], 9), np.array([9, 9])]},
+                        field_data={"hem": np.array([2, 2]), "top": np.array([5, 1]), "end": np.array([9, 0])})
+    with pytest.warns(weft.SceneWarning, match="vertex 0 is in no triangle and is dropped"):
+        mesh = Mesh.of(given)
+    assert (mesh.rest == uv).all() and (mesh.start == bent(uv)).all() and (mesh.triangles == triangles).all()
+    assert mesh.groups["top"].tolist() == [0, 1, 2] and mesh.groups["end"].tolist() == [15]
+    assert mesh.fabric_names == ["hem"] and mesh.fabric_of.tolist() == [0] * 9 + [1] * 9
+    assert hashes(weft.load(hung(mesh)))
+    with pytest.raises(ValueError, match="1 cells 'quad'"):
+        Mesh.of(meshio.Mesh(uv, [("quad", [[0, 1, 5, 4]])]))
+    with pytest.raises(KeyError, match="no point_data 'u'"):
+        Mesh.from_meshio(given, rest="u")
+
+
+def test_flat_points_of_meshio_may_have_two_coordinates():
+    uv, triangles = square(3)
+    block = SimpleNamespace(type="triangle", data=triangles)
+    mesh = Mesh.of(SimpleNamespace(points=uv, cells=[block]))
+    assert (mesh.rest == uv).all() and (mesh.start == np.c_[uv, np.zeros(9)]).all()
+
+
+def test_what_is_no_mesh_is_refused():
+    with pytest.raises(TypeError, match="a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a object"):
+        weft.load(hung(object()))
