@@ -109,8 +109,9 @@ typedef struct kinds {
 static bool count_kind(void *ctx, const weft__pair *pair)
 {
     kinds *of = ctx;
-    weft__push push;
-    of->count[pair->kind] += weft__pair_push(&of->law, pair, y, &push);
+    weft__pushes push;
+    double bad = 0.0;
+    of->count[pair->kind] += weft__pair_push(&of->law, pair, y, &push, 0, &bad);
     return true;
 }
 
@@ -439,8 +440,8 @@ START_TEST(pairs_do_not_push_before_their_wait)
     pairs *of = find(0.02, NULL);
     const weft__self_law law = weft__self_law_of(&cloth->self);
     for (size_t i = 0; i < of->count; ++i) {
-        double moved[6 * N], distance, wait;
-        weft__push push;
+        double moved[6 * N], distance, wait, bad = 0.0;
+        weft__pushes push;
         int32_t at[4][1 + WEFT__BLOCK] = { { 0 } };
         const weft__near one = { { at[0], at[1], at[2], at[3] }, &wait, NULL, NULL };
         for (size_t k = 0; k < 4; ++k) {
@@ -460,7 +461,7 @@ START_TEST(pairs_do_not_push_before_their_wait)
                     moved[k * N + j] += by * d[k];
                 }
             }
-            ck_assert(!weft__pair_push(&law, &of->at[i], moved, &push));
+            ck_assert(!weft__pair_push(&law, &of->at[i], moved, &push, 0, &bad));
         }
     }
     ck_assert_uint_gt(by_feet, 10);

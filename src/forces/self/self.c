@@ -74,39 +74,58 @@ static inline void place(const double *planes, size_t n, const weft__pair *pair,
     }
 }
 
-/* One function for each kind, as it is a constant. */
-static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
-                             const weft__pair *pair, const double *y, weft__push *out)
+/* The mass of a pair that pushes, its feet, weighed, and the velocities of its
+ * particles; 0: it does not push. */
+static inline double meet(const weft__self_law *law, weft__pair_kind kind,
+                          const weft__pair *pair, const double *y, law_feet *at,
+                          double v[4][3])
 {
-    const weft__self *own = law->own;
-    const size_t n = own->mesh->particles;
-    double x[4][3], v[4][3];
-    law_push push;
+    const size_t n = law->own->mesh->particles;
+    const double mass = weft__pair_mass(law->own, pair);
+    double x[4][3];
     place(y, n, pair, x);
     const law_gram of = law_gram_of(kind, x);
-    const double mass = weft__pair_mass(own, pair);
-    if (mass == 0.0 || !law_pushes(kind, &of, own->law.thickness)) {
+    if (mass == 0.0 || !law_pushes(kind, &of, law->own->law.thickness)) {
+        return 0.0;
+    }
+    place(y + 3 * n, n, pair, v);
+    *at = law_feet_of(kind, &of);
+    law_weigh(kind, law, weft__pair_rest(law, pair), at);
+    return mass;
+}
+
+/* One function for each kind, as it is a constant. */
+static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
+                             const weft__pair *pair, const double *y, weft__pushes *out,
+                             size_t lane, double *bad)
+{
+    double v[4][3];
+    law_feet at;
+    law_push push;
+    const double mass = meet(law, kind, pair, y, &at, v);
+    if (mass == 0.0) {
         return false;
     }
-    law_feet at = law_feet_of(kind, &of);
-    place(y + 3 * n, n, pair, v);
-    law_weigh(kind, law, weft__pair_rest(law, pair), &at);
-    law_push_of(kind, &own->law, &at, mass, v, &push);
-    memcpy(out->particle, pair->particle, sizeof out->particle);
-    memcpy(out->force, push.force, sizeof out->force);
-    out->count = (uint32_t)weft__pair_particles(pair), out->kind = kind;
-    out->gap = at.d;
-    out->energy = push.energy, out->heat = push.heat, out->friction = push.friction;
+    law_push_of(kind, &law->own->law, &at, mass, v, &push);
+    for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
+        out->particle[i][lane] = (int32_t)pair->particle[i];
+        for (size_t k = 0; k < 3; ++k) {
+            out->force[i][k][lane] = push.force[i][k];
+            *bad += push.force[i][k] * 0.0;
+        }
+    }
+    out->gap[lane] = at.d, out->energy[lane] = push.energy;
+    out->heat[lane] = push.heat, out->friction[lane] = push.friction;
     return true;
 }
 
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
-                     weft__push *out)
+                     weft__pushes *out, size_t lane, double *bad)
 {
     switch ((weft__pair_kind)pair->kind) {
 #define CASE(kind)                                                                     \
     case kind:                                                                         \
-        return push_kind(law, kind, pair, y, out);
+        return push_kind(law, kind, pair, y, out, lane, bad);
         EACH_KIND(CASE)
 #undef CASE
     default:
@@ -117,63 +136,22 @@ bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const do
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch)
 {
-    const size_t n = law->own->mesh->particles, count = weft__pair_particles(pair);
     const weft_contact_def *contact = &law->own->law;
     const weft__pair_kind kind = (weft__pair_kind)pair->kind;
-    const double mass = weft__pair_mass(law->own, pair);
-    double x[4][3], v[3] = { 0.0 };
-    place(y, n, pair, x);
-    const law_gram of = law_gram_of(kind, x);
-    if (mass == 0.0 || !law_pushes(kind, &of, contact->thickness)) {
+    double v[4][3];
+    law_feet at;
+    const double mass = meet(law, kind, pair, y, &at, v);
+    if (mass == 0.0) {
         return false;
     }
-    law_feet at = law_feet_of(kind, &of);
-    law_weigh(kind, law, weft__pair_rest(law, pair), &at);
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,
                             .share = WEFT__SELF_SHARE * at.weight };
-    for (size_t k = 0; k < 3; ++k) {
-        for (size_t i = 0; i < count; ++i) {
-            v[k] += at.arm[i] * y[(3 + k) * n + pair->particle[i]];
-        }
-        touch->normal[k] = at.r[k] / at.d;
-    }
-    touch->speed = weft__dot(v, touch->normal);
-    for (size_t k = 0; k < 3; ++k) {
-        touch->slip[k] = v[k] - touch->speed * touch->normal[k];
-    }
+    touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
     weft__touch_forces(contact, contact->friction, touch);
     touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
     memcpy(arm, at.arm, sizeof at.arm);
     return true;
-}
-
-void weft__push_at(weft__pair_kind kind, const weft__pushes *pushes, size_t i,
-                   weft__push *out)
-{
-    const weft__pushes *from = &pushes[i / WEFT__BLOCK];
-    const size_t lane = i % WEFT__BLOCK;
-    out->count = (uint32_t)weft__kind_particles(kind), out->kind = kind;
-    for (size_t k = 0; k < out->count; ++k) {
-        out->particle[k] = (uint32_t)from->particle[k][lane];
-        for (size_t j = 0; j < 3; ++j) {
-            out->force[k][j] = from->force[k][j][lane];
-        }
-    }
-    out->gap = from->gap[lane], out->energy = from->energy[lane];
-    out->heat = from->heat[lane], out->friction = from->friction[lane];
-}
-
-static void write_push(const weft__push *from, size_t lane, weft__pushes *to)
-{
-    for (size_t k = 0; k < from->count; ++k) {
-        to->particle[k][lane] = (int32_t)from->particle[k];
-        for (size_t j = 0; j < 3; ++j) {
-            to->force[k][j][lane] = from->force[k][j];
-        }
-    }
-    to->gap[lane] = from->gap, to->energy[lane] = from->energy;
-    to->heat[lane] = from->heat, to->friction[lane] = from->friction;
 }
 
 size_t weft__pushes_loops(const weft__self_law *law, weft__pair_kind kind,
@@ -185,16 +163,9 @@ size_t weft__pushes_loops(const weft__self_law *law, weft__pair_kind kind,
     for (size_t at = 0; at < span_count; ++at) {
         for (; i < spans[at].end[kind]; ++i) {
             const weft__pair pair = weft__near_pair(kind, near, i);
-            weft__push push;
-            if (near->waits[i] > spans[at].moved
-                || !weft__pair_push(law, &pair, y, &push)) {
-                continue;
-            }
-            for (size_t k = 0; k < 3 * push.count; ++k) {
-                *bad += push.force[k / 3][k % 3] * 0.0;
-            }
-            write_push(&push, count % WEFT__BLOCK, &out[count / WEFT__BLOCK]);
-            ++count;
+            count += !(near->waits[i] > spans[at].moved)
+                     && weft__pair_push(law, &pair, y, &out[count / WEFT__BLOCK],
+                                        count % WEFT__BLOCK, bad);
         }
     }
     return count;
@@ -220,45 +191,52 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
     }
 }
 
-/* Adds its forces to planes to[3 N]. */
-static double add_push(const weft__self *own, const weft__push *push, weft__unit unit,
-                       double *to)
+void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
+                      const weft__pushes *pushes, size_t count, weft__unit unit,
+                      double *to)
 {
-    double bad = 0.0;
-    for (size_t k = 0; k < push->count; ++k) {
-        const size_t i = push->particle[k];
-        const double scale = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[i];
-        for (size_t j = 0; j < 3; ++j) {
-            bad += push->force[k][j] * 0.0;
-            if (scale > 0.0) {
-                to[j * own->mesh->particles + i] += scale * push->force[k][j];
+    const size_t n = own->mesh->particles;
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pushes *from = &pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK;
+        for (size_t k = 0; k < weft__kind_particles(kind); ++k) {
+            const size_t at = (size_t)from->particle[k][lane];
+            const double scale
+                = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[at];
+            for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
+                to[j * n + at] += scale * from->force[k][j][lane];
             }
         }
     }
-    return bad;
 }
 
-void weft__push_measure(const weft__self *own, const weft__push *push, const double *y,
-                        weft_measures *sum)
+void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
+                          const weft__pushes *pushes, size_t count, const double *y,
+                          weft_measures *sum)
 {
     const size_t n = own->mesh->particles;
-    sum->energy.contact += push->energy;
-    sum->power[WEFT_POWER_CONTACT] += push->heat;
-    sum->power[WEFT_POWER_FRICTION] += push->friction;
-    for (size_t k = 0; k < push->count; ++k) {
-        const size_t i = push->particle[k];
-        const double v[3] = { y[3 * n + i], y[4 * n + i], y[5 * n + i] };
-        if (own->mesh->pin[i] != 0) {
-            sum->power[WEFT_POWER_PINS] -= weft__dot(push->force[k], v);
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pushes *from = &pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK;
+        weft__pair pair = { .kind = kind };
+        sum->energy.contact += from->energy[lane];
+        sum->power[WEFT_POWER_CONTACT] += from->heat[lane];
+        sum->power[WEFT_POWER_FRICTION] += from->friction[lane];
+        for (size_t k = 0; k < weft__kind_particles(kind); ++k) {
+            const size_t at = pair.particle[k] = (uint32_t)from->particle[k][lane];
+            const double v[3] = { y[3 * n + at], y[4 * n + at], y[5 * n + at] };
+            const double f[3] = { from->force[k][0][lane], from->force[k][1][lane],
+                                  from->force[k][2][lane] };
+            if (own->mesh->pin[at] != 0) {
+                sum->power[WEFT_POWER_PINS] -= weft__dot(f, v);
+            }
         }
+        if (from->gap[lane] < sum->self_gap) {
+            weft__pair_primitives(&pair, sum->self_pair);
+            sum->self_gap = from->gap[lane];
+        }
+        ++sum->self_touching;
     }
-    if (push->gap < sum->self_gap) {
-        weft__pair pair = { .kind = push->kind };
-        memcpy(pair.particle, push->particle, sizeof pair.particle);
-        weft__pair_primitives(&pair, sum->self_pair);
-        sum->self_gap = push->gap;
-    }
-    ++sum->self_touching;
 }
 
 /* ---- without a list -------------------------------------------------------------- */
@@ -275,13 +253,15 @@ typedef struct pass {
 static bool take_pair(void *ctx, const weft__pair *pair)
 {
     pass *all = ctx;
-    weft__push push;
-    if (weft__pair_push(&all->law, pair, all->at->y, &push)) {
-        if (all->to != NULL) {
-            all->bad += add_push(all->law.own, &push, all->unit, all->to);
-        } else {
-            weft__push_measure(all->law.own, &push, all->at->y, all->sum);
-        }
+    const weft__pair_kind kind = (weft__pair_kind)pair->kind;
+    weft__pushes one;
+    if (!weft__pair_push(&all->law, pair, all->at->y, &one, 0, &all->bad)) {
+        return true;
+    }
+    if (all->to != NULL) {
+        weft__pushes_add(all->law.own, kind, &one, 1, all->unit, all->to);
+    } else {
+        weft__pushes_measure(all->law.own, kind, &one, 1, all->at->y, all->sum);
     }
     return true;
 }

@@ -111,17 +111,6 @@ static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
 
 /* ---- self.c: how they push ------------------------------------------------------- */
 
-/* A pair that pushes. */
-typedef struct weft__push {
-    uint32_t particle[4];
-    uint32_t count, kind;
-    double force[4][3]; /* [N] */
-    double gap;         /* [m] */
-    double energy;      /* [J] */
-    double heat;        /* [W] of its damping */
-    double friction;    /* [W] heat, too */
-} weft__push;
-
 /* What the law takes from a cloth. */
 typedef struct weft__self_law {
     const weft__self *own;
@@ -130,11 +119,6 @@ typedef struct weft__self_law {
 } weft__self_law;
 
 weft__self_law weft__self_law_of(const weft__self *own);
-
-/* False: it does not push in state y[6 N]. The forces are NaN where two are at the same
- * place. */
-bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
-                     weft__push *out);
 
 /* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
  * smallest mass [kg] of the free particles, 0 without. */
@@ -167,13 +151,21 @@ typedef struct weft__span {
     size_t end[WEFT__EDGES + 1];
 } weft__span;
 
-/* WEFT__BLOCK pairs of a kind that push. */
+/* WEFT__BLOCK pairs of a kind that push; push i of an array of them is lane
+ * i % WEFT__BLOCK of number i / WEFT__BLOCK. */
 typedef struct weft__pushes {
     double force[4][3][WEFT__BLOCK]; /* [N] */
-    double gap[WEFT__BLOCK], energy[WEFT__BLOCK];
-    double heat[WEFT__BLOCK], friction[WEFT__BLOCK];
+    double gap[WEFT__BLOCK];         /* [m] */
+    double energy[WEFT__BLOCK];      /* [J] */
+    double heat[WEFT__BLOCK];        /* [W] of its damping */
+    double friction[WEFT__BLOCK];    /* [W] heat, too */
     int32_t particle[4][WEFT__BLOCK];
 } weft__pushes;
+
+/* Writes a pair to a lane; false: it does not push in state y[6 N]. The forces are NaN
+ * where two are at the same place; *bad as below. */
+bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
+                     weft__pushes *out, size_t lane, double *bad);
 
 /* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
  * or NaN if a force is not finite. Has room for all pairs. */
@@ -209,13 +201,14 @@ struct weft__self {
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch);
 
-/* Push i of those of a kind. */
-void weft__push_at(weft__pair_kind kind, const weft__pushes *pushes, size_t i,
-                   weft__push *out);
-
-/* Its energy, powers, gap and touch. */
-void weft__push_measure(const weft__self *own, const weft__push *push, const double *y,
-                        weft_measures *sum);
+/* Adds the forces of `count` pushes of a kind to planes to[3 N]; what each has of
+ * energy, powers, gap and touch to *sum. */
+void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
+                      const weft__pushes *pushes, size_t count, weft__unit unit,
+                      double *to);
+void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
+                          const weft__pushes *pushes, size_t count, const double *y,
+                          weft_measures *sum);
 
 /* The same of all pairs of a state, which are sought: as add_all and measure_all of a
  * weft__force. Nothing without contact.self. */

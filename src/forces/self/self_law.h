@@ -369,16 +369,15 @@ typedef struct law_push {
     num energy, heat, friction;
 } law_push;
 
-/* Of a pair that pushes and that law_weigh has weighed, by mass M and the velocities
- * of its particles. */
-LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
-                     const law_feet *at, num mass, num v[4][3], law_push *out)
+/* Of feet that law_weigh has weighed: n, w, and the speed along n, by the velocities
+ * of the particles. */
+LAW num law_slip(weft__pair_kind kind, const law_feet *at, num v[4][3], num n[3],
+                 num slip[3])
 {
-    const size_t count = weft__kind_particles(kind);
-    num n[3], w[3], slip[3];
+    num w[3];
     for (size_t k = 0; k < 3; ++k) {
         w[k] = at->arm[0] * v[0][k];
-        for (size_t i = 1; i < count; ++i) {
+        for (size_t i = 1; i < weft__kind_particles(kind); ++i) {
             w[k] = w[k] + at->arm[i] * v[i][k];
         }
         n[k] = at->r[k] / at->d;
@@ -387,6 +386,16 @@ LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
     for (size_t k = 0; k < 3; ++k) {
         slip[k] = w[k] - speed * n[k];
     }
+    return speed;
+}
+
+/* Of a pair that pushes, by mass M. */
+LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
+                     const law_feet *at, num mass, num v[4][3], law_push *out)
+{
+    const size_t count = weft__kind_particles(kind);
+    num n[3], slip[3];
+    const num speed = law_slip(kind, at, v, n, slip);
     const num slip2 = law_dot(slip, slip), one = NUM(1.0);
     const law_touch touch = law_press(law, law->friction, at->d,
                                       WEFT__SELF_SHARE * at->weight, speed, slip2, one);

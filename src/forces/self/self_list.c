@@ -509,31 +509,15 @@ static bool evaluate(evaluation *all)
     return true;
 }
 
-static void add_pushes(const weft__self *own, const weft__self_bin *of, size_t corners,
-                       double *to)
-{
-    const size_t n = own->mesh->particles;
-    for (size_t i = 0; i < of->pushing; ++i) {
-        const weft__pushes *from = &of->pushes[i / WEFT__BLOCK];
-        const size_t lane = i % WEFT__BLOCK;
-        for (size_t k = 0; k < corners; ++k) {
-            const size_t at = (size_t)from->particle[k][lane];
-            const double scale = own->mesh->inverse_mass[at];
-            for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
-                to[j * n + at] += scale * from->force[k][j][lane];
-            }
-        }
-    }
-}
-
 /* In the order of weft__each_pair. By one thread: the pushes of others come from their
  * caches, and two that each add half of them took longer. */
 static void gather(const weft__self_list *list, double *to)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
-        const size_t corners = weft__kind_particles((weft__pair_kind)kind);
         for (size_t i = 0; i < list->chunk_count; ++i) {
-            add_pushes(list->own, &list->chunks[i].bins[kind], corners, to);
+            const weft__self_bin *in = &list->chunks[i].bins[kind];
+            weft__pushes_add(list->own, (weft__pair_kind)kind, in->pushes, in->pushing,
+                             WEFT__ACCELERATION, to);
         }
     }
 }
@@ -552,16 +536,6 @@ int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to
     return atomic_load(&all.bad) ? 1 : 0;
 }
 
-static void measure_bin(const weft__self *own, weft__pair_kind kind,
-                        const weft__self_bin *of, const double *y, weft_measures *sum)
-{
-    for (size_t i = 0; i < of->pushing; ++i) {
-        weft__push push;
-        weft__push_at(kind, of->pushes, i, &push);
-        weft__push_measure(own, &push, y, sum);
-    }
-}
-
 void weft__self_list_measure(weft__self_list *list, const weft__state *at,
                              weft_measures *sum)
 {
@@ -573,8 +547,9 @@ void weft__self_list_measure(weft__self_list *list, const weft__state *at,
     const bool any = evaluate(&all);
     for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
         for (size_t i = 0; i < list->chunk_count; ++i) {
-            measure_bin(list->own, (weft__pair_kind)kind, &list->chunks[i].bins[kind],
-                        at->y, sum);
+            const weft__self_bin *in = &list->chunks[i].bins[kind];
+            weft__pushes_measure(list->own, (weft__pair_kind)kind, in->pushes,
+                                 in->pushing, at->y, sum);
         }
     }
 }
