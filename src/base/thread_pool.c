@@ -138,6 +138,12 @@ static void wake(weft__pool *pool)
 void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count)
 {
     weft__pool *pool = self;
+    if (pool == NULL || count <= 1) {
+        for (size_t i = 0; i < count; ++i) {
+            task(ctx, i);
+        }
+        return;
+    }
     const uint_fast64_t number = (atomic_load(&pool->job) >> 32) + 1;
     pool->task = task;
     pool->ctx = ctx;

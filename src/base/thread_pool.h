@@ -19,7 +19,8 @@ size_t weft__pool_threads(const weft__pool *pool);
 
 /* Runs all parts [0, count) once each, on any thread, with the floating-point mode of
  * the caller; count <= WEFT_PARTS. Returns when they are done. Allocates nothing; locks
- * only to wake sleeping threads. `self` is a weft__pool. */
+ * only to wake sleeping threads. `self` is a weft__pool; NULL: the caller's thread
+ * alone. */
 enum { WEFT_PARTS = 0xffff };
 void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count);
 

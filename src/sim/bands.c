@@ -291,11 +291,11 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
-    weft__forces_run(forces, do_edge, &all, 2);
+    weft__pool_run(forces->pool, do_edge, &all, 2);
     weft__ghost_blocks(cloth, of, dydt, 0, first);
     weft__ghost_blocks(cloth, of, dydt, end, cloth->mesh.rows);
     comm->begin(comm->self, &rows);
-    weft__forces_run(forces, do_inner, &all, all.parts);
+    weft__pool_run(forces->pool, do_inner, &all, all.parts);
     comm->end(comm->self);
     return atomic_load(&all.failed);
 }

@@ -81,22 +81,10 @@ static void do_band(void *ctx, size_t i)
     of->task(of->ctx, first_block(of->forces, i), first_block(of->forces, i + 1));
 }
 
-void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
-                      size_t count)
-{
-    if (forces->pool != NULL && count > 1) {
-        weft__pool_run(forces->pool, task, ctx, count);
-        return;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        task(ctx, i);
-    }
-}
-
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
 {
     bands_job of = { forces, task, ctx };
-    weft__forces_run(forces, do_band, &of, forces->bands);
+    weft__pool_run(forces->pool, do_band, &of, forces->bands);
 }
 
 typedef struct call {

@@ -24,10 +24,6 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given);
 void weft__forces_destroy(weft__forces *forces);
 
-/* Runs all parts [0, count) of a task once each, on any thread. */
-void weft__forces_run(const weft__forces *forces, weft__task *task, void *ctx,
-                      size_t count);
-
 /* Calls task(ctx, first, end) for ranges of blocks [first, end) that make up the
  * own ones, on any thread and in any order. */
 typedef void weft__band_fn(void *ctx, size_t first, size_t end);

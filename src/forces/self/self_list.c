@@ -27,17 +27,6 @@ enum { SHELVES = 64 };
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
 
-static void run_parts(weft__pool *pool, weft__task *task, void *ctx, size_t parts)
-{
-    if (pool != NULL && parts > 1) {
-        weft__pool_run(pool, task, ctx, parts);
-        return;
-    }
-    for (size_t i = 0; i < parts; ++i) {
-        task(ctx, i);
-    }
-}
-
 /* A quarter of the spacing is near the best of piles; thick cloth has less, so that
  * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
 static double skin_of(const weft__self *own)
@@ -174,7 +163,7 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     const size_t tiles = weft__tile_count(list->own->mesh);
     drifting of = { list->own, from, to, list->tiles[k] };
     weft__drift all;
-    run_parts(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
+    weft__pool_run(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
     all = of.tiles[0];
     for (size_t i = 1; i < tiles; ++i) {
         weft__drift_add(&all, &of.tiles[i]);
@@ -406,7 +395,7 @@ static void make(weft__self_list *list, const double *y)
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, 1);
-    run_parts(list->pool, age_part, &of, list->chunk_count);
+    weft__pool_run(list->pool, age_part, &of, list->chunk_count);
     memset(list->marks, 0, weft__tile_count(own->mesh));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
@@ -417,9 +406,9 @@ static void make(weft__self_list *list, const double *y)
     if (seek) {
         list->tree = weft__tree_of(own->mesh, y);
         weft__tree_begin(&list->tree, list->knots);
-        run_parts(list->pool, fill_part, &of, list->chunk_count);
+        weft__pool_run(list->pool, fill_part, &of, list->chunk_count);
     }
-    run_parts(list->pool, make_part, &of, list->chunk_count);
+    weft__pool_run(list->pool, make_part, &of, list->chunk_count);
     memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
     list->pin_changes = own->mesh->pin_changes;
     end_making(list);
@@ -505,7 +494,7 @@ static bool evaluate(evaluation *all)
         return false;
     }
     all->law = weft__self_law_of(all->list->own);
-    run_parts(all->list->pool, evaluate_part, all, all->list->chunk_count);
+    weft__pool_run(all->list->pool, evaluate_part, all, all->list->chunk_count);
     return true;
 }
 
