@@ -12,38 +12,37 @@ typedef struct counting {
 
 /* An edge, or what it is compared with. */
 typedef struct element {
-    size_t key, count;
-    uint32_t particle[3];
-    double x[3][3]; /* [m] */
+    size_t key;
+    weft_primitive of;
+    double x[3][3], box[2][3]; /* [m] */
 } element;
 
 static element element_of(const counting *of, size_t key, size_t count,
                           const uint32_t *particle)
 {
     const size_t n = of->tree->mesh->particles;
-    element out = { .key = key, .count = count };
+    element out = { .key = key, .of.count = count };
     for (size_t i = 0; i < count; ++i) {
-        const double *x = of->tree->y + particle[i];
-        out.particle[i] = particle[i];
-        out.x[i][0] = x[0], out.x[i][1] = x[n], out.x[i][2] = x[2 * n];
+        out.of.particle[i] = particle[i];
+        for (size_t k = 0; k < 3; ++k) {
+            const double x = out.x[i][k] = of->tree->y[k * n + particle[i]];
+            out.box[0][k] = i == 0 ? x : fmin(out.box[0][k], x);
+            out.box[1][k] = i == 0 ? x : fmax(out.box[1][k], x);
+        }
     }
     return out;
 }
 
-static weft_primitive primitive(const element *from)
+static bool boxes_apart(const element *a, const element *b)
 {
-    weft_primitive to = { .count = from->count };
-    for (size_t i = 0; i < from->count; ++i) {
-        to.particle[i] = from->particle[i];
-    }
-    return to;
+    return weft__boxes_apart(a->box, b->box, 0.0);
 }
 
 static bool any_free(const counting *of, const element *primitive)
 {
     bool any = false;
-    for (size_t i = 0; i < primitive->count; ++i) {
-        const uint32_t at = primitive->particle[i];
+    for (size_t i = 0; i < primitive->of.count; ++i) {
+        const size_t at = primitive->of.particle[i];
         any = any || of->tree->mesh->pin[at] == 0 || at == of->loose;
     }
     return any;
@@ -59,7 +58,7 @@ static void keep(counting *of, const element *edge, const element *other,
     if (found->count == 0 || edge->key < of->first[0]
         || (edge->key == of->first[0] && other->key < of->first[1])) {
         of->first[0] = edge->key, of->first[1] = other->key;
-        found->first[0] = primitive(edge), found->first[1] = primitive(other);
+        found->first[0] = edge->of, found->first[1] = other->of;
         found->how = how;
     }
     ++found->count;
@@ -67,35 +66,14 @@ static void keep(counting *of, const element *edge, const element *other,
 
 /* ---- pairs ----------------------------------------------------------------------- */
 
-static void bounds(const element *of, double low[3], double high[3])
-{
-    for (size_t k = 0; k < 3; ++k) {
-        low[k] = high[k] = of->x[0][k];
-        for (size_t i = 1; i < of->count; ++i) {
-            low[k] = fmin(low[k], of->x[i][k]), high[k] = fmax(high[k], of->x[i][k]);
-        }
-    }
-}
-
-static bool boxes_apart(const element *a, const element *b)
-{
-    double low[2][3], high[2][3];
-    bool apart = false;
-    bounds(a, low[0], high[0]);
-    bounds(b, low[1], high[1]);
-    for (size_t k = 0; k < 3; ++k) {
-        apart = apart || low[0][k] > high[1][k] || low[1][k] > high[0][k];
-    }
-    return apart;
-}
-
 /* Their common particles; one of them is corner *i of the edge and *j of the other. */
 static size_t common(const element *edge, const element *other, size_t *i, size_t *j)
 {
     size_t count = 0;
-    for (size_t k = 0; k < edge->count * other->count; ++k) {
-        if (edge->particle[k % edge->count] == other->particle[k / edge->count]) {
-            *i = k % edge->count, *j = k / edge->count;
+    for (size_t k = 0; k < edge->of.count * other->of.count; ++k) {
+        if (edge->of.particle[k % edge->of.count]
+            == other->of.particle[k / edge->of.count]) {
+            *i = k % edge->of.count, *j = k / edge->of.count;
             ++count;
         }
     }
@@ -105,8 +83,9 @@ static size_t common(const element *edge, const element *other, size_t *i, size_
 static weft__meeting segment_element(const double p[3], const double q[3],
                                      const element *of)
 {
-    return of->count == 3 ? weft__segment_triangle(p, q, of->x[0], of->x[1], of->x[2])
-                          : weft__segment_segment(p, q, of->x[0], of->x[1]);
+    return of->of.count == 3
+               ? weft__segment_triangle(p, q, of->x[0], of->x[1], of->x[2])
+               : weft__segment_segment(p, q, of->x[0], of->x[1]);
 }
 
 /* Beside their common corner, which is i of the edge and j of the other. */
@@ -114,12 +93,12 @@ static weft__meeting elsewhere(const element *edge, const element *other, size_t
                                size_t j)
 {
     const double *corner = edge->x[i], *end = edge->x[1 - i];
-    const double *b = other->x[(j + 1) % other->count];
-    const double *c = other->x[(j + 2) % other->count];
-    if (other->count == 3 && weft__orientation(corner, b, c, end) != 0) {
+    const double *b = other->x[(j + 1) % other->of.count];
+    const double *c = other->x[(j + 2) % other->of.count];
+    if (other->of.count == 3 && weft__orientation(corner, b, c, end) != 0) {
         return WEFT__APART;
     }
-    const bool meet = other->count == 3
+    const bool meet = other->of.count == 3
                           ? weft__segment_segment(corner, end, b, c) != WEFT__APART
                           : weft__segment_segment(b, b, corner, end) != WEFT__APART;
     return meet || segment_element(end, end, other) != WEFT__APART ? WEFT__TOUCH

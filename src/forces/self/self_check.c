@@ -29,47 +29,41 @@ static bool look_at(void *ctx, const weft__pair *pair)
     return of->marks != NULL;
 }
 
-/* [m] As far as a pair of two tiles may have been apart that can have met: half of what
- * its primitives move against each other in the step, and from the list to both its
- * ends. */
-static double reach_of(const weft__self_list *list, const weft__stride *of,
-                       const uint32_t tiles[2])
+enum { EXTENTS = 5 };
+
+/* [m] As far as two primitives may have been apart that can have met: half of what they
+ * move against each other in the step, and from the list to both its ends. By the
+ * extents of the displacements to both ends and in the step, and of the velocities. */
+static double reach(const weft__stride *of, const double extent[EXTENTS])
 {
-    const double ends = weft__self_extent_between(list, 0, tiles)
-                        + weft__self_extent_between(list, 1, tiles);
-    double way = weft__self_extent_between(list, 2, tiles);
-    if (of->h > 0.0) {
-        way = fmax(way, of->h
-                            * fmax(weft__self_extent_between(list, 3, tiles),
-                                   weft__self_extent_between(list, 4, tiles)));
-    }
-    return 0.5 * (ends + way) * (1.0 + WEFT__SELF_ROUNDOFF);
+    const double way = fmax(extent[2], of->h * fmax(extent[3], extent[4]));
+    return 0.5 * (extent[0] + extent[1] + way) * (1.0 + WEFT__SELF_ROUNDOFF);
 }
 
 /* Whether the list has all pairs that can have met; then the reach of its groups is
  * set. */
 static bool proves(weft__self_list *list, const weft__stride *of)
 {
-    const size_t n = list->own->mesh->particles;
-    if (!list->valid) {
-        return false;
+    const size_t velocities = 3 * list->own->mesh->particles;
+    const size_t count = of->h > 0.0 ? EXTENTS : 3; /* else without velocities */
+    const double *from[EXTENTS] = { list->place, list->place, of->y0 };
+    const double *to[EXTENTS]
+        = { of->y0, of->y1, of->y1, of->y0 + velocities, of->y1 + velocities };
+    double extent[EXTENTS] = { 0.0 };
+    for (size_t k = 0; list->valid && k < count; ++k) {
+        extent[k] = weft__self_drift(list, from[k], to[k], k);
     }
-    const double ends = weft__self_drift(list, list->place, of->y0, 0)
-                        + weft__self_drift(list, list->place, of->y1, 1);
-    double way = weft__self_drift(list, of->y0, of->y1, 2);
-    if (of->h > 0.0) {
-        way = fmax(way, of->h
-                            * fmax(weft__self_drift(list, NULL, of->y0 + 3 * n, 3),
-                                   weft__self_drift(list, NULL, of->y1 + 3 * n, 4)));
-    }
-    bool has
-        = 0.5 * (ends + way) * (1.0 + WEFT__SELF_ROUNDOFF) < weft__self_lasting(list);
+    bool has = list->valid && reach(of, extent) < weft__self_lasting(list);
     for (size_t i = 0; i < list->chunk_count && has; ++i) {
         weft__self_chunk *at = &list->chunks[i];
         for (size_t g = 0; g < at->now.count && has; ++g) {
-            weft__self_group *to = &at->now.at[g];
-            to->reach = reach_of(list, of, list->between[to->tiles]);
-            has = to->reach < list->clear[to->tiles];
+            weft__self_group *group = &at->now.at[g];
+            for (size_t k = 0; k < count; ++k) {
+                extent[k]
+                    = weft__self_extent_between(list, k, list->between[group->tiles]);
+            }
+            group->reach = reach(of, extent);
+            has = group->reach < list->clear[group->tiles];
         }
     }
     return has;
