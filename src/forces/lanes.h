@@ -93,6 +93,12 @@ INLINE vec only(vec a, mask where)
     return (vec)((mask)a & where);
 }
 
+/* a where it is set, else b. */
+INLINE vec choose(mask where, vec a, vec b)
+{
+    return (vec)(((mask)a & where) | ((mask)b & ~where));
+}
+
 INLINE double sum(vec a)
 {
     double total = 0.0;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/contact/ccd.h"
-
-#include <math.h>
+#include "forces/contact/contact_law.h"
 
 /* With linear interpolation between its ends, V is off by at most h^2 / 8 max |V''|. */
 weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
@@ -25,39 +23,17 @@ weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
     return of;
 }
 
-/* [m^2/s^2] of a particle beside the surface, or beside a shape that does not spin. */
-static double speed2(const weft__pose *pose, const double x[3], const double v[3])
-{
-    double surface[3], with[3], without[3];
-    weft__surface_velocity(pose, x, surface);
-    for (size_t k = 0; k < 3; ++k) {
-        with[k] = v[k] - surface[k];
-        without[k] = v[k] - pose->velocity[k];
-    }
-    return fmax(weft__dot(with, with), weft__dot(without, without));
-}
-
 bool weft__ccd_clear(const weft__ccd *of, const weft__path *path, size_t n, size_t i,
                      double *gap)
 {
-    const double *ends[2] = { path->y0 + i, path->y1 + i };
-    double d[2], r[2][3], square = 0.0, way2 = 0.0;
-    for (size_t e = 0; e < 2; ++e) {
-        const double *y = ends[e];
-        const double x[3] = { y[0], y[n], y[2 * n] };
-        const double v[3] = { y[3 * n], y[4 * n], y[5 * n] };
-        d[e] = weft__gap_at(&of->pose[e], x);
-        square = fmax(square, speed2(&of->pose[e], x, v));
-        for (size_t k = 0; k < 3; ++k) {
-            r[e][k] = x[k] - of->pose[e].at[k];
-        }
-    }
+    double x[2][3], v[2][3], d[2];
     for (size_t k = 0; k < 3; ++k) {
-        way2 += (r[1][k] - r[0][k]) * (r[1][k] - r[0][k]);
+        x[0][k] = path->y0[k * n + i], v[0][k] = path->y0[(3 + k) * n + i];
+        x[1][k] = path->y1[k * n + i], v[1][k] = path->y1[(3 + k) * n + i];
     }
+    const bool clear = law_clear(of, of->pose[0].kind, x, v, d) != 0;
     *gap = d[1];
-    return d[1] > 0.0 && sqrt(way2) < d[0] + d[1]
-           && of->h * (sqrt(square) + of->between) < d[0] + d[1];
+    return clear;
 }
 
 bool weft__clear_loops(const weft__contact *own, const weft__path *path, size_t first,

@@ -9,7 +9,7 @@
  * with r the place beside the shape's, so that a particle that is slow at both ends and
  * fast between them is seen, V the velocity of the surface, with or without its spin,
  * whichever gives the larger speed, and w the speed that an oscillation adds between
- * the ends; docs/physics.md. contact_fast.c evaluates the same expressions. */
+ * the ends; docs/physics.md. */
 #ifndef WEFT_FORCES_CONTACT_CCD_H
 #define WEFT_FORCES_CONTACT_CCD_H
 

@@ -6,12 +6,6 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "forces/contact/contact_bounds.h"
-
-typedef double num;
-#define NUM(a)          (a)
-#define ROOT(a)         sqrt(a)
-#define CHOOSE(t, a, b) ((t) ? (a) : (b))
-#define LAW             static inline
 #include "forces/contact/contact_law.h"
 
 double weft__touch_energy(const weft__contact *own, const weft__touch *touch)
@@ -19,8 +13,7 @@ double weft__touch_energy(const weft__contact *own, const weft__touch *touch)
     const weft_contact_def *law = &own->law;
     const double z = touch->gap * (1.0 / law->thickness), s = 1.0 - z;
     const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
-    return z > 0.0 ? e * weft__power_of(s, law->exponent) * s * s / z
-                   : (double)INFINITY;
+    return z > 0.0 ? e * law_power(s, law->exponent) * s * s / z : (double)INFINITY;
 }
 
 void weft__touch_forces(const weft_contact_def *law, double friction,
@@ -30,7 +23,8 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
         = law_press(law, friction, touch->gap, touch->share, touch->speed,
                     weft__dot(touch->slip, touch->slip), touch->steepness);
     touch->push = of.push, touch->factor = of.factor;
-    touch->stiffness = of.stiffness, touch->drag = of.drag;
+    touch->stiffness = of.stiffness,
+    touch->drag = law_drag(law, friction, of.most, of.under);
 }
 
 /* Of a particle at x with velocity v, whose gap is there. */

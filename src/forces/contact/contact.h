@@ -66,16 +66,6 @@ static inline double weft__touch_acceleration(const weft__touch *touch, size_t k
            - touch->drag * touch->slip[k];
 }
 
-/* s^(p - 2) */
-static inline double weft__power_of(double s, int exponent)
-{
-    double power = s;
-    for (int k = 3; k < exponent; ++k) {
-        power *= s;
-    }
-    return power;
-}
-
 /* push, factor, stiffness and drag from what is before them. */
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch);

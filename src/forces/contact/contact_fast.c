@@ -1,10 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_fast.c -- the contact of contact.h and the check of ccd.h, LANES
- * particles at a time: the expressions of shapes.c, contact.c and ccd.c. Blocks of
- * particles are compared with the bounding box of a shape first, as most of them are
- * far from most shapes. */
-#include "forces/contact/contact.h"
+/* contact_fast.c -- the contact of contact.h and the check of ccd.h, LANES particles at
+ * a time, by the law of contact_law.h. Blocks of particles are compared with the
+ * bounding box of a shape first, as most of them are far from most shapes. */
 #include "forces/lanes.h"
+
+typedef vec num;
+typedef mask truth;
+#define NUM(a)          splat(a)
+#define ROOT(a)         root(a)
+#define ANY(t)          any(t)
+#define CHOOSE(t, a, b) choose(t, a, b)
+#define MOST(a, b)      most(a, b)
+#define LAW             INLINE
+#include "forces/contact/contact_law.h"
 
 /* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */
 enum { BLOCK = 128, POSES = 8 };
@@ -20,89 +28,8 @@ typedef struct target {
     double size;            /* [m] of the numbers in it */
 } target;
 
-/* Where particles are to a shape. */
-typedef struct spot {
-    vec gap;
-    vec3 gradient;
-    mask joined; /* at an end or an edge, where |gradient| is not 1 */
-} spot;
-
-/* x above high or below low, 0 between them. */
-INLINE vec beyond(vec x, double low, double high)
-{
-    const vec over = x - high, under = x - low;
-    return only(over, ~(over <= 0.0)) + only(under, ~(under >= 0.0));
-}
-
 /* Code for each kind of shape: a kind that is a constant costs no branches. */
 #define EACH_KIND(X) X(WEFT_PLANE) X(WEFT_SPHERE) X(WEFT_CAPSULE) X(WEFT_BOX)
-
-INLINE vec3 along_axis(const weft__pose *pose, vec a)
-{
-    return (vec3){ a * pose->axis[0], a * pose->axis[1], a * pose->axis[2] };
-}
-
-/* Without joins 4-norms have one term: sqrt(a a) is a, from 1e-77 m to 1e77 m. */
-INLINE spot capsule_spot(const weft__pose *pose, vec3 r)
-{
-    const vec3 axis = along_axis(pose, splat(1.0));
-    const vec along = dot(r, axis);
-    const vec q = beyond(along, 0.0, pose->length), q2 = q * q;
-    const vec3 side = minus(r, scaled(along, axis));
-    const vec rho2 = dot(side, side);
-    const mask joined = q2 > 0.0;
-    const vec norm = root(any(joined) ? root(rho2 * rho2 + q2 * q2) : rho2);
-    const vec inverse = 1.0 / (norm * norm * norm);
-    const vec3 gradient
-        = plus(scaled(rho2 * inverse, side), scaled(q2 * q * inverse, axis));
-    return (spot){ norm - pose->radius, gradient, joined };
-}
-
-INLINE spot box_spot(const weft__pose *pose, vec3 r)
-{
-    const vec3 q = { beyond(r.x, -pose->inner[0], pose->inner[0]),
-                     beyond(r.y, -pose->inner[1], pose->inner[1]),
-                     beyond(r.z, -pose->inner[2], pose->inner[2]) };
-    const vec3 q2 = { q.x * q.x, q.y * q.y, q.z * q.z };
-    const mask joined = q2.x * q2.y + q2.y * q2.z + q2.z * q2.x > 0.0;
-    const vec norm = root(any(joined) ? root(dot(q2, q2)) : q2.x + q2.y + q2.z);
-    const vec inverse = 1.0 / (norm * norm * norm);
-    const vec3 gradient
-        = { q2.x * q.x * inverse, q2.y * q.y * inverse, q2.z * q.z * inverse };
-    return (spot){ norm - pose->radius, gradient, joined };
-}
-
-INLINE spot spot_of(const weft__pose *pose, weft_shape_kind kind, vec3 r)
-{
-    if (kind == WEFT_PLANE) {
-        const vec3 axis = along_axis(pose, splat(1.0));
-        return (spot){ .gap = dot(r, axis), .gradient = axis };
-    }
-    if (kind == WEFT_SPHERE) {
-        const vec distance = root(dot(r, r));
-        return (spot){ .gap = distance - pose->radius,
-                       .gradient = scaled(1.0 / distance, r) };
-    }
-    return kind == WEFT_CAPSULE ? capsule_spot(pose, r) : box_spot(pose, r);
-}
-
-INLINE vec3 surface_velocity(const weft__pose *pose, vec3 r)
-{
-    const double *v = pose->velocity, *spin = pose->spin;
-    return (vec3){ v[0] + (spin[1] * r.z - spin[2] * r.y),
-                   v[1] + (spin[2] * r.x - spin[0] * r.z),
-                   v[2] + (spin[0] * r.y - spin[1] * r.x) };
-}
-
-/* s^(p - 2) */
-INLINE vec power_of(vec s, int exponent)
-{
-    vec power = s;
-    for (int k = 3; k < exponent; ++k) {
-        power *= s;
-    }
-    return power;
-}
 
 /* Particles, in planes n apart, and their v'. */
 typedef struct slice {
@@ -117,83 +44,78 @@ typedef struct slice {
 typedef struct touch {
     size_t i;
     mask near;
-    spot at;
-    vec3 push, slip; /* [m/s^2] N g / m, [m/s] */
-    vec most, under; /* [m/s^2] mu |g| N / m; [m^2/s^2] |w|^2, smooth: + slip^2 + q^2 */
+    law_spot at;
+    vec force, slip[3]; /* [m/s^2] N / m, [m/s] */
+    vec most, under;    /* of law_touch */
 } touch;
 
-INLINE vec3 away_from(const weft__pose *pose, vec3 x)
+INLINE void load_planes(const double *from, size_t plane, vec to[3])
 {
-    return (vec3){ x.x - pose->at[0], x.y - pose->at[1], x.z - pose->at[2] };
+    for (size_t k = 0; k < 3; ++k) {
+        to[k] = load(from + k * plane);
+    }
+}
+
+INLINE void load_from(const weft__pose *pose, const double *y, size_t plane, vec r[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        r[k] = load(y + k * plane) - pose->at[k];
+    }
 }
 
 /* The touch of particles from i on; false if none is near. */
 INLINE bool find(touch *self, const slice *of, const weft__pose *pose,
                  weft_shape_kind kind, double thickness, size_t i)
 {
-    const spot at = spot_of(pose, kind, away_from(pose, load3(of->y + i, of->n)));
-    const mask near = (load(of->inverse_mass + i) > 0.0) & ~(at.gap >= thickness);
-    if (!any(near)) {
-        return false;
-    }
-    self->i = i, self->near = near, self->at = at;
-    return true;
+    vec r[3];
+    load_from(pose, of->y + i, of->n, r);
+    self->i = i;
+    law_spot_of(pose, kind, r, &self->at);
+    self->near = (load(of->inverse_mass + i) > 0.0) & ~(self->at.gap >= thickness);
+    return any(self->near);
 }
 
 INLINE void press(touch *self, const slice *of, const weft__pose *pose,
                   const weft_contact_def *law, bool joined)
 {
-    const double e = 0.5 * law->stopping_speed * law->stopping_speed;
-    const double per = 1.0 / law->thickness, p = law->exponent, mu = pose->friction;
-    const vec3 gradient = self->at.gradient;
-    const vec3 moving
-        = minus(load3(of->y + 3 * of->n + self->i, of->n),
-                surface_velocity(pose, away_from(pose, load3(of->y + self->i, of->n))));
-    const vec z = self->at.gap * per, s = 1.0 - z;
-    const vec power = power_of(s, law->exponent);
-    const vec a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
-    const vec b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
-    const vec steepness = joined ? only(root(dot(gradient, gradient)), self->at.joined)
-                                       + only(splat(1.0), ~self->at.joined)
-                                 : splat(1.0);
-    const vec3 normal = joined ? scaled(1.0 / steepness, gradient) : gradient;
-    const vec speed = dot(moving, normal), u = law->damping * speed;
-    const vec factor = root(1.0 + u * u) - u;
-    const vec force = (e * per * (power * s) * b * (iz * iz)) * factor;
-    const vec bend = factor * s * b, most = mu * force;
-    self->push = scaled(force, gradient);
-    self->slip = minus(moving, scaled(speed, normal));
-    self->most = joined ? most * steepness : most;
-    self->under = dot(self->slip, self->slip);
-    if (law->law == WEFT_FRICTION_SMOOTH) {
-        self->under += law->slip * law->slip
-                       + mu * mu * (0.01 * e * power * (bend * bend) * inverse);
+    const vec *gradient = self->at.gradient, one = splat(1.0);
+    const vec steepness
+        = joined ? choose(self->at.joined, root(law_dot(gradient, gradient)), one)
+                 : one;
+    const vec inverse = 1.0 / steepness;
+    vec r[3], moving[3], surface[3], normal[3];
+    load_from(pose, of->y + self->i, of->n, r);
+    load_planes(of->y + 3 * of->n + self->i, of->n, moving);
+    law_surface(pose, r, surface);
+    for (size_t k = 0; k < 3; ++k) {
+        moving[k] -= surface[k];
+        normal[k] = joined ? inverse * gradient[k] : gradient[k];
     }
-}
-
-/* [1/s] friction / (m w) */
-INLINE vec friction_drag(const weft_contact_def *law, const touch *of)
-{
-    const vec length = root(of->under);
-    if (law->law == WEFT_FRICTION_SMOOTH) {
-        return of->most / length;
+    const vec speed = law_dot(moving, normal);
+    for (size_t k = 0; k < 3; ++k) {
+        self->slip[k] = moving[k] - speed * normal[k];
     }
-    const double per = 1.0 / law->slip;
-    const vec y = length * per;
-    const mask fades = y < 1.0;
-    return of->most * (only((2.0 - y) * per, fades) + only(1.0 / length, ~fades));
+    const law_touch of_law = law_press(law, pose->friction, self->at.gap, one, speed,
+                                       law_dot(self->slip, self->slip), steepness);
+    self->force = of_law.push * of_law.factor;
+    self->most = of_law.most, self->under = of_law.under;
 }
 
 /* Adds to v'; 0 or NaN. */
 INLINE vec add(const touch *self, const slice *of, const weft_contact_def *law,
                double friction)
 {
-    const vec3 drag = scaled(friction_drag(law, self), self->slip);
-    const vec3 more = friction == 0.0 ? self->push : minus(self->push, drag);
-    const vec3 sums = plus(load3(of->to + self->i, of->n), only3(more, self->near));
-    store3(of->to + self->i, of->n, sums);
-    return (sums.x + sums.y + sums.z) * 0.0
-           + only(splat((double)NAN), self->near & ~(self->at.gap > 0.0));
+    const vec drag = law_drag(law, friction, self->most, self->under);
+    vec sums = splat(0.0);
+    for (size_t k = 0; k < 3; ++k) {
+        const vec push = self->force * self->at.gradient[k];
+        const vec more = friction == 0.0 ? push : push - drag * self->slip[k];
+        double *to = of->to + k * of->n + self->i;
+        const vec sum = load(to) + only(more, self->near);
+        store(to, sum);
+        sums += sum;
+    }
+    return sums * 0.0 + only(splat((double)NAN), self->near & ~(self->at.gap > 0.0));
 }
 
 /* Copies, which stores do not change, stay in registers. */
@@ -386,38 +308,23 @@ int NAME(contact, LEVEL)(const void *contact, const weft__state *at, weft__unit 
 
 /* ---- the step check -------------------------------------------------------------- */
 
-/* Free particles at y0, then y1, for which the path is not clear. */
-INLINE mask blocked(const weft__ccd *of, weft_shape_kind kind, const double *y0,
-                    const double *y1, size_t n, const double *inverse_mass)
-{
-    vec gap[2], square = splat(0.0);
-    vec3 place[2];
-    for (size_t e = 0; e < 2; ++e) {
-        const weft__pose *pose = &of->pose[e];
-        const double *y = e == 0 ? y0 : y1, *rigid = pose->velocity;
-        const vec3 v = load3(y + 3 * n, n), r = away_from(pose, load3(y, n));
-        const vec3 with = minus(v, surface_velocity(pose, r));
-        const vec3 without = { v.x - rigid[0], v.y - rigid[1], v.z - rigid[2] };
-        gap[e] = spot_of(pose, kind, r).gap;
-        place[e] = r;
-        square = most(most(dot(with, with), dot(without, without)), square);
-    }
-    const vec3 way = minus(place[1], place[0]);
-    const mask clear = (gap[1] > 0.0) & (root(dot(way, way)) < gap[0] + gap[1])
-                       & (of->h * (root(square) + of->between) < gap[0] + gap[1]);
-    return ~clear & (load(inverse_mass) > 0.0);
-}
-
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
  */
 INLINE bool kind_clear(const weft__contact *own, const weft__ccd *of,
                        weft_shape_kind kind, const weft__path *path, size_t first,
                        size_t end)
 {
+    const size_t n = own->mesh->particles;
+    const double *ends[2] = { path->y0, path->y1 };
     for (size_t i = first; i < end; i += LANES) {
         const size_t at = i + LANES <= end ? i : end - LANES;
-        if (any(blocked(of, kind, path->y0 + at, path->y1 + at, own->mesh->particles,
-                        own->mesh->inverse_mass + at))) {
+        vec x[2][3], v[2][3], gap[2];
+        for (size_t e = 0; e < 2; ++e) {
+            load_planes(ends[e] + at, n, x[e]);
+            load_planes(ends[e] + 3 * n + at, n, v[e]);
+        }
+        if (any(~law_clear(of, kind, x, v, gap)
+                & (load(own->mesh->inverse_mass + at) > 0.0))) {
             return false;
         }
     }

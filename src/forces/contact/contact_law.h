@@ -1,17 +1,163 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_law.h -- the law of contact.h for one number or a vector of them: the same
- * bits. A file that includes it defines before
+/* contact_law.h -- the gap of shapes.h, the law of contact.h and the condition of ccd.h
+ * for one particle or a vector of them: the same bits. A file that includes it for
+ * vectors defines before
  *
- *     num              double, or a vector of them
+ *     num              a vector of doubles
+ *     truth            a vector of what comparisons give
  *     NUM(a)           a double as a num
  *     ROOT(a)          the square root
+ *     ANY(t)           whether a comparison holds for any
  *     CHOOSE(t, a, b)  a where t, else b
+ *     MOST(a, b)       a where a > b, else b
  *     LAW              the storage class of the functions
  */
-#ifndef WEFT_CLOTH_CONTACT_LAW_H
-#define WEFT_CLOTH_CONTACT_LAW_H
+#ifndef WEFT_FORCES_CONTACT_CONTACT_LAW_H
+#define WEFT_FORCES_CONTACT_CONTACT_LAW_H
 
-#include "weft/cloth.h"
+#include "forces/contact/contact.h"
+
+#ifndef LAW
+typedef double num;
+typedef int truth;
+#define NUM(a)          (a)
+#define ROOT(a)         sqrt(a)
+#define ANY(t)          (t)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define MOST(a, b)      ((a) > (b) ? (a) : (b))
+#define LAW             static inline
+#endif
+
+LAW num law_dot(const num a[3], const num b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* ---- shapes ---------------------------------------------------------------------- */
+
+/* Where a particle is to a shape. */
+typedef struct law_spot {
+    num gap, gradient[3];
+    truth joined; /* at an end or an edge, where |gradient| is not 1 */
+} law_spot;
+
+/* How far x is above high or below low: > 0, < 0, or 0 between them; NaN stays. */
+LAW num law_beyond(num x, double low, double high)
+{
+    const num over = x - high, under = x - low;
+    return CHOOSE(over <= 0.0, NUM(0.0), over) + CHOOSE(under >= 0.0, NUM(0.0), under);
+}
+
+LAW num law_along(const num r[3], const double axis[3])
+{
+    return r[0] * axis[0] + r[1] * axis[1] + r[2] * axis[2];
+}
+
+/* Without joins 4-norms have one term: sqrt(a a) is a, from 1e-77 m to 1e77 m. */
+LAW void law_capsule(const weft__pose *pose, const num r[3], law_spot *at)
+{
+    num side[3];
+    const num along = law_along(r, pose->axis);
+    const num q = law_beyond(along, 0.0, pose->length), q2 = q * q;
+    for (size_t k = 0; k < 3; ++k) {
+        side[k] = r[k] - along * pose->axis[k];
+    }
+    const num rho2 = law_dot(side, side);
+    at->joined = q2 > 0.0;
+    const num norm = ROOT(ANY(at->joined) ? ROOT(rho2 * rho2 + q2 * q2) : rho2);
+    const num inverse = 1.0 / (norm * norm * norm);
+    const num a = rho2 * inverse, b = q2 * q * inverse;
+    for (size_t k = 0; k < 3; ++k) {
+        at->gradient[k] = a * side[k] + b * pose->axis[k];
+    }
+    at->gap = norm - pose->radius;
+}
+
+LAW void law_box(const weft__pose *pose, const num r[3], law_spot *at)
+{
+    num q[3], q2[3];
+    for (size_t k = 0; k < 3; ++k) {
+        q[k] = law_beyond(r[k], -pose->inner[k], pose->inner[k]);
+        q2[k] = q[k] * q[k];
+    }
+    at->joined = q2[0] * q2[1] + q2[1] * q2[2] + q2[2] * q2[0] > 0.0;
+    const num norm
+        = ROOT(ANY(at->joined) ? ROOT(law_dot(q2, q2)) : q2[0] + q2[1] + q2[2]);
+    const num inverse = 1.0 / (norm * norm * norm);
+    for (size_t k = 0; k < 3; ++k) {
+        at->gradient[k] = q2[k] * q[k] * inverse;
+    }
+    at->gap = norm - pose->radius;
+}
+
+/* r: from the shape's place */
+LAW void law_spot_of(const weft__pose *pose, weft_shape_kind kind, const num r[3],
+                     law_spot *at)
+{
+    if (kind == WEFT_CAPSULE) {
+        law_capsule(pose, r, at);
+        return;
+    }
+    if (kind == WEFT_BOX) {
+        law_box(pose, r, at);
+        return;
+    }
+    at->joined = (truth){ 0 };
+    if (kind == WEFT_PLANE) {
+        at->gap = law_along(r, pose->axis);
+        for (size_t k = 0; k < 3; ++k) {
+            at->gradient[k] = NUM(pose->axis[k]);
+        }
+        return;
+    }
+    const num distance = ROOT(law_dot(r, r)), inverse = 1.0 / distance;
+    at->gap = distance - pose->radius;
+    for (size_t k = 0; k < 3; ++k) {
+        at->gradient[k] = inverse * r[k];
+    }
+}
+
+/* [m/s] of the surface */
+LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
+{
+    const double *spin = pose->spin;
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        velocity[k] = pose->velocity[k] + (spin[a] * r[b] - spin[b] * r[a]);
+    }
+}
+
+/* The condition of ccd.h, by places and velocities at both ends; gap: [m] at the ends.
+ */
+LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num v[2][3],
+                    num gap[2])
+{
+    num r[2][3], square = NUM(0.0);
+    for (size_t e = 0; e < 2; ++e) {
+        const weft__pose *pose = &of->pose[e];
+        num surface[3], with[3], without[3];
+        law_spot at;
+        for (size_t k = 0; k < 3; ++k) {
+            r[e][k] = x[e][k] - pose->at[k];
+        }
+        law_surface(pose, r[e], surface);
+        for (size_t k = 0; k < 3; ++k) {
+            with[k] = v[e][k] - surface[k];
+            without[k] = v[e][k] - pose->velocity[k];
+        }
+        const num w2 = law_dot(with, with), r2 = law_dot(without, without);
+        const num both = MOST(w2, r2);
+        square = MOST(both, square);
+        law_spot_of(pose, kind, r[e], &at);
+        gap[e] = at.gap;
+    }
+    const num way[3] = { r[1][0] - r[0][0], r[1][1] - r[0][1], r[1][2] - r[0][2] };
+    const num reach = gap[0] + gap[1];
+    return (gap[1] > 0.0) & (ROOT(law_dot(way, way)) < reach)
+           & (of->h * (ROOT(square) + of->between) < reach);
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
 
 /* s^(p - 2) */
 LAW num law_power(num s, int exponent)
@@ -24,8 +170,9 @@ LAW num law_power(num s, int exponent)
 }
 
 typedef struct law_touch {
-    num push, factor, stiffness, drag; /* as of weft__touch */
-    num energy;                        /* [J/kg] by share */
+    num push, factor, stiffness; /* as of weft__touch */
+    num energy;                  /* [J/kg] by share */
+    num most, under; /* [m/s^2] mu |g| N / m; [m^2/s^2] |w|^2, smooth: + slip^2 + q^2 */
 } law_touch;
 
 /* slip2: the square of |w| */
@@ -44,22 +191,26 @@ LAW law_touch law_press(const weft_contact_def *law, double friction, num gap,
     out.factor = ROOT(1.0 + u * u) - u;
     out.stiffness = e * per * per * power * a * (iz * iz * iz);
     out.energy = half * (power * s * s) * iz;
-    out.drag = NUM(0.0);
-    if (friction == 0.0) {
-        return out;
-    }
-    const num most = friction * (out.push * out.factor) * steepness;
-    const num bend = out.factor * s * b;
-    const num scale = 0.01 * e * power * (bend * bend) * inverse;
+    out.most = friction * (out.push * out.factor) * steepness;
+    out.under = slip2;
     if (law->law == WEFT_FRICTION_SMOOTH) {
-        out.drag
-            = most
-              / ROOT(slip2 + (law->slip * law->slip + friction * friction * scale));
-    } else {
-        const num length = ROOT(slip2), y = length * (1.0 / law->slip);
-        out.drag = most * CHOOSE(y < 1.0, (2.0 - y) * (1.0 / law->slip), 1.0 / length);
+        const num bend = out.factor * s * b;
+        const num scale = 0.01 * e * power * (bend * bend) * inverse;
+        out.under = slip2 + (law->slip * law->slip + friction * friction * scale);
     }
     return out;
+}
+
+/* [1/s] friction / (m w) */
+LAW num law_drag(const weft_contact_def *law, double friction, num most, num under)
+{
+    const num length = ROOT(under), y = length * (1.0 / law->slip);
+    if (friction == 0.0) {
+        return NUM(0.0);
+    }
+    return law->law == WEFT_FRICTION_SMOOTH
+               ? most / length
+               : most * CHOOSE(y < 1.0, (2.0 - y) * (1.0 / law->slip), 1.0 / length);
 }
 
 #endif

@@ -7,7 +7,7 @@
  *     dN = -S dd - D d(speed),   S = kn f,   D = damping N / sqrt(1 + u^2)
  *     friction = most hold w,   most = mu |g| N,   d hold = -fade (w.dw + d(q^2) / 2)
  */
-#include "forces/contact/contact.h"
+#include "forces/contact/contact_law.h"
 
 typedef struct law_slopes {
     double press, damp; /* [1/s^2] S, [1/s] D */
@@ -28,7 +28,7 @@ static void smooth_slopes(const weft_contact_def *law, double friction,
     const double u = law->damping * touch->speed, f = touch->factor;
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     const double scale = 0.01 * friction * friction * e * f * f
-                         * weft__power_of(s, law->exponent) * s * b / (a * z);
+                         * law_power(s, law->exponent) * s * b / (a * z);
     const double square
         = weft__dot(touch->slip, touch->slip) + law->slip * law->slip + scale * s * b;
     of->hold = 1.0 / sqrt(square);

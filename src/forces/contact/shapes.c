@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/contact/shapes.h"
+#include "forces/contact/contact_law.h"
 
 #include <string.h>
 
@@ -81,68 +81,15 @@ weft__pose weft__pose_of(const weft__shape *shape, double t)
     return pose;
 }
 
-/* How far x is above high or below low: > 0, < 0, or 0 between them; NaN stays. */
-static double beyond(double x, double low, double high)
-{
-    const double over = x - high, under = x - low;
-    return (over <= 0.0 ? 0.0 : over) + (under >= 0.0 ? 0.0 : under);
-}
-
-static double capsule_gap(const weft__pose *pose, const double r[3], double gradient[3],
-                          bool *joined)
-{
-    double side[3];
-    const double along = weft__dot(r, pose->axis);
-    const double q = beyond(along, 0.0, pose->length), q2 = q * q;
-    for (size_t k = 0; k < 3; ++k) {
-        side[k] = r[k] - along * pose->axis[k];
-    }
-    const double rho2 = weft__dot(side, side);
-    const double norm = sqrt(sqrt(rho2 * rho2 + q2 * q2));
-    const double inverse = 1.0 / (norm * norm * norm);
-    const double a = rho2 * inverse, b = q2 * q * inverse;
-    for (size_t k = 0; k < 3; ++k) {
-        gradient[k] = a * side[k] + b * pose->axis[k];
-    }
-    *joined = q2 > 0.0;
-    return norm - pose->radius;
-}
-
-static double box_gap(const weft__pose *pose, const double r[3], double gradient[3],
-                      bool *joined)
-{
-    double q[3], q2[3];
-    for (size_t k = 0; k < 3; ++k) {
-        q[k] = beyond(r[k], -pose->inner[k], pose->inner[k]);
-        q2[k] = q[k] * q[k];
-    }
-    const double norm = sqrt(sqrt(weft__dot(q2, q2)));
-    const double inverse = 1.0 / (norm * norm * norm);
-    for (size_t k = 0; k < 3; ++k) {
-        gradient[k] = q2[k] * q[k] * inverse;
-    }
-    *joined = q2[0] * q2[1] + q2[1] * q2[2] + q2[2] * q2[0] > 0.0;
-    return norm - pose->radius;
-}
-
 double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
                        bool *joined)
 {
     const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
-    *joined = false;
-    if (pose->kind == WEFT_PLANE) {
-        memcpy(gradient, pose->axis, sizeof pose->axis);
-        return weft__dot(r, pose->axis);
-    }
-    if (pose->kind == WEFT_SPHERE) {
-        const double distance = sqrt(weft__dot(r, r)), inverse = 1.0 / distance;
-        for (size_t k = 0; k < 3; ++k) {
-            gradient[k] = r[k] * inverse;
-        }
-        return distance - pose->radius;
-    }
-    return pose->kind == WEFT_CAPSULE ? capsule_gap(pose, r, gradient, joined)
-                                      : box_gap(pose, r, gradient, joined);
+    law_spot at;
+    law_spot_of(pose, pose->kind, r, &at);
+    memcpy(gradient, at.gradient, sizeof at.gradient);
+    *joined = at.joined != 0;
+    return at.gap;
 }
 
 /* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
@@ -151,7 +98,7 @@ static void box_turn(const weft__pose *pose, const double r[3], const double g[3
 {
     double q2[3];
     for (size_t k = 0; k < 3; ++k) {
-        const double q = beyond(r[k], -pose->inner[k], pose->inner[k]);
+        const double q = law_beyond(r[k], -pose->inner[k], pose->inner[k]);
         q2[k] = q * q;
     }
     const double norm = sqrt(sqrt(weft__dot(q2, q2)));
@@ -167,7 +114,7 @@ static void capsule_turn(const weft__pose *pose, const double r[3], const double
                          const double dx[3], double turn[3])
 {
     const double along = weft__dot(r, pose->axis), move = weft__dot(dx, pose->axis);
-    const double q = beyond(along, 0.0, pose->length), q2 = q * q;
+    const double q = law_beyond(along, 0.0, pose->length), q2 = q * q;
     double side[3], aside[3];
     for (size_t k = 0; k < 3; ++k) {
         side[k] = r[k] - along * pose->axis[k];
@@ -213,10 +160,6 @@ double weft__gap_at(const weft__pose *pose, const double x[3])
 void weft__surface_velocity(const weft__pose *pose, const double x[3],
                             double velocity[3])
 {
-    const double *spin = pose->spin;
     const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
-        velocity[k] = pose->velocity[k] + (spin[a] * r[b] - spin[b] * r[a]);
-    }
+    law_surface(pose, r, velocity);
 }

@@ -9,7 +9,7 @@
  *     box        (q_x^4 + q_y^4 + q_z^4)^(1/4) - rounding,  q beyond half - rounding
  *
  * The 4-norm joins sides to ends and edges with three continuous derivatives, so that
- * methods keep their order there. contact_fast.c evaluates the same expressions. */
+ * methods keep their order there. */
 #ifndef WEFT_FORCES_CONTACT_SHAPES_H
 #define WEFT_FORCES_CONTACT_SHAPES_H
 

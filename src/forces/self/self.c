@@ -15,12 +15,6 @@
 #include <stdio.h>
 #include <string.h>
 
-typedef double num;
-typedef int truth;
-#define NUM(a)          (a)
-#define ROOT(a)         sqrt(a)
-#define CHOOSE(t, a, b) ((t) ? (a) : (b))
-#define LAW             static inline
 #include "forces/self/self_law.h"
 #include "mesh/grid_def.h"
 

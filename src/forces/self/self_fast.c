@@ -10,13 +10,10 @@ typedef vec num;
 typedef mask truth;
 #define NUM(a)          splat(a)
 #define ROOT(a)         root(a)
+#define ANY(t)          any(t)
 #define CHOOSE(t, a, b) choose(t, a, b)
+#define MOST(a, b)      most(a, b)
 #define LAW             INLINE
-
-INLINE vec choose(mask where, vec a, vec b)
-{
-    return (vec)(((mask)a & where) | ((mask)b & ~where));
-}
 
 #include "forces/self/self_law.h"
 

@@ -21,11 +21,6 @@
  * of the angle by q^2: W -> 1 as d -> 0, and no pass is left between two of them. */
 #define NARROWING 8.0
 
-LAW num law_dot(const num a[3], const num b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 LAW void law_from_to(const num a[3], const num b[3], num d[3])
 {
     d[0] = b[0] - a[0], d[1] = b[1] - a[1], d[2] = b[2] - a[2];
@@ -400,10 +395,12 @@ LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
     const law_touch touch = law_press(law, law->friction, at->d,
                                       WEFT__SELF_SHARE * at->weight, speed, slip2, one);
     const num energy = mass * (WEFT__SELF_SHARE * touch.energy);
-    const num force = mass * touch.push * touch.factor, drag = mass * touch.drag;
+    const num force = mass * touch.push * touch.factor,
+              friction = law_drag(law, law->friction, touch.most, touch.under);
+    const num drag = mass * friction;
     out->energy = at->weight * energy;
     out->heat = mass * (touch.push * (1.0 - touch.factor) * speed);
-    out->friction = mass * (touch.drag * slip2);
+    out->friction = mass * (friction * slip2);
     for (size_t k = 0; k < 3; ++k) {
         const num foot = (force + energy * at->pull) * n[k] - drag * slip[k];
         for (size_t i = 0; i < count; ++i) {
