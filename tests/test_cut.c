@@ -448,6 +448,83 @@ START_TEST(a_run_keeps_its_mesh_and_repeats_from_it)
 }
 END_TEST
 
+/* Runs ring.yaml with the mesh of a file instead of its cut, whether it ends as OUT/a.
+ */
+static bool same_end(const char *file, const char *out)
+{
+    expect(shell("awk '/^  cut:/ { print \"  mesh: {file: %s}\"; skip = 1; next } /^  "
+                 "[a-z]/ { skip = 0 } !skip' " OUT "/ring.yaml >" OUT
+                 "/%s.yaml && " WEFT " run " OUT "/%s.yaml --out " OUT
+                 "/%s --quiet 2>&1",
+                 file, out, out, out),
+           0);
+    return shell("cmp -s " OUT "/a/final.csv " OUT "/%s/final.csv", out) == 0;
+}
+
+START_TEST(a_garment_is_the_same_cloth)
+{
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(OUT "/ring.yaml", ring_scene);
+    expect(shell(WEFT " run " OUT "/ring.yaml --out " OUT "/a --quiet 2>&1"), 0);
+    expect(shell(WEFT " export " OUT "/ring.yaml --garment " OUT "/g.obj"), 0);
+    says(OUT "/g.obj\n");
+    expect(shell(WEFT " export " OUT "/a --garment " OUT "/h.obj 2>&1"), 0);
+    expect(shell("cmp " OUT "/g.obj " OUT "/h.obj && cmp " OUT "/g.obj " OUT
+                 "/a/scene.obj"),
+           0);
+    ck_assert(same_end("g.obj", "g"));
+    expect(shell(WEFT " export " OUT "/g --garment " OUT "/i.obj && cmp " OUT
+                      "/g.obj " OUT "/i.obj"),
+           0);
+    expect(shell(WEFT " export " OUT "/a --garment " OUT "/g.obj 2>&1"), 4);
+    says("g.obj: the file exists");
+    expect(shell(WEFT " export scenes/chain.yaml --garment " OUT "/j.obj 2>&1"), 3);
+    says("a garment needs cloth.cut or cloth.mesh, not a grid");
+    expect(shell(WEFT " export " OUT "/a --garment " OUT "/j.obj --format obj 2>&1"),
+           2);
+}
+END_TEST
+
+/* Six decimals, vt in another order, and no points: as Blender writes it. Vertices keep
+ * their numbers, and places their place to half a millionth. */
+START_TEST(a_garment_survives_another_program)
+{
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(OUT "/ring.yaml", ring_scene);
+    expect(shell(WEFT
+                 " export " OUT "/ring.yaml --garment " OUT "/g.obj && awk '/^v / { "
+                 "printf \"v %%.6f %%.6f %%.6f\\n\", $2, $3, $4 } /^vt/ { t[++n] = "
+                 "sprintf(\"vt %%.6f %%.6f\", $2, $3) } /^f/ && !done { for (i = n; i; "
+                 "--i) print t[i]; done = 1 } /^f/ { for (i = 2; i < 5; ++i) { "
+                 "split($i, c, \"/\"); $i = c[1] \"/\" n + 1 - c[2] } print }' " OUT
+                 "/g.obj >" OUT "/b.obj"),
+           0);
+    weft_scene *scenes[2];
+    for (int i = 0; i < 2; ++i) {
+        char text[1024];
+        (void)snprintf(
+            text, sizeof text,
+            "weft: 1\ncloth:\n  mesh: {file: %s}\n  fabric: {density: 1, "
+            "stretch: 1}\nstepper: {plugin: verlet, method: velocity_verlet, "
+            "fixed_step: 1.0e-3}\nrun: {duration: 1}\n",
+            i == 0 ? "g.obj" : "b.obj");
+        weft_scene_def def = scene_of_text(text);
+        def.file = OUT "/any.yaml";
+        scenes[i] = good_scene(&def);
+    }
+    const weft_mesh_def *a = mesh_of(scenes[0]), *b = mesh_of(scenes[1]);
+    ck_assert_uint_eq(a->vertices, b->vertices);
+    ck_assert_uint_eq(a->triangles, b->triangles);
+    for (size_t i = 0; i < 6 * a->triangles; ++i) {
+        ck_assert_uint_eq(a->corners[i / 2], b->corners[i / 2]);
+        ck_assert_double_eq_tol(corner(a, i / 6, i / 2 % 3)[i % 2],
+                                corner(b, i / 6, i / 2 % 3)[i % 2], 0.51e-6);
+    }
+    weft_scene_destroy(scenes[0]);
+    weft_scene_destroy(scenes[1]);
+}
+END_TEST
+
 TEST_SUITE(cut)
 {
     Suite *all = suite_create("cut");
@@ -467,6 +544,8 @@ TEST_SUITE(cut)
     tcase_add_test(errors, sharp_corners_are_warned_of);
     tcase_add_test(errors, a_reader_without_a_mesher_says_so);
     tcase_add_test(runs, a_run_keeps_its_mesh_and_repeats_from_it);
+    tcase_add_test(runs, a_garment_is_the_same_cloth);
+    tcase_add_test(runs, a_garment_survives_another_program);
     tcase_set_timeout(runs, 120);
     suite_add_tcase(all, meshes);
     suite_add_tcase(all, errors);

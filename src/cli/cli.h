@@ -32,7 +32,7 @@ typedef enum progress_mode {
 /* The command line of a verb. */
 typedef struct arguments {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until, *sizes, *bands, *port;
+    const char *timeout, *shard, *methods, *until, *sizes, *bands, *port, *garment;
     size_t jobs; /* 0: not given */
     const char **sets, **ats;
     size_t set_count, at_count;

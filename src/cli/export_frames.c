@@ -453,13 +453,62 @@ static int export_run(const arguments *given, export_job *job)
     return code;
 }
 
+/* ---- the rest shape ---------------------------------------------------------- */
+
+/* The mesh of a scene, or of the scene of a run, as a new file. */
+static int export_garment(const arguments *given)
+{
+    const char *operand = given->operands[0], *slash = strrchr(given->garment, '/');
+    char scene_file[RECORD_PATH], directory[RECORD_PATH];
+    weft_scene *scene = NULL;
+    weft_error err = { 0 };
+    if (record_path(operand, "scene.yaml", scene_file, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    const bool run = record_exists(operand, "scene.yaml");
+    const int code = open_scene(run ? scene_file : operand, given, &scene, NULL);
+    if (code != EXIT_DONE) {
+        return code;
+    }
+    (void)snprintf(directory, sizeof directory, "%.*s",
+                   slash == NULL ? 1 : (int)(slash - given->garment) + 1,
+                   slash == NULL ? "." : given->garment);
+    const char *name = slash == NULL ? given->garment : slash + 1;
+    weft_status status = WEFT_OK;
+    if (weft_scene_cloth(scene)->mesh == NULL) {
+        status
+            = weft_error_set(&err, WEFT_BAD_SCENE,
+                             "%.200s: a garment needs cloth.cut or cloth.mesh, not a "
+                             "grid",
+                             operand);
+    } else if (record_exists(directory, name)) {
+        status
+            = weft_error_set(&err, WEFT_IO, "%.200s: the file exists", given->garment);
+    } else {
+        status = record_mesh(directory, name, scene, &err);
+    }
+    if (status == WEFT_OK) {
+        print_plainly(stdout, "%s\n", given->garment);
+    }
+    weft_scene_destroy(scene);
+    return status == WEFT_OK ? EXIT_DONE : report_error(&err);
+}
+
 static int export_verb(const arguments *given)
 {
     export_job job = { .directory = given->operands[0] };
     const char *names[FORMATS + 1] = { NULL };
     size_t format;
+    if (given->garment != NULL && (given->format != NULL || given->frame != NULL)) {
+        return usage_error(given, "--garment excludes --format and --frame");
+    }
+    if (given->garment != NULL) {
+        return export_garment(given);
+    }
     if (given->format == NULL) {
-        return usage_error(given, "--format obj, ply, csv, mdd, pc2 or pvd is needed");
+        return usage_error(given,
+                           "--format obj, ply, csv, mdd, pc2 or pvd is needed, or "
+                           "--garment FILE.obj");
     }
     for (size_t i = 0; i < FORMATS; ++i) {
         names[i] = formats[i].name;
@@ -481,7 +530,8 @@ const verb verb_export = {
     .name = "export",
     .summary = "write frames of a run for other programs",
     .help
-    = "usage: weft export DIR --format FORMAT [OPTIONS]\n\n"
+    = "usage: weft export DIR --format FORMAT [OPTIONS]\n"
+      "       weft export DIR|SCENE --garment FILE.obj [OPTIONS]\n\n"
       "Writes frames of a run into its directory and prints the names of the files. "
       "Shapes of contact go to files of their own (final-shape-0.obj, ...), but not "
       "as csv.\n\n"
@@ -494,11 +544,17 @@ const verb verb_export = {
       "before 5.12; later versions open run.vtkhdf\n"
       "  --frame last|all|N   for obj, ply and csv; default: last, to DIR/final.obj; "
       "others to DIR/frames/frame-000012.obj\n"
+      "  --garment FILE.obj   the mesh instead of frames: where vertices start (v), "
+      "the "
+      "rest shape (vt), faces and groups, for Blender and for cloth.mesh; that of "
+      "cloth.cut, or a copy of the file of cloth.mesh\n"
+      "  --set KEY=VALUE      of the scene of --garment\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
       "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml and "
       "must match the hash in series.csv.\n\n"
       "example: weft export flag --format obj --frame all\n",
-    .operands = { 1, 1, "needs the directory of one run", NULL },
+    .operands
+    = { 1, 1, "needs the directory of one run, or a scene for --garment", NULL },
     .run = export_verb,
 };

@@ -39,6 +39,7 @@ static const struct option all_options[] = {
     { "refine", FLAG(refine) },
     { "format", TEXT(format) },
     { "frame", TEXT(frame) },
+    { "garment", TEXT(garment) },
     { "tol", TEXT(tolerance) },
     { "methods", TEXT(methods) },
     { "until", TEXT(until) },

@@ -67,6 +67,11 @@ weft_status record_text(const char *directory, const char *name, const char *tex
 #define RECORD_MESH "scene.obj"
 
 /* scene.yaml, and its mesh if it has one. */
+/* The mesh of a scene that has one, as an OBJ file: that it was read from, or of a cut.
+ */
+weft_status record_mesh(const char *directory, const char *name,
+                        const weft_scene *scene, weft_error *err);
+
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err);
 

@@ -139,14 +139,14 @@ weft_status record_text(const char *directory, const char *name, const char *tex
     return record_file_commit(&file, err);
 }
 
-/* The mesh of a scene as scene.obj, by which scene.yaml is read again; a run that goes
- * on has it. */
-static weft_status copy_mesh(const char *directory, const char *from, weft_error *err)
+/* Nothing is done for a file that is itself the copy, as that of a run that goes on. */
+static weft_status copy_file(const char *directory, const char *name, const char *from,
+                             weft_error *err)
 {
     char to[RECORD_PATH], bytes[1 << 14];
     struct stat source = { 0 }, own = { 0 };
     record_file file;
-    TRY(record_path(directory, RECORD_MESH, to, err));
+    TRY(record_path(directory, name, to, err));
     if (stat(from, &source) == 0 && stat(to, &own) == 0 && source.st_ino == own.st_ino
         && source.st_dev == own.st_dev) {
         return WEFT_OK;
@@ -155,7 +155,7 @@ static weft_status copy_mesh(const char *directory, const char *from, weft_error
     if (stream == NULL) {
         return WEFT_IO;
     }
-    weft_status status = record_file_open(&file, directory, RECORD_MESH, err);
+    weft_status status = record_file_open(&file, directory, name, err);
     if (status == WEFT_OK) {
         for (size_t got; (got = fread(bytes, 1, sizeof bytes, stream)) > 0;) {
             (void)fwrite(bytes, 1, got, file.stream);
@@ -169,14 +169,19 @@ static weft_status copy_mesh(const char *directory, const char *from, weft_error
     return status;
 }
 
+weft_status record_mesh(const char *directory, const char *name,
+                        const weft_scene *scene, weft_error *err)
+{
+    const char *file = weft_scene_mesh_file(scene), *made = weft_scene_mesh_text(scene);
+    return file != NULL ? copy_file(directory, name, file, err)
+                        : record_text(directory, name, made, err);
+}
+
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err)
 {
-    const char *mesh = weft_scene_mesh_file(scene), *made = weft_scene_mesh_text(scene);
-    if (mesh != NULL) {
-        TRY(copy_mesh(directory, mesh, err));
-    } else if (made != NULL) {
-        TRY(record_text(directory, RECORD_MESH, made, err));
+    if (weft_scene_cloth(scene)->mesh != NULL) { /* scene.yaml is read with it again */
+        TRY(record_mesh(directory, RECORD_MESH, scene, err));
     }
     return record_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }

@@ -305,7 +305,7 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
         weft__report_error(
             reader->report, match->map->at,
             "cut needs the mesher of the program weft, built with Qhull: "
-            "'weft export --garment SCENE FILE.obj' writes a file for "
+            "'weft export SCENE --garment FILE.obj' writes a file for "
             "cloth.mesh");
         return false;
     }
