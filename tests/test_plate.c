@@ -490,7 +490,7 @@ END_TEST
 
 /* How far the tip of a strip of length 1 hangs below its clamp under weight of 8 B /
  * L^3, on so many cells, after it has come to rest. */
-static double sag(size_t cells)
+static double sag(size_t cells, bool arc)
 {
     test_mesh mesh;
     const size_t rows = cells / 4 + 1, cols = cells + 2;
@@ -499,6 +499,7 @@ static double sag(size_t cells)
     mesh.fabrics[0] = isotropic;
     mesh.fabrics[0].stretch[0] = mesh.fabrics[0].stretch[1] = 1e4;
     mesh.fabrics[0].shear = 5e3, mesh.fabrics[0].coupling = 0.0;
+    mesh.def.arc = arc;
     for (size_t r = 0; r < rows; ++r) {
         held[2 * r] = r * cols, held[2 * r + 1] = r * cols + 1;
     }
@@ -528,8 +529,10 @@ static double sag(size_t cells)
 START_TEST(strip_hangs_as_the_heavy_elastica)
 {
     const double exact = 0.6406307; /* of the rod's equation, by shooting */
-    const double coarse = sag(8) - exact, fine = sag(16) - exact;
+    const double coarse = sag(8, false) - exact, fine = sag(16, false) - exact;
     ck_assert(fabs(coarse - 0.0071) < 2e-4 && coarse > 3.0 * fabs(fine));
+    const double arc = sag(8, true) - exact;
+    ck_assert(fabs(arc - 0.0078) < 2e-4);
 }
 END_TEST
 
@@ -866,6 +869,7 @@ START_TEST(memory_that_is_missing_is_reported_and_goes_back)
     test_mesh mesh;
     size_t failures = 0;
     cut(&mesh, 4, WEFT_SEAM_BEND);
+    mesh.def.arc = true;
     mesh.fabrics[1] = isotropic;
     mesh.fabrics[1].damping[1] = 1.0;
     uint32_t fabric_of[32] = { 1 };

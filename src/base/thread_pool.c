@@ -21,8 +21,9 @@
 
 #include "base/memory.h"
 
-/* Spins last some 10 us, the time between two evaluations; yields some 50. */
-enum { HELPERS = 63, SPINS = 400, YIELDS = 500 };
+/* Spins last some 10 us, the time between two evaluations; yields some 50. A stack
+ * [bytes] holds the fast forms of forces; musl's own is too small. */
+enum { HELPERS = 63, SPINS = 400, YIELDS = 500, STACK = 1 << 21 };
 
 /* Rounding and, on x86-64, the treatment of subnormal numbers, of the SSE unit alone:
  * the mode of the x87 would cost as much as a small job. */
@@ -164,13 +165,17 @@ void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count)
 static void start(weft__pool *pool, size_t threads)
 {
     sigset_t all, before;
+    pthread_attr_t stack;
+    (void)pthread_attr_init(&stack);
+    (void)pthread_attr_setstacksize(&stack, STACK);
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
     while (pool->helpers < HELPERS && pool->helpers + 1 < threads
-           && pthread_create(&pool->helper[pool->helpers], NULL, help, pool) == 0) {
+           && pthread_create(&pool->helper[pool->helpers], &stack, help, pool) == 0) {
         ++pool->helpers;
     }
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    (void)pthread_attr_destroy(&stack);
 }
 
 weft__pool *weft__pool_create(size_t threads, const weft_allocator *given)

@@ -6,9 +6,9 @@
 #include "base/memory.h"
 
 enum {
-    TERMS = 6,   /* 1, a, b, a^2/2, b^2/2, a b */
-    ENOUGH = 10, /* points of a patch, if the piece has them */
-    MOST = 40,   /* points that a patch is widened to */
+    TERMS = 6,                /* 1, a, b, a^2/2, b^2/2, a b */
+    ENOUGH = 10,              /* points of a patch, if the piece has them */
+    MOST = WEFT__CURVE_PARTS, /* points that a patch is widened to */
     WIDENINGS = 12,
     FEW = 12 /* points of the rings 2 and 3 */
 };
@@ -303,13 +303,12 @@ static void factor(search *s, factors *to)
 
 /* c = W^(1/2) Q y with R^T y = d, which is W P (P^T W P)^+ d if there is such a y;
  * returns |c| / |d|, or infinity without. */
-static double fit(search *s)
+static double fit(search *s, const double d[TERMS])
 {
     const size_t n = s->count;
-    double d[TERMS] = { 0.0 }, y[TERMS] = { 0.0 };
+    const double size = sqrt(product(d, d, TERMS));
+    double y[TERMS] = { 0.0 };
     factors f;
-    whiten(s, s->normal, d + 1);
-    const double size = sqrt(d[1] * d[1] + d[2] * d[2]);
     fill(s);
     factor(s, &f);
     double missed = 0.0;
@@ -339,7 +338,9 @@ static double fit(search *s)
 
 static void keep_better(search *s)
 {
-    const double gain = fit(s);
+    double d[TERMS] = { 0.0 };
+    whiten(s, s->normal, d + 1);
+    const double gain = fit(s, d);
     if (gain < 0.999 * s->gain) { /* so that roundoff does not choose */
         double *fresh = s->fit;
         s->fit = s->best;
@@ -442,6 +443,33 @@ static bool slope(search *s, size_t e)
     return store(s, s->points, s->best, s->fitted);
 }
 
+/* L^2 / sqrt(12) times the second derivative along an edge, by the points of the best
+ * fit of its slope; nothing of an edge of a held triangle, or without a good fit. */
+static bool curve(search *s, size_t e)
+{
+    const weft__edge *edge = &s->mesh->edge_list[e];
+    double hat[2];
+    patch(s, e);
+    if (!edge_live(s, edge) || faces_of(s, edge, true).count > 0) {
+        return true;
+    }
+    find_fit(s, e);
+    s->count = s->fitted;
+    whiten(s, (const double[2]){ -s->normal[1], s->normal[0] }, hat);
+    const double d[TERMS] = {
+        [3] = hat[0] * hat[0], [4] = hat[1] * hat[1], [5] = 2.0 * (hat[0] * hat[1])
+    };
+    if (!(s->gain <= BAD) || s->count > WEFT__CURVE_PARTS || !isfinite(fit(s, d))) {
+        return true;
+    }
+    const double *a = s->mesh->rest[edge->place[0]], *b = s->mesh->rest[edge->place[1]];
+    const double t[2] = { b[0] - a[0], b[1] - a[1] };
+    for (size_t k = 0; k < s->count; ++k) {
+        s->fit[k] *= (t[0] * t[0] + t[1] * t[1]) / sqrt(12.0);
+    }
+    return store(s, s->points, s->fit, s->count);
+}
+
 /* Whether a live triangle needs the slope of edge e. */
 static bool needed(const search *s, const weft__edge *edge)
 {
@@ -452,8 +480,8 @@ static bool needed(const search *s, const weft__edge *edge)
            && (edge_live(s, edge) || edge_live(s, &s->mesh->edge_list[edge->sewn]));
 }
 
-bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         const weft_allocator *memory)
+static bool create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                   const weft_allocator *memory, bool curved)
 {
     search s = { .mesh = of, .held = held, .memory = memory, .out = out };
     *out = (weft__slopes){ .first
@@ -463,7 +491,9 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
         join(&s);
     }
     for (size_t e = 0; made && e < of->edges; ++e) {
-        if (needed(&s, &of->edge_list[e])) {
+        if (curved) {
+            made = curve(&s, e);
+        } else if (needed(&s, &of->edge_list[e])) {
             made = slope(&s, e);
         }
         out->first[e + 1] = out->count;
@@ -472,6 +502,18 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
     weft__free(memory, s.lists);
     weft__free(memory, s.work);
     return made;
+}
+
+bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         const weft_allocator *memory)
+{
+    return create(out, of, held, memory, false);
+}
+
+bool weft__curves_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         const weft_allocator *memory)
+{
+    return create(out, of, held, memory, true);
 }
 
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory)

@@ -26,6 +26,13 @@ static inline bool weft__bends(const weft__triangles *mesh, const weft__edge *ed
  * none. Each side of a seam has its own. False: no memory. Free them in either case. */
 bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
                          const weft_allocator *memory);
+
+/* Likewise h of all edges, L^2 / sqrt(12) times the second derivative along them, L
+ * their length, with shares in [1]. Those of held triangles, and those without a good
+ * fit of few points, have none. */
+enum { WEFT__CURVE_PARTS = 40 };
+bool weft__curves_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         const weft_allocator *memory);
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);
 
 #endif

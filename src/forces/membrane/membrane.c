@@ -8,20 +8,22 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
                size_t first, size_t end)
 {
     const weft__membrane *of = own;
-    weft__add_fn *form = unit == WEFT__FORCE ? weft__membrane_loops : of->fast;
-    return of->blocks != NULL ? form(own, at, unit, to, first, end) : 0;
-}
-
-static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
-                  size_t first, size_t end)
-{
-    const weft__membrane *of = own;
-    return of->blocks != NULL ? weft__membrane_loops(own, at, unit, to, first, end) : 0;
+    const bool change = at->along != NULL;
+    weft__add_fn *form
+        = unit == WEFT__FORCE || change ? weft__membrane_loops : of->fast;
+    int failed = of->blocks != NULL ? form(own, at, unit, to, first, end) : 0;
+    if (of->arc.begin != NULL) {
+        form = change ? weft__arc_loops : of->arc.fast;
+        failed |= form(own, at, unit, to, first, end);
+    }
+    return failed;
 }
 
 static void choose(void *own, weft__isa isa)
 {
-    ((weft__membrane *)own)->fast = WEFT_FORM(isa, membrane);
+    weft__membrane *of = own;
+    of->fast = WEFT_FORM(isa, membrane);
+    of->arc.fast = WEFT_FORM(isa, arc);
 }
 
 /* Of what determines the force: constants, and which particles have them, in the order
@@ -40,23 +42,34 @@ static uint64_t hash_of(const void *own, uint64_t hash)
             }
         }
     }
+    const weft__slopes *rows = &of->arc.rows;
+    for (size_t j = 0; j < rows->count; ++j) {
+        hash = weft__hash_word(hash, rows->particle[j]);
+        hash = weft__hash_real(hash, rows->share[j]);
+    }
     return hash;
 }
 
 /* ---- energy and powers ----------------------------------------------------------- */
 
 static void triangle_energy(const weft__membrane *own, const weft__triangle *tri,
-                            const double square[3], weft_energy *sum)
+                            const double *y, weft_energy *sum)
 {
     const weft__triangles *mesh = own->mesh->triangles;
     const weft_fabric *fabric = &mesh->fabrics[mesh->fabric[tri->number]];
+    weft__sides3 now;
+    double square[3];
+    weft__membrane_sides(own->mesh, tri->corner, y, &now);
+    weft__membrane_squares(&now, square);
     const double half = 0.5 * mesh->area[tri->number], area = law_area(square);
     const double least = CONSTANT(tri->of, WEFT__LEAST);
-    double shape[3][3], e[3] = { 0.0, 0.0, 0.0 }, stress[3];
+    double shape[3][3], e[3] = { 0.0, 0.0, 0.0 }, stress[3], arc[2];
     weft__membrane_shape(mesh, tri->number, shape);
     for (size_t i = 0; i < 3; ++i) {
+        weft__arc_square(own, y, mesh->edge[tri->number][i], arc);
+        const double q = square[i] - CONSTANT(tri->of, WEFT__SQUARE + i) + arc[0];
         for (size_t k = 0; k < 3; ++k) {
-            e[k] += (square[i] - CONSTANT(tri->of, WEFT__SQUARE + i)) * shape[i][k];
+            e[k] += q * shape[i][k];
         }
     }
     weft__membrane_stress(fabric, e, stress);
@@ -75,11 +88,7 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
     weft__triangle tri;
     for (size_t next = 0;
          of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
-        weft__sides3 now;
-        double square[3];
-        weft__membrane_sides(of->mesh, tri.corner, at->y, &now);
-        weft__membrane_squares(&now, square);
-        triangle_energy(of, &tri, square, &sum->energy);
+        triangle_energy(of, &tri, at->y, &sum->energy);
     }
 }
 
@@ -88,10 +97,11 @@ static double heat_of(const weft__membrane *own, const weft__triangle *tri,
                       const double *y)
 {
     weft__sides3 at;
-    double rate[3], s[3];
+    double rate[3], s[3], arc[2];
     weft__membrane_sides(own->mesh, tri->corner, y, &at);
     for (size_t i = 0; i < 3; ++i) {
-        rate[i] = 2.0 * weft__dot(at.d[i], at.w[i]);
+        weft__arc_square(own, y, own->mesh->triangles->edge[tri->number][i], arc);
+        rate[i] = 2.0 * weft__dot(at.d[i], at.w[i]) + arc[1];
     }
     law_stiff(tri->of, rate, s);
     return 0.25 * CONSTANT(tri->of, WEFT__LAG) * weft__dot(rate, s);
@@ -112,6 +122,10 @@ static double pin_power(const weft__membrane *own, const weft__state *at, size_t
             moves = true;
             weft__pin_rate(mesh, i, at->t, rate);
             power -= weft__dot(force[i - first], rate);
+            if (own->arc.begin != NULL) {
+                weft__arc_force(own, at, i, force[i - first]);
+                power -= weft__dot(force[i - first], rate);
+            }
         }
     }
     return power;
@@ -186,7 +200,8 @@ static size_t bytes(const void *own)
     const size_t blocks = weft__blocks(of->mesh);
     return of->blocks[blocks].batch * (sizeof *of->batches + sizeof *of->corners)
            + of->blocks[blocks].halo * sizeof *of->halo
-           + of->mesh->triangles->edges * sizeof *of->link
+           + of->link_first[of->mesh->particles] * sizeof *of->link
+           + of->mesh->particles * sizeof *of->link_first + weft__arc_bytes(of)
            + of->mesh->particles * sizeof *of->weight
            + (blocks + 1) * sizeof *of->blocks;
 }
@@ -200,7 +215,7 @@ const weft__force weft__membrane_force = { .name = "membrane",
                                            .free = weft__membrane_free,
                                            .bytes = bytes,
                                            .add = add,
-                                           .change = change,
+                                           .change = add,
                                            .energy = energy,
                                            .power = power,
                                            .worst = worst,

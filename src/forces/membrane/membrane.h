@@ -17,6 +17,7 @@
 #define WEFT_FORCES_MEMBRANE_MEMBRANE_H
 
 #include "forces/force.h"
+#include "forces/membrane/membrane_arc.h"
 #include "mesh/triangles.h"
 
 enum {
@@ -56,12 +57,14 @@ typedef struct weft__membrane {
     weft__membrane_block *blocks;
     weft__batch *batches; /* aligned to cache lines, in `room` */
     weft__batch_corners *corners;
-    uint32_t *halo; /* particles, ascending in each block */
-    uint32_t *link; /* of each edge: its number among links */
-    double *weight; /* of bounds: d of each particle, > 0 */
+    uint32_t *halo;     /* particles, ascending in each block */
+    size_t *link_first; /* of each particle, and their number: */
+    uint32_t *link;     /* the other ends of its links, above it, ascending */
+    double *weight;     /* of bounds: d of each particle, > 0 */
     void *room;
-    bool damped; /* any triangle */
-    bool shared; /* with the cloth that this one is a copy of */
+    weft__arc arc; /* where lengths follow the arc */
+    bool damped;   /* any triangle */
+    bool shared;   /* with the cloth that this one is a copy of */
     weft__add_fn *fast;
 } weft__membrane;
 

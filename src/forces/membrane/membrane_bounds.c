@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_bounds.c -- bounds on the stiffness of a membrane, and its matrix.
+/* membrane_bounds.c -- bounds on the stiffness of a membrane.
  *
  * With gradients g_a of the shape functions, the stress S, V_a = (g_a1 0; 0 g_a2;
  * g_a2 g_a1) and the matrix C of the fabric, a triangle adds to K the blocks
@@ -10,27 +10,31 @@
  * d > 0, K <= diag((k d)_a / d_a), as 2 |x_a| |x_b| <= d_b / d_a |x_a|^2 + d_a / d_b
  * |x_b|^2. |F|^2 is the square of the largest stretch, and the part of S below 0 may be
  * left out. Steps of d <- M^-1 k d at rest make the bound sharper (L. Collatz, Math. Z.
- * 48, 1942). */
+ * 48, 1942).
+ *
+ * The arc adds to edge vectors d = D x the terms N x = h^T (share x), and to K what S
+ * has of share x. With (D + N)^T K (D + N) <= (1 + e) D^T K D + (1 + 1/e) N^T K N, rows
+ * k_i of K absolutely summed, and r = sum of share d, an edge's share x is bounded by
+ * |share x|^2 <= r sum of share_i / d_i |x_i|^2. */
 #include <string.h>
 
 #include "base/memory.h"
 #include "forces/bounds.h"
 #include "forces/membrane/membrane_law.h"
+#include "forces/membrane/membrane_load.h"
 
 /* Without a state, stretches lie between 0 and this. */
 #define MOST_STRETCH 1.1
 
+/* Without a state an arc turns by at most this [rad]; e above. */
+#define MOST_TURN 0.25
+#define SHARE     0.0625
+
 enum { STEPS = 3 };
 
-/* What a triangle is at rest. */
-typedef struct shape {
-    const weft_fabric *fabric;
-    double area, grad[3][2]; /* [m^2], [1/m] */
-} shape;
-
-static shape shape_of(const weft__triangles *of, size_t t)
+weft__rest weft__rest_of(const weft__triangles *of, size_t t)
 {
-    shape out = { .fabric = &of->fabrics[of->fabric[t]], .area = of->area[t] };
+    weft__rest out = { .fabric = &of->fabrics[of->fabric[t]], .area = of->area[t] };
     for (size_t a = 0; a < 3; ++a) {
         const double *from = of->rest[of->place[t][(a + 1) % 3]];
         const double *to = of->rest[of->place[t][(a + 2) % 3]];
@@ -41,7 +45,7 @@ static shape shape_of(const weft__triangles *of, size_t t)
 }
 
 /* [1/m^2 N/m] The largest stretch of V_a^T C V_b. */
-static double norm_of(const shape *of, size_t a, size_t b)
+static double norm_of(const weft__rest *of, size_t a, size_t b)
 {
     const weft_fabric *c = of->fabric;
     const double *g = of->grad[a], *h = of->grad[b];
@@ -53,15 +57,6 @@ static double norm_of(const shape *of, size_t a, size_t b)
            * (sqrt((p + s) * (p + s) + (q - r) * (q - r))
               + sqrt((p - s) * (p - s) + (q + r) * (q + r)));
 }
-
-/* What a state makes of a triangle; S by its parts above and below 0, as 11, 22, 12. */
-typedef struct load {
-    double square;            /* of the largest stretch */
-    double taut[3], slack[3]; /* [N/m] */
-    double d[3][3], q[3];     /* [m], [m^2] edges and their squares */
-    weft__barrier barrier;
-    double of[WEFT__CONSTANTS * WEFT__WIDTH];
-} load;
 
 /* The part above 0 of a symmetric 2 x 2 matrix 11, 22, 12, times sign. Returns the
  * largest eigenvalue. */
@@ -78,12 +73,14 @@ static double above(const double s[3], double sign, double out[3])
     return mean + radius;
 }
 
-static void load_of(const weft__mesh *mesh, size_t t, const shape *of, const double *y,
-                    load *out)
+void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,
+                   const double *y, weft__load *out)
 {
+    const weft__mesh *mesh = own->mesh;
     const weft__triangles *tri = mesh->triangles;
     const size_t n = mesh->particles;
-    double part[3][3], e[3] = { 0.0, 0.0, 0.0 }, stress[3], unused[3];
+    double part[3][3], e[3] = { 0.0, 0.0, 0.0 }, chord[3], stress[3], unused[3];
+    double h[3];
     weft__membrane_constants(tri, t, out->of);
     weft__membrane_shape(tri, t, part);
     for (size_t i = 0; i < 3; ++i) {
@@ -96,18 +93,27 @@ static void load_of(const weft__mesh *mesh, size_t t, const shape *of, const dou
         for (size_t k = 0; k < 3; ++k) {
             e[k] += (out->q[i] - CONSTANT(out->of, WEFT__SQUARE + i)) * part[i][k];
         }
+        out->arc[i] = 0.0;
+        if (own->arc.begin != NULL) {
+            weft__arc_row(own, y, tri->edge[t][i], h);
+            out->arc[i] = weft__dot(h, h);
+        }
+    }
+    memcpy(chord, e, sizeof chord);
+    for (size_t j = 0; j < 9; ++j) {
+        e[j % 3] += out->arc[j / 3] * part[j / 3][j % 3];
     }
     weft__membrane_stress(of->fabric, e, stress);
     (void)above(stress, 1.0, out->taut);
     (void)above(stress, -1.0, out->slack);
-    out->square = 1.0 + 2.0 * above(e, 1.0, unused);
+    out->square = 1.0 + 2.0 * above(chord, 1.0, unused);
     (void)weft__membrane_barrier(out->of, out->q, &out->barrier);
 }
 
 /* The same for all stretches in [0, MOST_STRETCH]. The strain is e I - P, P >= 0: in
  * most fabrics C:P >= 0, and S <= e C:I. In others S12 and what the coupling takes from
  * S11 and S22 are bounded apart. */
-static void any_load(const shape *of, load *out)
+static void any_load(const weft__rest *of, weft__load *out)
 {
     const weft_fabric *c = of->fabric;
     const double warp = c->stretch[0], weft = c->stretch[1], e12 = c->coupling;
@@ -118,25 +124,42 @@ static void any_load(const shape *of, load *out)
     out->square = MOST_STRETCH * MOST_STRETCH;
     out->taut[0] = weft * e + turn + shear;
     out->taut[1] = warp * e + turn + shear;
+    out->press = -least * (fmax(warp, weft) + fabs(e12)) + c->shear * (e - least);
 }
 
-/* [N/m^3] g_a.S g_b of a part S of the stress */
-static double geometric(const shape *of, const double s[3], size_t a, size_t b)
-{
-    const double *g = of->grad[a], *h = of->grad[b];
-    return g[0] * s[0] * h[0] + g[1] * s[1] * h[1] + s[2] * (g[0] * h[1] + g[1] * h[0]);
-}
-
-/* The same as a bound of |g_a.S g_b| where S is one. */
-static double most_geometric(const shape *of, const double s[3], size_t a, size_t b)
+/* A bound of |g_a.S g_b| where S is one. */
+static double most_geometric(const weft__rest *of, const double s[3], size_t a,
+                             size_t b)
 {
     const double *g = of->grad[a], *h = of->grad[b];
     return fabs(g[0] * s[0] * h[0]) + fabs(g[1] * s[1] * h[1]);
 }
 
+/* [N/m] The part of a triangle's S of the edge opposite corner i that pulls, and the
+ * part that presses, absolutely. */
+static void arc_pulls(const weft__rest *of, const weft__load *at, bool any, size_t i,
+                      double part[2])
+{
+    const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    const double *g = of->grad[j], *h = of->grad[k];
+    const double both = sqrt((g[0] * g[0] + g[1] * g[1]) * (h[0] * h[0] + h[1] * h[1]));
+    const double dot = g[0] * h[0] + g[1] * h[1];
+    if (any) {
+        const double taut = 0.5 * of->area * fmax(at->taut[0], at->taut[1]);
+        const double slack = 0.5 * of->area * at->press;
+        part[0] = taut * (both - dot) + slack * (both + dot);
+        part[1] = taut * (both + dot) + slack * (both - dot);
+    } else {
+        const double taut = -of->area * weft__geometric(of, at->taut, j, k);
+        const double slack = -of->area * weft__geometric(of, at->slack, j, k);
+        part[0] = fmax(taut, 0.0) + fmax(-slack, 0.0);
+        part[1] = fmax(-taut, 0.0) + fmax(slack, 0.0);
+    }
+}
+
 /* [N/m] |K_ab| of the barrier: its curvature in r, and twice the largest eigenvalue of
  * the slope by that of r, by the edges. */
-static double barrier_norm(const load *at, size_t a, size_t b)
+static double barrier_norm(const weft__load *at, size_t a, size_t b)
 {
     const weft__barrier *of = &at->barrier;
     const double most = 16.0 * of->push / CONSTANT(at->of, WEFT__LEAST);
@@ -160,15 +183,15 @@ typedef struct bound_parts {
 
 /* Those of corner a of triangle t. */
 static bound_parts parts_of(const weft__membrane *own, const weft__state *at, size_t t,
-                            size_t a, const shape *rest)
+                            size_t a, const weft__rest *rest)
 {
     const weft__mesh *mesh = own->mesh;
     const uint32_t *corner = mesh->triangles->corner[t];
     const double *weight = own->weight;
     bound_parts sum = { 0.0, 0.0, 0.0 };
-    load now;
+    weft__load now;
     if (at->y != NULL) {
-        load_of(mesh, t, rest, at->y, &now);
+        weft__load_of(own, t, rest, at->y, &now);
     } else {
         any_load(rest, &now);
     }
@@ -179,16 +202,58 @@ static bound_parts parts_of(const weft__membrane *own, const weft__state *at, si
         const double share = weight[corner[b]] / weight[corner[a]]
                              * mesh->inverse_mass[corner[a]] * (1.0 + WEFT__ROUNDOFF);
         const double area = share * rest->area;
-        sum.stiff += area * now.square * norm_of(rest, a, b);
+        sum.stiff += (own->arc.begin != NULL ? 1.0 + SHARE : 1.0)
+                     * (area * now.square * norm_of(rest, a, b));
         if (at->y == NULL) {
             sum.taut += area * most_geometric(rest, now.taut, a, b);
             continue;
         }
-        sum.taut += area * fabs(geometric(rest, now.taut, a, b))
+        sum.taut += area * fabs(weft__geometric(rest, now.taut, a, b))
                     + share * barrier_norm(&now, a, b);
-        sum.slack += area * fabs(geometric(rest, now.slack, a, b));
+        sum.slack += area * fabs(weft__geometric(rest, now.slack, a, b));
     }
     return sum;
+}
+
+/* Those that triangle t has of one of its arcs, of which i is a part by `share`. */
+static bound_parts arc_parts(const weft__membrane *own, const weft__state *at, size_t t,
+                             const weft__rest *rest, const weft__arc_part *part,
+                             size_t i)
+{
+    const weft__triangles *tri = own->mesh->triangles;
+    const uint32_t *edge = tri->edge[t];
+    const size_t e = part->item / 2, k = edge[0] == e ? 0 : edge[1] == e ? 1 : 2;
+    double c[WEFT__CONSTANTS * WEFT__WIDTH];
+    static const size_t plane[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
+    double row = 0.0, pulls[2];
+    weft__load now;
+    weft__membrane_constants(tri, t, c);
+    for (size_t j = 0; j < 3; ++j) {
+        row += fabs(CONSTANT(c, plane[k][j]));
+    }
+    if (at->y != NULL) {
+        weft__load_of(own, t, rest, at->y, &now);
+    } else {
+        any_load(rest, &now);
+        now.arc[k] = MOST_TURN * MOST_TURN / 12.0 * CONSTANT(c, WEFT__SQUARE + k);
+    }
+    arc_pulls(rest, &now, at->y == NULL, k, pulls);
+    const double scale = fabs(part->share) * own->arc.reach[e] / own->weight[i]
+                         * own->mesh->inverse_mass[i] * (1.0 + WEFT__ROUNDOFF);
+    return (bound_parts){ scale * (2.0 * (1.0 + 1.0 / SHARE) * row * now.arc[k]),
+                          scale * pulls[0], scale * pulls[1] };
+}
+
+static void add_parts(const weft__sides *sides, double damping, const bound_parts *sum,
+                      double (*sums)[6])
+{
+    for (size_t s = 0; s < sides->count; ++s) {
+        const double *way = sides->way[s];
+        const double scale = way[0] + way[1] * damping;
+        weft__bound_add(sums[s], fmax(0.0, scale) * sum->stiff
+                                     + fmax(0.0, way[0]) * sum->taut
+                                     + fmax(0.0, -way[0]) * sum->slack);
+    }
 }
 
 void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
@@ -200,14 +265,21 @@ void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
     for (size_t j = tri != NULL ? tri->around_first[i] : 0; j < end; ++j) {
         const uint32_t t = tri->around[j], *corner = tri->corner[t];
         const size_t a = corner[0] == i ? 0 : corner[1] == i ? 1 : 2;
-        const shape rest = shape_of(tri, t);
+        const weft__rest rest = weft__rest_of(tri, t);
         const bound_parts sum = parts_of(of, at, t, a, &rest);
-        for (size_t s = 0; s < sides->count; ++s) {
-            const double *way = sides->way[s];
-            const double scale = way[0] + way[1] * rest.fabric->damping[0];
-            weft__bound_add(sums[s], fmax(0.0, scale) * sum.stiff
-                                         + fmax(0.0, way[0]) * sum.taut
-                                         + fmax(0.0, -way[0]) * sum.slack);
+        add_parts(sides, rest.fabric->damping[0], &sum, sums);
+    }
+    const size_t *begin = of->arc.begin;
+    for (size_t j = begin != NULL ? begin[i] : 0; begin != NULL && j < begin[i + 1];
+         ++j) {
+        const weft__arc_part *part = &of->arc.part[j];
+        for (size_t k = 0; k < 2 && part->item % 2 == 0; ++k) {
+            const uint32_t t = tri->edge_list[part->item / 2].triangle[k];
+            if (t != WEFT__NONE) {
+                const weft__rest rest = weft__rest_of(tri, t);
+                const bound_parts sum = arc_parts(of, at, t, &rest, part, i);
+                add_parts(sides, rest.fabric->damping[0], &sum, sums);
+            }
         }
     }
 }
@@ -227,7 +299,7 @@ static double weigh(const weft__mesh *mesh, const double *d, double *to)
     double most = 0.0;
     memset(to, 0, mesh->particles * sizeof *to);
     for (size_t t = 0; t < of->count; ++t) {
-        const shape rest = shape_of(of, t);
+        const weft__rest rest = weft__rest_of(of, t);
         for (size_t a = 0; a < 3; ++a) {
             for (size_t b = 0; b < 3; ++b) {
                 to[of->corner[t][a]]
@@ -263,133 +335,4 @@ bool weft__membrane_weigh(weft__membrane *own, const weft_allocator *memory)
     }
     weft__free(memory, d);
     return d != NULL && own->weight != NULL;
-}
-
-/* ---- the matrix ------------------------------------------------------------------ */
-
-/* Adds (a K + b C) x of triangle t to out. K is never negative: stress below 0 is left
- * out, and the barrier has its curvature in r alone. Edge i pulls with
- *
- *     sum_j (2 a (K_ij + 2 bend rate_i rate_j) + b lag K_ij) d_j.dd_j d_i + a s_i dd_i
- *
- * s_i = -area g_j.S g_k. */
-static void multiply_triangle(const weft__membrane *own, const weft__state *at,
-                              size_t t, double a, double b, const double *x,
-                              double *out)
-{
-    const size_t n = own->mesh->particles;
-    const uint32_t *corner = own->mesh->triangles->corner[t];
-    const shape rest = shape_of(own->mesh->triangles, t);
-    double dd[3][3], along[3], s[3];
-    load now;
-    load_of(own->mesh, t, &rest, at->y, &now);
-    for (size_t i = 0; i < 3; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            dd[i][k] = x[k * n + corner[(i + 2) % 3]] - x[k * n + corner[(i + 1) % 3]];
-        }
-        along[i] = weft__dot(now.d[i], dd[i]);
-    }
-    const double scale = 2.0 * a + b * CONSTANT(now.of, WEFT__LAG);
-    const double bend = 4.0 * a * now.barrier.bend * weft__dot(now.barrier.rate, along);
-    law_stiff(now.of, along, s);
-    for (size_t i = 0; i < 3; ++i) {
-        const size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        const double pull = scale * s[i] + bend * now.barrier.rate[i];
-        const double across = -a * rest.area * geometric(&rest, now.taut, j, k);
-        for (size_t m = 0; m < 3; ++m) {
-            const double force = pull * now.d[i][m] + across * dd[i][m];
-            out[m * n + corner[j]] -= force;
-            out[m * n + corner[k]] += force;
-        }
-    }
-}
-
-void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
-                             const double *x, double *out)
-{
-    const weft__membrane *of = own;
-    const weft__triangles *tri = of->mesh->triangles;
-    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
-        multiply_triangle(of, at, t, a, b, x, out);
-    }
-}
-
-/* Adds -K_ab of a triangle, then -C_ab, to numbers: with the edges at a and at b,
- * each towards it, K_ab = sum H_mn d_m d_n^T - s_i I, i between the two. */
-static void add_link(const load *now, double taut, size_t a, size_t b, double *numbers)
-{
-    static const size_t plane[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
-    for (size_t x = 0; x < 4; ++x) { /* two edges at either */
-        const size_t m = (a + 1 + x / 2) % 3, n = (b + 1 + x % 2) % 3;
-        const double sign = x / 2 == x % 2 ? 1.0 : -1.0; /* d[i + 1] ends at i */
-        const double k = CONSTANT(now->of, plane[m][n]);
-        const double stiff = sign
-                             * (2.0 * k
-                                + 4.0 * now->barrier.bend * now->barrier.rate[m]
-                                      * now->barrier.rate[n]);
-        const double damp = sign * CONSTANT(now->of, WEFT__LAG) * k;
-        for (size_t j = 0; j < 9; ++j) {
-            const double outer = now->d[m][j / 3] * now->d[n][j % 3];
-            numbers[j] -= stiff * outer;
-            numbers[9 + j] -= damp * outer;
-        }
-    }
-    for (size_t j = 0; j < 3; ++j) {
-        numbers[4 * j] += taut;
-    }
-}
-
-/* Seams join the edges of two pieces to one link. */
-size_t weft__membrane_links(const void *own, weft_link *to)
-{
-    const weft__triangles *of = ((const weft__membrane *)own)->mesh->triangles;
-    size_t count = 0;
-    for (size_t e = 0; of != NULL && e < of->edges; ++e) {
-        const weft__edge *edge = &of->edge_list[e];
-        if (edge->sewn == WEFT__NONE || edge->sewn > e) {
-            if (to != NULL) {
-                to[count] = (weft_link){ of->particle[edge->place[0]],
-                                         of->particle[edge->place[1]] };
-            }
-            ++count;
-        }
-    }
-    return count;
-}
-
-int weft__membrane_link_numbers(const void *own, const weft__state *at, double *numbers)
-{
-    const weft__membrane *of = own;
-    const weft__triangles *tri = of->mesh->triangles;
-    const size_t all = WEFT_LINK_NUMBERS * weft__membrane_links(own, NULL);
-    double bad = 0.0;
-    memset(numbers, 0, all * sizeof *numbers);
-    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
-        const shape rest = shape_of(tri, t);
-        load now;
-        load_of(of->mesh, t, &rest, at->y, &now);
-        for (size_t i = 0; i < 3; ++i) {
-            const size_t j = (i + 1) % 3, k = (i + 2) % 3;
-            const bool down = tri->corner[t][j] > tri->corner[t][k];
-            const double taut = -rest.area * geometric(&rest, now.taut, j, k);
-            add_link(&now, taut, down ? k : j, down ? j : k,
-                     numbers + WEFT_LINK_NUMBERS * (size_t)of->link[tri->edge[t][i]]);
-        }
-    }
-    for (size_t j = 0; j < all; ++j) {
-        bad += numbers[j] * 0.0;
-    }
-    return bad == 0.0 ? 0 : 1;
-}
-
-bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory)
-{
-    const weft__triangles *of = own->mesh->triangles;
-    uint32_t count = 0;
-    own->link = weft__alloc(memory, of->edges, sizeof *own->link);
-    for (size_t e = 0; own->link != NULL && e < of->edges; ++e) {
-        const uint32_t sewn = of->edge_list[e].sewn;
-        own->link[e] = sewn < e ? own->link[sewn] : count++;
-    }
-    return own->link != NULL;
 }

@@ -201,6 +201,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     by.list = weft__alloc(memory, triangles->count, sizeof *by.list);
     by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
     const bool made = make(&by) && weft__membrane_weigh(of, memory)
+                      && weft__arc_create(of, memory)
                       && weft__membrane_number_links(of, memory);
     weft__free(memory, by.near);
     weft__free(memory, by.taken);
@@ -214,11 +215,6 @@ void weft__membrane_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const size_t field = offsetof(weft_cloth_def, mesh);
     const weft_mesh_def *mesh = def->mesh;
-    if (mesh != NULL && mesh->arc) {
-        weft__fault(
-            to, field, field,
-            "mesh.arc: lengths along the arc are not built in; it must be false");
-    }
     for (size_t t = 0; mesh != NULL && t < mesh->triangles; ++t) {
         const weft_fabric *of
             = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
@@ -253,7 +249,9 @@ void weft__membrane_free(void *own, const weft_allocator *memory)
         weft__free(memory, of->room);
         weft__free(memory, of->corners);
         weft__free(memory, of->halo);
+        weft__free(memory, of->link_first);
         weft__free(memory, of->link);
+        weft__arc_free(&of->arc, memory);
         weft__free(memory, of->weight);
     }
 }

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* membrane_matrix.c -- the matrix of a membrane in a state: its products, and the
+ * 3 x 3 blocks between particles that share a triangle or, along arcs, a patch. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "forces/membrane/membrane_law.h"
+#include "forces/membrane/membrane_load.h"
+
+/* Adds (a K + b C) x of triangle t to out. K is never negative: stress below 0 is left
+ * out, and the barrier has its curvature in r alone. Edge i pulls with
+ *
+ *     sum_j (2 a (K_ij + 2 bend rate_i rate_j) + b lag K_ij) d_j.dd_j d_i + a s_i dd_i
+ *
+ * s_i = -area g_j.S g_k; along an arc d_j.dd_j has h_j.dh_j more, but not for the
+ * barrier, and its parts are pulled likewise, by s_i where it pulls. */
+static void multiply_triangle(const weft__membrane *own, const weft__state *at,
+                              size_t t, double a, double b, const double *x,
+                              double *out)
+{
+    const size_t n = own->mesh->particles;
+    const uint32_t *corner = own->mesh->triangles->corner[t];
+    const weft__slopes *rows = &own->arc.rows;
+    const weft__rest rest = weft__rest_of(own->mesh->triangles, t);
+    double dd[3][3], h[3][3], dh[3][3], chord[3], along[3], s[3];
+    weft__load now;
+    weft__load_of(own, t, &rest, at->y, &now);
+    for (size_t i = 0; i < 3; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            dd[i][k] = x[k * n + corner[(i + 2) % 3]] - x[k * n + corner[(i + 1) % 3]];
+        }
+        along[i] = chord[i] = weft__dot(now.d[i], dd[i]);
+        if (rows->first != NULL) {
+            weft__arc_row(own, at->y, own->mesh->triangles->edge[t][i], h[i]);
+            weft__arc_row(own, x, own->mesh->triangles->edge[t][i], dh[i]);
+            along[i] += weft__dot(h[i], dh[i]);
+        }
+    }
+    const double scale = 2.0 * a + b * CONSTANT(now.of, WEFT__LAG);
+    const double bend = 4.0 * a * now.barrier.bend * weft__dot(now.barrier.rate, chord);
+    law_stiff(now.of, along, s);
+    for (size_t i = 0; i < 3; ++i) {
+        const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        const size_t e = own->mesh->triangles->edge[t][i];
+        const double pull = scale * s[i] + bend * now.barrier.rate[i];
+        const double across = -a * rest.area * weft__geometric(&rest, now.taut, j, k);
+        for (size_t m = 0; m < 3; ++m) {
+            const double force = pull * now.d[i][m] + across * dd[i][m];
+            out[m * n + corner[j]] -= force;
+            out[m * n + corner[k]] += force;
+        }
+        for (size_t p = rows->first != NULL ? 3 * rows->first[e] : 0;
+             rows->first != NULL && p < 3 * rows->first[e + 1]; ++p) {
+            out[p % 3 * n + rows->particle[p / 3]]
+                += rows->share[p / 3]
+                   * (scale * s[i] * h[i][p % 3] + fmax(across, 0.0) * dh[i][p % 3]);
+        }
+    }
+}
+
+void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
+                             const double *x, double *out)
+{
+    const weft__membrane *of = own;
+    const weft__triangles *tri = of->mesh->triangles;
+    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
+        multiply_triangle(of, at, t, a, b, x, out);
+    }
+}
+
+/* Particles on which a triangle's edges depend: corners, and parts of three arcs. */
+enum { MOVERS = 3 + 3 * WEFT__CURVE_PARTS };
+
+/* One of them: how it moves the edges. */
+typedef struct mover {
+    uint32_t particle;
+    double of[3][3];   /* d(|d_e|^2 + |h_e|^2) / 2 of edge e by the particle [m] */
+    double ends[3];    /* of d_e */
+    double share[3];   /* of h_e */
+    double barrier[3]; /* dr of the barrier, by 2 [1/m] */
+} mover;
+
+/* Those of triangle t, corners first; their number. */
+static size_t movers_of(const weft__membrane *own, const double *y, size_t t,
+                        const weft__load *now, mover *to)
+{
+    const weft__triangles *tri = own->mesh->triangles;
+    const weft__slopes *rows = &own->arc.rows;
+    size_t count = 3;
+    for (size_t c = 0; c < 3; ++c) {
+        to[c] = (mover){ .particle = tri->corner[t][c] };
+        for (size_t x = 1; x < 3; ++x) { /* d[c + 1] ends at c, d[c + 2] begins there */
+            const size_t e = (c + x) % 3;
+            to[c].ends[e] = x == 1 ? 1.0 : -1.0;
+            for (size_t k = 0; k < 3; ++k) {
+                to[c].of[e][k] = to[c].ends[e] * now->d[e][k];
+                to[c].barrier[k] += now->barrier.rate[e] * to[c].of[e][k];
+            }
+        }
+    }
+    for (size_t e = 0; rows->first != NULL && e < 3; ++e) {
+        const size_t edge = tri->edge[t][e];
+        double h[3];
+        weft__arc_row(own, y, edge, h);
+        for (size_t j = rows->first[edge]; j < rows->first[edge + 1]; ++j) {
+            size_t at = 0;
+            while (at < count && to[at].particle != rows->particle[j]) {
+                ++at;
+            }
+            if (at == count) {
+                to[count++] = (mover){ .particle = rows->particle[j] };
+            }
+            to[at].share[e] += rows->share[j];
+            for (size_t k = 0; k < 3; ++k) {
+                to[at].of[e][k] += rows->share[j] * h[k];
+            }
+        }
+    }
+    return count;
+}
+
+/* Subtracts K_ab of a triangle, then C_ab, from numbers. pulled: K by what b moves; s:
+ * of edges, without what presses. */
+static void add_link(const weft__load *now, const double s[3], const mover *a,
+                     const mover *b, double pulled[3][3], double *numbers)
+{
+    double across = 0.0;
+    for (size_t e = 0; e < 3; ++e) {
+        across += s[e] * (a->ends[e] * b->ends[e])
+                  + fmax(s[e], 0.0) * (a->share[e] * b->share[e]);
+    }
+    for (size_t j = 0; j < 9; ++j) {
+        const size_t r = j / 3, c = j % 3;
+        const double outer = a->of[0][r] * pulled[0][c] + a->of[1][r] * pulled[1][c]
+                             + a->of[2][r] * pulled[2][c];
+        numbers[j] -= 2.0 * outer
+                      + 4.0 * now->barrier.bend * (a->barrier[r] * b->barrier[c])
+                      + (r == c ? across : 0.0);
+        numbers[9 + j] -= CONSTANT(now->of, WEFT__LAG) * outer;
+    }
+}
+
+size_t weft__membrane_links(const void *own, weft_link *to)
+{
+    const weft__membrane *of = own;
+    const size_t n = of->blocks != NULL ? of->mesh->particles : 0;
+    for (size_t p = 0; to != NULL && p < n; ++p) {
+        for (size_t j = of->link_first[p]; j < of->link_first[p + 1]; ++j) {
+            to[j] = (weft_link){ (uint32_t)p, of->link[j] };
+        }
+    }
+    return n > 0 ? of->link_first[n] : 0;
+}
+
+/* The numbers of the link between two particles. */
+static double *numbers_of(const weft__membrane *of, size_t p, uint32_t q,
+                          double *numbers)
+{
+    size_t low = of->link_first[p], high = of->link_first[p + 1];
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (of->link[middle] <= q) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return numbers + WEFT_LINK_NUMBERS * low;
+}
+
+int weft__membrane_link_numbers(const void *own, const weft__state *at, double *numbers)
+{
+    const weft__membrane *of = own;
+    const weft__triangles *tri = of->mesh->triangles;
+    const size_t all = WEFT_LINK_NUMBERS * weft__membrane_links(own, NULL);
+    double bad = 0.0;
+    memset(numbers, 0, all * sizeof *numbers);
+    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
+        const weft__rest rest = weft__rest_of(tri, t);
+        mover movers[MOVERS];
+        double s[3];
+        weft__load now;
+        weft__load_of(of, t, &rest, at->y, &now);
+        const size_t count = movers_of(of, at->y, t, &now, movers);
+        for (size_t i = 0; i < 3; ++i) {
+            s[i] = -rest.area
+                   * weft__geometric(&rest, now.taut, (i + 1) % 3, (i + 2) % 3);
+        }
+        for (size_t j = 0; j < count; ++j) {
+            double pulled[3][3];
+            for (size_t k = 0; k < 3; ++k) {
+                double(*by)[3] = movers[j].of;
+                double stiff[3];
+                law_stiff(now.of, (const double[3]){ by[0][k], by[1][k], by[2][k] },
+                          stiff);
+                pulled[0][k] = stiff[0], pulled[1][k] = stiff[1],
+                pulled[2][k] = stiff[2];
+            }
+            for (size_t i = 0; i < count; ++i) {
+                const uint32_t p = movers[i].particle, q = movers[j].particle;
+                if (p < q) {
+                    add_link(&now, s, &movers[i], &movers[j], pulled,
+                             numbers_of(of, p, q, numbers));
+                }
+            }
+        }
+    }
+    for (size_t j = 0; j < all; ++j) {
+        bad += numbers[j] * 0.0;
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+/* Links of particle p to the movers above it of triangle t. */
+static bool take_links(weft__membrane *own, const weft_allocator *memory, uint32_t p,
+                       uint32_t t, uint32_t *seen, size_t *room)
+{
+    const weft__triangles *of = own->mesh->triangles;
+    const weft__slopes *rows = &own->arc.rows;
+    size_t *count = &own->link_first[p + 1];
+    for (size_t c = 0; t != WEFT__NONE && c < 3; ++c) {
+        const size_t e = of->edge[t][c];
+        const size_t first = rows->first != NULL ? rows->first[e] : 0;
+        const size_t parts = rows->first != NULL ? rows->first[e + 1] - first : 0;
+        for (size_t j = 0; j <= parts; ++j) {
+            const uint32_t q
+                = j == 0 ? of->corner[t][c] : rows->particle[first + j - 1];
+            if (q <= p || seen[q] == p + 1) {
+                continue;
+            }
+            if (*count == *room
+                && !weft__resized(memory, &own->link, *room = 2 * *room + 64,
+                                  sizeof *own->link)) {
+                return false;
+            }
+            seen[q] = p + 1;
+            own->link[(*count)++] = q;
+        }
+    }
+    return true;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory)
+{
+    const weft__triangles *of = own->mesh->triangles;
+    const uint32_t n = (uint32_t)own->mesh->particles;
+    const size_t *begin = own->arc.begin;
+    size_t room = 0;
+    uint32_t *seen = weft__zeroed(memory, n, sizeof *seen);
+    own->link_first = weft__zeroed(memory, n + 1, sizeof *own->link_first);
+    bool made = seen != NULL && own->link_first != NULL;
+    for (uint32_t p = 0; made && p < n; ++p) {
+        const size_t first = own->link_first[p];
+        own->link_first[p + 1] = first;
+        for (size_t j = of->around_first[p]; made && j < of->around_first[p + 1]; ++j) {
+            made = take_links(own, memory, p, of->around[j], seen, &room);
+        }
+        for (size_t j = begin != NULL ? begin[p] : 0;
+             made && begin != NULL && j < begin[p + 1]; ++j) {
+            const uint32_t *both = of->edge_list[own->arc.part[j].item / 2].triangle;
+            made = take_links(own, memory, p, both[0], seen, &room)
+                   && take_links(own, memory, p, both[1], seen, &room);
+        }
+        if (made) {
+            qsort(own->link + first, own->link_first[p + 1] - first, sizeof *own->link,
+                  ascending);
+        }
+    }
+    weft__free(memory, seen);
+    return made;
+}
