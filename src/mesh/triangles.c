@@ -41,6 +41,9 @@ static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices
     for (size_t pass = 0; pass < 2; ++pass) {
         for (size_t h = 0; h < 3 * count; ++h) {
             const size_t t = h / 3, k = h % 3;
+            if (at->bad[t] != 0) {
+                continue;
+            }
             const uint32_t p = corners[3 * t + (k + 1) % 3];
             const uint32_t q = corners[3 * t + (k + 2) % 3], low = p < q ? p : q;
             if (pass == 0) {
@@ -131,8 +134,9 @@ static void check_sides(weft__work *at)
     for (size_t t = 0; !at->failed && t < at->def->triangles; ++t) {
         double longest;
         const uint32_t first = root(at->piece, (uint32_t)t);
-        if ((weft__twice_area(at->def, t, &longest) > 0.0)
-            != (weft__twice_area(at->def, first, &longest) > 0.0)) {
+        if (at->bad[t] == 0
+            && (weft__twice_area(at->def, t, &longest) > 0.0)
+                   != (weft__twice_area(at->def, first, &longest) > 0.0)) {
             weft__mesh_fault(
                 at, WEFT__MESH_TRIANGLE, t,
                 "the triangle of vertices %zu, %zu, %zu is turned over in the rest "
@@ -445,9 +449,6 @@ static void allocate(weft__work *at)
     const size_t n = at->def->vertices, t = at->def->triangles;
     const size_t most = n > t ? n : t;
     weft__triangles *out = at->out;
-    at->halves = weft__work_take(at, 3 * t, sizeof *at->halves);
-    at->first = weft__work_take(at, n + 1, sizeof *at->first);
-    at->piece = weft__work_take(at, t, sizeof *at->piece);
     at->key = weft__work_take(at, most, sizeof *at->key);
     at->order = weft__work_take(at, most, sizeof *at->order);
     at->other = weft__work_take(at, most, sizeof *at->other);
@@ -476,16 +477,25 @@ static void allocate(weft__work *at)
     out->arc = at->def->arc;
 }
 
-/* Faults of what triangles are joined to, with which the rest cannot be made. */
+/* Faults of what good triangles are joined to, with which the rest cannot be made. */
 static void find_pieces(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
+    const bool failed = at->failed;
+    at->halves = weft__work_take(at, 3 * def->triangles, sizeof *at->halves);
+    at->first = weft__work_take(at, def->vertices + 1, sizeof *at->first);
+    at->piece = weft__work_take(at, def->triangles, sizeof *at->piece);
+    if (at->no_memory) {
+        return;
+    }
     for (size_t t = 0; t < def->triangles; ++t) {
         at->piece[t] = (uint32_t)t;
     }
     list_halves(at, def->corners, def->vertices, def->triangles);
+    at->failed = false;
     each_edge(at, def->vertices, join);
     check_sides(at);
+    at->failed = at->failed || failed;
 }
 
 static void fill(weft__work *at)
@@ -509,15 +519,18 @@ weft__triangles *weft__triangles_create(const weft_mesh_def *def,
 {
     weft__work at = { .def = def, .memory = memory, .to = to };
     weft__triangles_check(&at);
+    if (at.bad != NULL) {
+        find_pieces(&at);
+    }
     if (!at.failed) {
         at.out = weft__work_take(&at, 1, sizeof *at.out);
     }
-    static void (*const steps[])(weft__work *) = { allocate, find_pieces, fill };
+    static void (*const steps[])(weft__work *) = { allocate, fill };
     for (size_t i = 0; !at.failed && i < sizeof steps / sizeof steps[0]; ++i) {
         steps[i](&at);
     }
     void *const scratch[]
-        = { at.halves, at.first, at.piece, at.key, at.order, at.other };
+        = { at.bad, at.halves, at.first, at.piece, at.key, at.order, at.other };
     for (size_t i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {
         weft__free(memory, scratch[i]);
     }

@@ -122,7 +122,7 @@ static bool check_indices(weft__work *at, size_t t)
     return good;
 }
 
-static void check_triangle(weft__work *at, size_t t)
+static bool check_triangle(weft__work *at, size_t t)
 {
     const uint32_t a = weft__vertex_at(at->def, t, 0),
                    b = weft__vertex_at(at->def, t, 1),
@@ -134,25 +134,26 @@ static void check_triangle(weft__work *at, size_t t)
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
                          "a triangle with vertex %zu at two corners",
                          weft__name_of(at, a == b ? a : c));
-    } else if (!(height >= LEAST_HEIGHT * longest) || !isfinite(area)
-               || !isfinite(1.0 / area)) {
+        return false;
+    }
+    if (!(height >= LEAST_HEIGHT * longest) || !isfinite(area)
+        || !isfinite(1.0 / area)) {
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, t,
             "the triangle of vertices %zu, %zu, %zu is %s at rest: its height is "
             "%.3g m, below %g of its longest edge of %.3g m",
             weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c),
             area == 0.0 ? "degenerate" : "too thin", height, LEAST_HEIGHT, longest);
+        return false;
     }
+    return true;
 }
 
 static void check_triangles(weft__work *at)
 {
-    bool good = true;
-    for (size_t t = 0; t < at->def->triangles; ++t) {
-        good = check_indices(at, t) && good;
-    }
-    for (size_t t = 0; good && t < at->def->triangles; ++t) {
-        check_triangle(at, t);
+    at->bad = weft__work_take(at, at->def->triangles, sizeof *at->bad);
+    for (size_t t = 0; at->bad != NULL && t < at->def->triangles; ++t) {
+        at->bad[t] = !check_indices(at, t) || !check_triangle(at, t);
     }
 }
 

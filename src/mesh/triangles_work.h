@@ -20,6 +20,7 @@ typedef struct weft__work {
     weft__triangles *out;
     bool failed, no_memory;
     /* scratch */
+    uint8_t *bad; /* triangles with faults of their own; NULL: there are no triangles */
     weft__half_edge *halves; /* 3 T, by their lower ends, the higher ones, triangles */
     uint32_t *first;         /* of each lower end, and their number */
     uint32_t *piece;         /* of a triangle: the root of its tree */
