@@ -77,6 +77,18 @@ START_TEST(fabrics_are_listed_and_described)
 }
 END_TEST
 
+START_TEST(what_a_mesh_is_made_of_is_said)
+{
+    expect(shell(WEFT " check scenes/skirt.yaml"), 0);
+    says("  pieces     2, sewn along 44 edges, 0.9 m\n");
+    says("  angles     27.3 degrees or more at rest, in the triangle of vertices 14, ");
+    says("  heights    9.18 mm or more at rest, in the triangle of vertices 14, 116, ");
+    says("edges of 20.2 mm, 0.5698 m^2\n");
+    says("above a quarter of the Peirce length: too");
+    expect_narrow(80);
+}
+END_TEST
+
 START_TEST(what_is_said_of_a_scene_is_at_most_80_characters_wide)
 {
     const char *scene = OUT "/small.yaml";
@@ -283,6 +295,7 @@ TEST_SUITE(cli_output)
     tcase_add_test(program, help_leaves_room_for_the_margin_of_a_manual_page);
     tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 6);
     tcase_add_test(program, fabrics_are_listed_and_described);
+    tcase_add_test(program, what_a_mesh_is_made_of_is_said);
     tcase_add_loop_test(program, what_is_said_of_a_scene_is_at_most_80_characters_wide,
                         0, 2);
     tcase_add_test(program, many_exported_frames_are_one_line);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabric_report.c -- weft check: a fabric and its springs. */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "cli/check/check.h"
 
@@ -8,6 +10,7 @@ typedef struct report {
     weft_fabric fabric; /* of the springs, or of triangles */
     double length[2];   /* [m] Peirce's, 0: none */
     double edge[2];     /* [m] the spacing; of triangles the mean edge */
+    double area;        /* [m^2] of its triangles */
     bool coarse[2];     /* the spacing is above half of it, the edge above a quarter */
 } report;
 
@@ -23,10 +26,11 @@ static void set_length(report *out, size_t k, const weft_cloth_def *def, double 
 static report mesh_report(const weft_cloth_def *def, size_t fabric)
 {
     const weft_mesh_def *mesh = def->mesh;
-    double sum = 0.0, count = 0.0;
+    double sum = 0.0, count = 0.0, area = 0.0;
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const rest_triangle at = rest_triangle_of(mesh, t);
         if ((mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0) == fabric) {
+            area += rest_area(&at);
             for (size_t k = 0; k < 3; ++k, count += 1.0) {
                 const double *a = at.corners[k], *b = at.corners[(k + 1) % 3];
                 sum += hypot(b[0] - a[0], b[1] - a[1]);
@@ -34,7 +38,8 @@ static report mesh_report(const weft_cloth_def *def, size_t fabric)
         }
     }
     const double edge = count > 0.0 ? sum / count : 0.0;
-    report out = { .fabric = mesh->fabrics[fabric], .edge = { edge, edge } };
+    report out
+        = { .fabric = mesh->fabrics[fabric], .edge = { edge, edge }, .area = area };
     set_length(&out, 0, def, 0.25);
     set_length(&out, 1, def, 0.25);
     return out;
@@ -54,31 +59,111 @@ static bool report_of(const weft_scene *scene, report *out)
            || def->bending.twist > 0.0;
 }
 
-/* The smallest angle at rest, and its triangle. */
-static void print_angle(const weft_mesh_def *mesh)
+static void print_least(const char *item, const char *format, double least,
+                        const weft_mesh_def *mesh, size_t triangle)
 {
-    double least = 180.0;
-    size_t triangle = 0, name[3];
+    char number[HUMAN_SIZE];
+    size_t name[3];
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t vertex = mesh->corners[3 * triangle + k];
+        name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+    }
+    (void)snprintf(number, sizeof number, format, least);
+    print_item(item, "%s or more at rest, in the triangle of vertices %zu, %zu, %zu",
+               number, name[0], name[1], name[2]);
+}
+
+/* The smallest angle and height at rest, and their triangles. */
+static void print_triangles(const weft_mesh_def *mesh)
+{
+    double least = 180.0, low = (double)INFINITY;
+    size_t sharp = 0, flat = 0;
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
         const rest_triangle at = rest_triangle_of(mesh, j / 3);
         const double *a = at.corners[j % 3], *b = at.corners[(j + 1) % 3],
                      *c = at.corners[(j + 2) % 3];
         const double u[] = { b[0] - a[0], b[1] - a[1] };
         const double v[] = { c[0] - a[0], c[1] - a[1] };
-        const double angle
-            = 180.0 / acos(-1.0)
-              * atan2(fabs(u[0] * v[1] - u[1] * v[0]), u[0] * v[0] + u[1] * v[1]);
-        triangle = angle < least ? j / 3 : triangle;
+        const double angle = 180.0 / acos(-1.0)
+                             * atan2(2.0 * rest_area(&at), u[0] * v[0] + u[1] * v[1]);
+        const double height = 2.0 * rest_area(&at) / hypot(c[0] - b[0], c[1] - b[1]);
+        sharp = angle < least ? j / 3 : sharp;
+        flat = height < low ? j / 3 : flat;
         least = fmin(least, angle);
+        low = fmin(low, height);
     }
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t vertex = mesh->corners[3 * triangle + k];
-        name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+    print_least("angles", "%.3g degrees", least, mesh, sharp);
+    print_least("heights", "%.3g mm", 1e3 * low, mesh, flat);
+}
+
+/* Of a triangle, with its places; the lower end first. */
+typedef struct rest_side {
+    uint32_t ends[2], places[2];
+    size_t triangle;
+} rest_side;
+
+static int by_ends(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof((const rest_side *)a)->ends);
+}
+
+static size_t root_of(size_t *parent, size_t t)
+{
+    while (parent[t] != t) {
+        t = parent[t] = parent[parent[t]];
     }
-    print_item("angles",
-               "%.3g degrees or more at rest, in the triangle of vertices %zu, "
-               "%zu, %zu",
-               least, name[0], name[1], name[2]);
+    return t;
+}
+
+/* Pieces, and what is sewn; nothing without memory. */
+static void print_pieces(const weft_mesh_def *mesh)
+{
+    const size_t sides = 3 * mesh->triangles;
+    rest_side *side = malloc(sides * sizeof *side);
+    size_t *parent = malloc(mesh->triangles * sizeof *parent);
+    size_t pieces = mesh->triangles, sewn = 0;
+    double length = 0.0;
+    for (size_t j = 0; side != NULL && parent != NULL && j < sides; ++j) {
+        const size_t t = j / 3, next = 3 * t + (j + 1) % 3;
+        const uint32_t *places
+            = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+        const bool down = mesh->corners[next] < mesh->corners[j];
+        const size_t low = down ? next : j, high = down ? j : next;
+        side[j] = (rest_side){ { mesh->corners[low], mesh->corners[high] },
+                               { places[low], places[high] },
+                               t };
+        parent[t] = t;
+    }
+    if (side != NULL && parent != NULL) {
+        qsort(side, sides, sizeof *side, by_ends);
+    }
+    for (size_t j = 1; side != NULL && parent != NULL && j < sides; ++j) {
+        const rest_side *a = &side[j - 1], *b = &side[j];
+        if (by_ends(a, b) != 0) {
+            continue;
+        }
+        if (memcmp(a->places, b->places, sizeof a->places) == 0) {
+            const size_t p = root_of(parent, a->triangle);
+            const size_t q = root_of(parent, b->triangle);
+            pieces -= p != q;
+            parent[p] = q;
+        } else {
+            const double *x = &mesh->rest[2 * (size_t)a->places[0]];
+            const double *z = &mesh->rest[2 * (size_t)a->places[1]];
+            length += hypot(z[0] - x[0], z[1] - x[1]);
+            ++sewn;
+        }
+    }
+    if (side != NULL && parent != NULL) {
+        sentence text = { "" };
+        say(&text, "%zu", pieces);
+        if (sewn > 0) {
+            say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
+        }
+        print_item("pieces", "%s", text.text);
+    }
+    free(side);
+    free(parent);
 }
 
 static void print_peirce(const report *of, const char *first, const char *second)
@@ -91,7 +176,8 @@ static void print_peirce(const report *of, const char *first, const char *second
 
 static void print_mesh(const weft_cloth_def *def)
 {
-    print_angle(def->mesh);
+    print_pieces(def->mesh);
+    print_triangles(def->mesh);
     for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
         const report of = mesh_report(def, i);
         const weft_fabric *fabric = &of.fabric;
@@ -100,14 +186,14 @@ static void print_mesh(const weft_cloth_def *def)
         }
         print_item("fabric",
                    "%s%sC %.5g and %.5g, G %.5g, C12 %.5g N/m; rigidity %.4g and %.4g, "
-                   "twist %.4g N m; edges of %.3g mm",
+                   "twist %.4g N m; edges of %.3g mm, %.4g m^2",
                    fabric->name == NULL ? "" : fabric->name,
                    fabric->name == NULL ? "" : ": ", fabric->stretch[0],
                    fabric->stretch[1], fabric->shear, fabric->coupling, fabric->bend[0],
                    fabric->bend[1],
                    fabric->twist < 0.0 ? sqrt(fabric->bend[0] * fabric->bend[1])
                                        : fabric->twist,
-                   1e3 * of.edge[0]);
+                   1e3 * of.edge[0], of.area);
         print_peirce(&of, "the warp", "the weft");
         if (of.coarse[0] || of.coarse[1]) {
             print_item("warning",

@@ -95,9 +95,7 @@ static double spacing_of(const weft_cloth_def *cloth)
     }
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const rest_triangle at = rest_triangle_of(mesh, t);
-        const double *a = at.corners[0], *b = at.corners[1], *c = at.corners[2];
-        area += 0.5
-                * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        area += rest_area(&at);
     }
     return sqrt(area / (double)mesh->vertices);
 }

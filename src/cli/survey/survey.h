@@ -4,6 +4,8 @@
 #ifndef WEFT_CLI_SURVEY_SURVEY_H
 #define WEFT_CLI_SURVEY_SURVEY_H
 
+#include <math.h>
+
 #include "cli/cli.h"
 #include "cli/human.h"
 
@@ -89,6 +91,12 @@ static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t
         at.corners[k] = &mesh->rest[2 * (size_t)places[3 * t + k]];
     }
     return at;
+}
+
+static inline double rest_area(const rest_triangle *of) /* [m^2] */
+{
+    const double *a = of->corners[0], *b = of->corners[1], *c = of->corners[2];
+    return 0.5 * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
 }
 
 /* ---- stiff_methods.c: estimates, not bounds ---- */
