@@ -12,7 +12,7 @@
 
 enum { TEXT = 8192 };
 
-const char *human_time(double seconds, char out[HUMAN])
+human human_time(double seconds)
 {
     static const struct {
         double unit;
@@ -20,6 +20,7 @@ const char *human_time(double seconds, char out[HUMAN])
     } all[] = { { 86400.0, "d" }, { 3600.0, "h" }, { 60.0, "min" }, { 1.0, "s" },
                 { 1e-3, "ms" },   { 1e-6, "us" },  { 1e-9, "ns" } };
     enum { SECONDS = 3, LAST = 6 };
+    human out;
     size_t i = SECONDS;
     if (seconds >= 59.95) {
         seconds = fmax(seconds, 60.0);
@@ -28,22 +29,24 @@ const char *human_time(double seconds, char out[HUMAN])
         }
         const double whole = floor(seconds / all[i].unit);
         const double rest = floor((seconds - whole * all[i].unit) / all[i + 1].unit);
-        (void)snprintf(out, HUMAN, "%.0f %s %02.0f %s", whole, all[i].name, rest,
-                       all[i + 1].name);
+        (void)snprintf(out.text, sizeof out.text, "%.0f %s %02.0f %s", whole,
+                       all[i].name, rest, all[i + 1].name);
         return out;
     }
     while (i < LAST && seconds > 0.0 && seconds < 0.9995 * all[i].unit) {
         ++i;
     }
-    (void)snprintf(out, HUMAN, "%.3g %s", seconds / all[i].unit, all[i].name);
+    (void)snprintf(out.text, sizeof out.text, "%.3g %s", seconds / all[i].unit,
+                   all[i].name);
     return out;
 }
 
-const char *human_count(uint64_t count, char out[HUMAN])
+human human_count(uint64_t count)
 {
     char digits[24];
+    human out;
     const int length = snprintf(digits, sizeof digits, "%" PRIu64, count);
-    char *to = out;
+    char *to = out.text;
     for (int i = 0; i < length; ++i) {
         if (i > 0 && (length - i) % 3 == 0) {
             *to++ = ',';

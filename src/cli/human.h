@@ -9,15 +9,18 @@
 #include "weft/cloth.h"
 
 enum {
-    HUMAN = 32,      /* bytes that hold a time or a count */
-    SPRING = 96,     /* and what weft_spring_text writes */
+    SPRING = 96,     /* bytes that hold what weft_spring_text writes */
     HUMAN_SIZE = 64, /* and weft_cloth_text */
     PAGE_WIDTH = 80  /* characters of a line */
 };
 
-/* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h". Both return out. */
-const char *human_time(double seconds, char out[HUMAN]);
-const char *human_count(uint64_t count, char out[HUMAN]); /* "40,530" */
+typedef struct human {
+    char text[32];
+} human;
+
+/* "298 us", "5.74 s", "3 min 05 s", "2 h 07 min", "3 d 04 h" */
+human human_time(double seconds);
+human human_count(uint64_t count); /* "40,530" */
 
 /* The number that is all of the text, or NAN. */
 double option_real(const char *text);

@@ -16,7 +16,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
-#include "cli/run/ranks.h"
 #include "cut/cut.h"
 #include "record/child_process.h"
 

@@ -8,7 +8,6 @@
 #include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/progress.h"
-#include "cli/run/ranks.h"
 
 #define OPTION_AT(member) (256 + (int)offsetof(arguments, member))
 #define TEXT(member)      required_argument, NULL, OPTION_AT(member)

@@ -106,14 +106,13 @@ void compare_advise(const compare *self, compare_advice *out)
 static void add_cost(const compare_cost *cost, sentence *out)
 {
     const compare_method *method = cost->method;
-    char time[HUMAN];
     say(out, "%s %s %s %.1e%s", method->by.plugin->id, method->by.type->name,
         method->step > 0.0 ? "in steps of" : "at tolerance", cost->setting,
         method->step > 0.0 ? " s" : "");
     if (compare_is_stiff(method->by.type)) {
         say(out, " m and %.1e m/s", COMPARE_VELOCITY * cost->setting);
     }
-    say(out, ", %s, %.0f evaluations", human_time(cost->time, time), cost->calls);
+    say(out, ", %s, %.0f evaluations", human_time(cost->time).text, cost->calls);
 }
 
 static void add_rival(const char *lead, const compare_cost *other, double times,
@@ -155,7 +154,6 @@ sentence compare_as_is_text(const compare *self)
 {
     const compare_point *point = compare_as_is(self);
     compare_rank rank;
-    char time[HUMAN];
     sentence out = { "" };
     say(&out, "as the scene is (%s %s)", weft_scene_plugin(self->scene),
         weft_scene_method(self->scene));
@@ -166,7 +164,7 @@ sentence compare_as_is_text(const compare *self)
         return out;
     }
     say(&out, ": error %.1e m in %s, %llu evaluations", point->error,
-        human_time(point->time, time), (unsigned long long)point->calls);
+        human_time(point->time).text, (unsigned long long)point->calls);
     rank_at(self, fmax(point->error, COMPARE_NEAR * self->apart), &rank);
     if (rank.best.method != NULL && rank.best.time * WORTH < point->time) {
         say(&out, "; as good and %.1f times faster: ", point->time / rank.best.time);

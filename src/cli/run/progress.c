@@ -95,7 +95,7 @@ static void put_line(progress *show, const char *line)
 static void write_line(progress *show, size_t frame)
 {
     enum { LONGEST = 160 };
-    char line[LONGEST + 1] = "", text[2 * HUMAN];
+    char line[LONGEST + 1] = "", text[64];
     const bool redraw = show->mode == PROGRESS_TERMINAL;
     size_t width = redraw ? terminal_width() - 1 : LONGEST;
     width = width < LONGEST ? width : LONGEST;
@@ -103,12 +103,12 @@ static void write_line(progress *show, size_t frame)
     (void)snprintf(text, sizeof text, "%zu/%zu", frame, weft_run_last_frame(show->run));
     add(line, width, "frame", text);
     add(line, width, "ETA",
-        show->speed > 0.0 ? human_time(ceil(left / show->speed), text) : "--");
+        show->speed > 0.0 ? human_time(ceil(left / show->speed)).text : "--");
     (void)snprintf(text, sizeof text, "%.4g s", weft_sim_time(show->sim));
     add(line, width, "t", text);
-    add(line, width, "h", human_time(weft_sim_stats(show->sim).last_step, text));
+    add(line, width, "h", human_time(weft_sim_stats(show->sim).last_step).text);
     add(line, width, "steps/s",
-        show->speed > 0.0 ? human_count((uint64_t)(show->rate + 0.5), text) : "--");
+        show->speed > 0.0 ? human_count((uint64_t)(show->rate + 0.5)).text : "--");
     put_line(show, line);
 }
 

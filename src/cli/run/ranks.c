@@ -3,8 +3,6 @@
  * the processes that it joins. */
 #define _GNU_SOURCE /* sched_getaffinity */
 
-#include "cli/run/ranks.h"
-
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sched.h>
@@ -14,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/hash.h"
+#include "cli/cli.h"
 #include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "mpi/comm_mpi.h"

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "cli/run/ranks.h"
 #include "cli/run/run.h"
 
 weft_status run_agree(const run *self, weft_status status, weft_error *err)
@@ -24,27 +23,21 @@ void run_remove(const run *self, const char *name)
     }
 }
 
-static weft_status is_in_place(const run *self, weft_error *err)
-{
-    struct stat now;
-    if (!ranks_first(self->comm)) {
-        return WEFT_OK;
-    }
-    if (stat(self->out, &now) != 0) {
-        return weft_error_set(err, WEFT_IO, "%s: %s", self->out, strerror(errno));
-    }
-    return now.st_dev == self->place.st_dev && now.st_ino == self->place.st_ino
-               ? WEFT_OK
-               : weft_error_set(
-                   err, WEFT_IO,
-                   "%s: another directory than that of this run, which was "
-                   "moved away: nothing is written to it",
-                   self->out);
-}
-
 weft_status run_in_place(const run *self, weft_error *err)
 {
-    return run_agree(self, is_in_place(self, err), err);
+    struct stat now;
+    weft_status status = WEFT_OK;
+    if (ranks_first(self->comm) && stat(self->out, &now) != 0) {
+        status = record_failed(self->out, err);
+    } else if (ranks_first(self->comm)
+               && (now.st_dev != self->place.st_dev
+                   || now.st_ino != self->place.st_ino)) {
+        status = weft_error_set(err, WEFT_IO,
+                                "%s: another directory than that of this run, which "
+                                "was moved away: nothing is written to it",
+                                self->out);
+    }
+    return run_agree(self, status, err);
 }
 
 weft_status run_state(const run *self, const double **y, double **gathered,
@@ -106,12 +99,6 @@ weft_status frames_have_room(const weft_scene *scene, weft_error *err)
 
 /* The records reach the disk before the checkpoint that needs them. When a run blows
  * up, the last checkpoint that can be restored is kept. */
-static weft_status sync_tables(run *self, weft_error *err)
-{
-    TRY(record_table_sync(&self->series.table, err));
-    return record_table_sync(&self->shapes, err);
-}
-
 weft_status run_checkpoint(run *self, size_t index, weft_error *err)
 {
     record_checkpoint *now = &self->checkpoint;
@@ -124,7 +111,8 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     if (!isfinite(weft_sim_ledger(self->sim).residual)) {
         return weft_sim_restart(self->sim, err);
     }
-    TRY(run_agree(self, sync_tables(self, err), err));
+    TRY(run_agree(self, record_table_sync(&self->series.table, err), err));
+    TRY(run_agree(self, record_table_sync(&self->shapes, err), err));
     TRY(record_vtkhdf_sync(self->frames, &now->vtkhdf, err));
     return record_checkpoint_write(self->out, now, self->sim, self->comm, err);
 }
@@ -184,16 +172,20 @@ unsigned series_columns(const weft_scene *scene)
            | (weft_scene_run(scene)->interpolate ? RECORD_BETWEEN : 0u);
 }
 
-/* On other ranks the tables only have columns. */
-static weft_status reopen_tables(run *self, weft_error *err)
+/* New ones, or `again` those that are there. On other ranks they only have columns. */
+static weft_status open_tables(run *self, bool again, weft_error *err)
 {
+    const unsigned columns = series_columns(self->scene);
     if (!ranks_first(self->comm)) {
-        record_series_begin(&self->series, series_columns(self->scene));
+        record_series_begin(&self->series, columns);
         return WEFT_OK;
     }
-    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), true,
-                           err));
-    return record_shapes_open(&self->shapes, self->out, self->cloth, true, err);
+    if (!again) {
+        TRY(record_scene_text(self->out, self->scene, err));
+        TRY(write_manifest(self, err));
+    }
+    TRY(record_series_open(&self->series, self->out, columns, again, err));
+    return record_shapes_open(&self->shapes, self->out, self->cloth, again, err);
 }
 
 static weft_status check_sums(run *self, bool equal, weft_error *err)
@@ -216,7 +208,7 @@ static weft_status check_records(run *self, weft_error *err)
     record_vtkhdf_def def = frames_of(self);
     bool equal = false;
     def.last = self->from->last;
-    TRY(run_agree(self, reopen_tables(self, err), err));
+    TRY(run_agree(self, open_tables(self, true, err), err));
     TRY(record_vtkhdf_reopen(&def, &self->from->vtkhdf, &self->frames, &equal, err));
     return run_agree(self, check_sums(self, equal, err), err);
 }
@@ -240,20 +232,15 @@ static bool is_longer(const run *self)
     return self->from->scene != self->checkpoint.scene;
 }
 
-static weft_status grow_frames(run *self, weft_error *err)
+/* Until run_checkpoint, a run that is killed starts again. */
+static weft_status make_longer(run *self, weft_error *err)
 {
     record_vtkhdf *longer = NULL;
     const weft_status status
         = record_vtkhdf_grow(self->frames, self->result.planned - 1, &longer, err);
     (void)record_vtkhdf_close(self->frames, NULL);
     self->frames = longer;
-    return status;
-}
-
-/* Until run_checkpoint, a run that is killed starts again. */
-static weft_status make_longer(run *self, weft_error *err)
-{
-    TRY(grow_frames(self, err));
+    TRY(status);
     TRY(write_manifest(self, err));
     remove_ends(self);
     run_remove(self, RECORD_CHECKPOINT);
@@ -275,23 +262,10 @@ static weft_status reopen_records(run *self, weft_error *err)
     return run_agree(self, cut_tables(self, err), err);
 }
 
-static weft_status open_tables(run *self, weft_error *err)
-{
-    if (!ranks_first(self->comm)) {
-        record_series_begin(&self->series, series_columns(self->scene));
-        return WEFT_OK;
-    }
-    TRY(record_scene_text(self->out, self->scene, err));
-    TRY(write_manifest(self, err));
-    TRY(record_series_open(&self->series, self->out, series_columns(self->scene), false,
-                           err));
-    return record_shapes_open(&self->shapes, self->out, self->cloth, false, err);
-}
-
 static weft_status open_records(run *self, weft_error *err)
 {
     const record_vtkhdf_def def = frames_of(self);
-    TRY(run_agree(self, open_tables(self, err), err));
+    TRY(run_agree(self, open_tables(self, false, err), err));
     return run_agree(self, record_vtkhdf_create(&def, &self->frames, err), err);
 }
 

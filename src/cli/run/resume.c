@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "cli/human.h"
-#include "cli/run/ranks.h"
 #include "cli/run/run.h"
 
 /* The checkpoint, if it is one of this scene and this program. */

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cli/run/ranks.h"
 #include "cli/run/run.h"
 #include "cli/survey/survey.h"
 #include "cli/watch/watch.h"

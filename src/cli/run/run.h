@@ -72,11 +72,6 @@ weft_status run_in_place(const run *self, weft_error *err);
 int run_scene(const arguments *given, const char *out, const weft_scene *scene,
               bool claimed, record_checkpoint *from);
 
-/* failure_report.c: the failure, the stable step and what to try, as lines to stderr
- * and as one text. */
-void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,
-                    const weft_failure *failure, sentence *out);
-
 /* summary.c: the results of a run, in eight lines or as YAML. */
 void summary_step(summary *self); /* after each accepted step */
 /* After each frame, with the spring of the largest strain in it. */
@@ -88,6 +83,10 @@ void summary_print_frames(const summary *self);
 /* The same as YAML documents of a line each, at the begin and at the end. */
 void summary_yaml_begin(const summary *self);
 void summary_yaml_end(const summary *self);
+/* The failure, the stable step and what to try, as lines to stderr
+ * and as one text. */
+void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,
+                    const weft_failure *failure, sentence *out);
 
 /* resume.c: continues the run of that scene in a directory that the caller has
  * claimed. Returns the exit code. */

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* summary.c -- the summary of a run, to stdout. */
+/* summary.c -- the summary of a run, to stdout; of one that fails the reason, the
+ * stable step then and at the start, and advice, to stderr. */
 #include "cli/run/run.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/human.h"
+#include "cli/survey/survey.h"
 #include "record/yaml_out.h"
 
 void summary_step(summary *self)
@@ -46,62 +49,52 @@ static void print_what(const summary *self)
 
 static void print_time(const summary *self)
 {
-    char wall[HUMAN], speed[48] = "";
+    sentence speed = { "" };
     const record_result *result = self->result;
     const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
     if (t > 0.0 && result->wall_time > 0.0) {
-        (void)snprintf(speed, sizeof speed, ", %.3g times real time",
-                       t / result->wall_time);
+        say(&speed, ", %.3g times real time", t / result->wall_time);
     }
     print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
-               result->planned, t, human_time(result->wall_time, wall), speed);
+               result->planned, t, human_time(result->wall_time).text, speed.text);
 }
 
 static void print_steps(const summary *self)
 {
-    char steps[HUMAN], rejected[HUMAN], calls[HUMAN], vetoed[HUMAN];
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
     const uint64_t back = weft_sim_vetoed(self->sim);
-    print_item("steps", "%s (%s rejected%s%s%s), %s evaluations of the forces",
-               human_count(stats.steps, steps), human_count(stats.rejected, rejected),
-               back > 0 ? ", " : "", back > 0 ? human_count(back, vetoed) : "",
-               back > 0 ? " taken back for contact" : "",
-               human_count(stats.rhs_calls, calls));
-}
-
-/* Nothing of a method that solves no linear systems. */
-static void print_solver(const summary *self)
-{
-    char systems[HUMAN], iterations[HUMAN], failures[HUMAN];
-    const weft_stepper_stats stats = weft_sim_stats(self->sim);
-    if (stats.factorisations > 0) {
+    sentence vetoed = { "" };
+    if (back > 0) {
+        say(&vetoed, ", %s taken back for contact", human_count(back).text);
+    }
+    print_item("steps", "%s (%s rejected%s), %s evaluations of the forces",
+               human_count(stats.steps).text, human_count(stats.rejected).text,
+               vetoed.text, human_count(stats.rhs_calls).text);
+    if (stats.factorisations > 0) { /* the method solves linear systems */
         print_item("solver", "%s Jacobians, %s iterations, %s failures",
-                   human_count(stats.factorisations, systems),
-                   human_count(stats.linear_iterations, iterations),
-                   human_count(stats.newton_failures, failures));
+                   human_count(stats.factorisations).text,
+                   human_count(stats.linear_iterations).text,
+                   human_count(stats.newton_failures).text);
     }
 }
 
 static void print_step_sizes(const summary *self)
 {
-    char mean[HUMAN], least[HUMAN], most[HUMAN];
     const uint64_t steps = weft_sim_stats(self->sim).steps;
     const record_extremes *all = &self->extremes;
     if (!(all->short_step > 0.0) || steps == 0) {
         print_item("step size", "no step was taken");
         return;
     }
-    char asked[100] = "";
+    sentence asked = { "" };
     if (record_step_differs(self->scene)) {
-        (void)snprintf(asked, sizeof asked,
-                       "; fixed_step %g s does not divide a frame, %.7g s does",
-                       weft_scene_step(self->scene),
-                       weft_scene_config(self->scene)->fixed_step);
+        say(&asked, "; fixed_step %g s does not divide a frame, %.7g s does",
+            weft_scene_step(self->scene), weft_scene_config(self->scene)->fixed_step);
     }
     print_item("step size", "%s on average, %s to %s%s",
-               human_time(weft_sim_time(self->sim) / (double)steps, mean),
-               human_time(all->short_step, least), human_time(all->long_step, most),
-               asked);
+               human_time(weft_sim_time(self->sim) / (double)steps).text,
+               human_time(all->short_step).text, human_time(all->long_step).text,
+               asked.text);
 }
 
 static void print_strain(const summary *self)
@@ -122,19 +115,17 @@ static void print_strain(const summary *self)
 static void print_energy(const summary *self)
 {
     const weft_ledger ledger = self->result->ledger;
-    char balance[200] = "", shapes[48] = "";
-    if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
-        (void)snprintf(shapes, sizeof shapes, ", of shapes %.4g J", ledger.shape_work);
-    }
+    sentence balance = { "" };
     if (ledger.kept) {
-        (void)snprintf(balance, sizeof balance,
-                       ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J%s; "
-                       "ledger closes to %.2g J",
-                       weft_sim_dissipated(self->sim), ledger.wind_work,
-                       ledger.pin_work, shapes, ledger.residual);
+        say(&balance, ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J",
+            weft_sim_dissipated(self->sim), ledger.wind_work, ledger.pin_work);
+        if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
+            say(&balance, ", of shapes %.4g J", ledger.shape_work);
+        }
+        say(&balance, "; ledger closes to %.2g J", ledger.residual);
     }
     print_item("energy", "%.6g -> %.6g J%s", self->result->energy_start,
-               weft_energy_total(ledger.energy), balance);
+               weft_energy_total(ledger.energy), balance.text);
 }
 
 /* "the smallest gap is 3.2 mm at the end" */
@@ -149,7 +140,6 @@ static void say_gap(sentence *text, double gap)
 /* Nothing without contact. */
 static void print_contact(const summary *self)
 {
-    char count[HUMAN];
     sentence text = { "" };
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const size_t shapes = weft_cloth_shapes(cloth);
@@ -157,23 +147,22 @@ static void print_contact(const summary *self)
     const weft_measures all = self->result->measures;
     if (shapes > 0) {
         say(&text, "%zu %s, %s particles touch", shapes,
-            shapes == 1 ? "shape" : "shapes", human_count(all.touching, count));
+            shapes == 1 ? "shape" : "shapes", human_count(all.touching).text);
         say_gap(&text, all.gap);
     }
     if (has_self) {
         say(&text, "%s pairs of the cloth's own parts touch",
-            human_count(all.self_touching, count));
+            human_count(all.self_touching).text);
         say_gap(&text, all.self_gap);
     }
     if (shapes > 0 || has_self) {
         print_item("contact", "%s%s steps taken back", text.text,
-                   human_count(weft_sim_vetoed(self->sim), count));
+                   human_count(weft_sim_vetoed(self->sim)).text);
     }
 }
 
 static void print_limit(const summary *self)
 {
-    char steps[HUMAN], sweeps[HUMAN], unmet[HUMAN];
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const weft_limit_def *limit = weft_scene_limit(self->scene);
     if (limit->method == WEFT_LIMIT_NONE) {
@@ -183,8 +172,8 @@ static void print_limit(const summary *self)
     print_item("limit",
                "%.3g %%: %s steps corrected in %s sweeps, %s not met; largest limited "
                "strain %.4g %%",
-               100.0 * limit->strain, human_count(stats.corrected, steps),
-               human_count(stats.sweeps, sweeps), human_count(stats.unconverged, unmet),
+               100.0 * limit->strain, human_count(stats.corrected).text,
+               human_count(stats.sweeps).text, human_count(stats.unconverged).text,
                100.0 * weft_sim_limit_worst(self->sim).strain);
 }
 
@@ -204,7 +193,6 @@ void summary_print(const summary *self)
     print_what(self);
     print_time(self);
     print_steps(self);
-    print_solver(self);
     print_step_sizes(self);
     print_strain(self);
     print_energy(self);
@@ -215,10 +203,9 @@ void summary_print(const summary *self)
 
 void summary_print_frames(const summary *self)
 {
-    char wall[HUMAN];
     print_what(self);
     print_item("time", "%zu of %zu frames in %s", self->result->frames,
-               self->result->planned, human_time(self->result->wall_time, wall));
+               self->result->planned, human_time(self->result->wall_time).text);
     print_files(self);
 }
 
@@ -244,4 +231,114 @@ void summary_yaml_end(const summary *self)
     yaml_out_begin_event(&out, "end");
     record_result_items(&out, self->result);
     yaml_out_end_event(&out);
+}
+
+/* ---- failures ---------------------------------------------------------------- */
+
+typedef struct bounds {
+    double start, now, any; /* [s] stable steps; 0: none */
+    double omega, damping;  /* [1/s] now */
+} bounds;
+
+static bounds find_bounds(const weft_scene *scene, const weft_comm *comm,
+                          const weft_sim *sim)
+{
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const weft_stiffness any = weft_sim_stiffness(sim, 0.0, NULL);
+    const weft_stiffness now
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    bounds found = { .now = own_stable_step(scene, &now),
+                     .any = own_stable_step(scene, &any),
+                     .omega = sqrt(now.omega2),
+                     .damping = now.damping };
+    double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
+    if (weft_comm_agree(comm, y == NULL ? WEFT_NO_MEMORY : WEFT_OK, NULL) == WEFT_OK) {
+        weft_cloth_start(cloth, y);
+        const weft_stiffness start = weft_sim_stiffness(sim, 0.0, y);
+        found.start = own_stable_step(scene, &start);
+    }
+    free(y);
+    return found;
+}
+
+static const char *advise_fixed(double h, const bounds *found, sentence *out)
+{
+    if (h > found->start) {
+        say(out,
+            "try stepper.fixed_step=%.2g, 0.9 of the stable step at the start, or see "
+            "weft check for a method with a larger one",
+            0.9 * found->start);
+    } else if (h > found->now) {
+        say(out,
+            "the cloth has grown stiffer than it was at the start: try "
+            "stepper.fixed_step=%.2g, which is stable in any state",
+            found->any);
+    } else {
+        say(out,
+            "the step was a stable one: look at what drives the cloth (pins, wind, "
+            "loads), or try a tenth of the step");
+    }
+    return out->text;
+}
+
+/* To stderr, and to *out with "; " between the lines. */
+WEFT_PRINTF(2, 3)
+static void add_line(sentence *out, const char *format, ...)
+{
+    char line[768];
+    const bool first = out->text[0] == '\0';
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    print_line(stderr, "%s%s", first ? "weft: error: " : "  ", line);
+    say(out, "%s%s", first ? "" : "; ", line);
+}
+
+static void add_state(const weft_failure *failure, const weft_cloth *cloth,
+                      sentence *out)
+{
+    const weft_spring *worst = &failure->spring;
+    const double *x = failure->position;
+    char spring[SPRING], fastest[SPRING];
+    add_line(out, "%s at t = %.9g s, last h = %.3g s", failure->reason, failure->time,
+             failure->last_step);
+    add_line(out, "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s",
+             weft_particle_text(cloth, failure->particle, fastest, sizeof fastest),
+             x[0], x[1], x[2], failure->speed);
+    if (worst->p == worst->q) {
+        add_line(out, "no springs");
+    } else {
+        add_line(out, "most strained %s at %.3g %%",
+                 weft_spring_text(cloth, worst, spring, sizeof spring),
+                 100.0 * worst->strain);
+    }
+    add_line(out, "energy %.4g J before that step", failure->energy);
+}
+
+void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,
+                    const weft_failure *failure, sentence *out)
+{
+    sentence advice = { "" };
+    const double h = step_taken(scene);
+    out->text[0] = '\0';
+    add_state(failure, weft_sim_cloth(sim), out);
+    if (failure->status == WEFT_NO_MEMORY) {
+        return;
+    }
+    const bounds found = find_bounds(scene, comm, sim);
+    if (found.start > 0.0) {
+        add_line(
+            out,
+            "stable step of %s %s %.3g s at the start, %.3g s in this state (omega "
+            "<= %.3g 1/s, damping <= %.3g 1/s)",
+            weft_scene_plugin(scene), weft_scene_method(scene), found.start, found.now,
+            found.omega, found.damping);
+    }
+    add_line(
+        out, "%s",
+        h > 0.0 && found.start > 0.0
+            ? advise_fixed(h, &found, &advice)
+            : "try looser tolerances, a smaller stepper.min_step or another method, "
+              "and look at what drives the cloth there");
 }
