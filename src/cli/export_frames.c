@@ -14,8 +14,6 @@
 #include "record/frames.h"
 #include "record/result.h"
 #include "record/series.h"
-#include "record/shape_mesh.h"
-
 typedef struct export_format {
     const char *name;
     record_write_fn *write;    /* one file per frame; NULL: none */
@@ -126,63 +124,45 @@ static weft_status write_frame(export_job *job, size_t number, double time,
 
 /* ---- frames of run.vtkhdf --------------------------------------------------- */
 
-static weft_status read_frame(export_job *job, size_t i, weft_error *err)
+static weft_status read_frames(export_job *job, weft_error *err)
 {
     double *velocity = job->values + 3 * job->n, *strain = job->values + 6 * job->n;
     record_frames *frames = job->frames;
-    TRY(record_frames_positions(frames, i, job->values, err));
-    if (job->surface.velocity != NULL) {
-        TRY(record_frames_field(frames, WEFT_RECORD_VELOCITY, i, velocity, err));
-    }
-    if (job->surface.strain != NULL) {
-        TRY(record_frames_field(frames, WEFT_RECORD_STRAIN, i, strain, err));
-    }
-    return write_frame(job, (size_t)frames->numbers[i], frames->times[i], err);
-}
-
-static weft_status read_frames(export_job *job, weft_error *err)
-{
     for (size_t i = job->first; i <= job->last; ++i) {
-        TRY(read_frame(job, i, err));
+        TRY(record_frames_positions(frames, i, job->values, err));
+        if (job->surface.velocity != NULL) {
+            TRY(record_frames_field(frames, WEFT_RECORD_VELOCITY, i, velocity, err));
+        }
+        if (job->surface.strain != NULL) {
+            TRY(record_frames_field(frames, WEFT_RECORD_STRAIN, i, strain, err));
+        }
+        TRY(write_frame(job, (size_t)frames->numbers[i], frames->times[i], err));
     }
     return WEFT_OK;
 }
 
 /* ---- frames computed again -------------------------------------------------- */
 
-static weft_status check_hash(const export_job *job, size_t index, weft_error *err)
-{
-    const uint64_t recorded = job->series[index].hash;
-    const uint64_t hash = weft_cloth_state_hash(job->cloth, weft_sim_state(job->sim));
-    return hash == recorded
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_SOLVER,
-                                "frame %zu computed again has hash %016" PRIx64
-                                ", the run had %016" PRIx64
-                                ": other versions? see manifest.yaml",
-                                index, hash, recorded);
-}
-
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     export_job *job = ctx;
+    const double *y = weft_sim_state(job->sim);
     if (index < job->first) {
         return WEFT_OK;
     }
+    const uint64_t recorded = job->series[index].hash;
+    const uint64_t hash = weft_cloth_state_hash(job->cloth, y);
+    if (hash != recorded) {
+        return weft_error_set(err, WEFT_SOLVER,
+                              "frame %zu computed again has hash %016" PRIx64
+                              ", the run had %016" PRIx64
+                              ": other versions? see manifest.yaml",
+                              index, hash, recorded);
+    }
     weft_sim_positions(job->sim, job->values);
     weft_sim_velocities(job->sim, job->values + 3 * job->n);
-    weft_cloth_strains(job->cloth, weft_sim_state(job->sim), job->values + 6 * job->n);
-    TRY(check_hash(job, index, err));
+    weft_cloth_strains(job->cloth, y, job->values + 6 * job->n);
     return write_frame(job, index, weft_sim_time(job->sim), err);
-}
-
-static weft_status compute_frames(export_job *job, weft_error *err)
-{
-    const weft_play frames = { .run = weft_scene_run(job->scene),
-                               .last = job->last,
-                               .frame = on_frame,
-                               .ctx = job };
-    return weft_sim_play(job->sim, &frames, err);
 }
 
 /* ---- files -------------------------------------------------------------------- */
@@ -194,7 +174,15 @@ static weft_status export_frames(export_job *job, weft_error *err)
         TRY(record_path(job->directory, "frames", path, err));
         TRY(record_directory(path, err));
     }
-    TRY(job->frames == NULL ? compute_frames(job, err) : read_frames(job, err));
+    if (job->frames == NULL) {
+        const weft_play frames = { .run = weft_scene_run(job->scene),
+                                   .last = job->last,
+                                   .frame = on_frame,
+                                   .ctx = job };
+        TRY(weft_sim_play(job->sim, &frames, err));
+    } else {
+        TRY(read_frames(job, err));
+    }
     for (size_t part = 0; job->format->write != NULL && part <= job->shapes; ++part) {
         print_files(job, part);
     }
@@ -241,15 +229,6 @@ static weft_status write_rest(export_job *job, size_t part, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status write_shape_points(export_job *job, size_t part)
-{
-    for (size_t i = 0; i < job->count; ++i) {
-        const record_surface surface = part_at(job, part, time_of(job, i));
-        job->format->movie->points(job->movie.stream, &surface);
-    }
-    return WEFT_OK;
-}
-
 static weft_status export_part(export_job *job, size_t part, weft_error *err)
 {
     char name[NAME];
@@ -259,8 +238,11 @@ static weft_status export_part(export_job *job, size_t part, weft_error *err)
     const record_surface surface = part_at(job, part, 0.0);
     name_part(name, "run", part, job->format->name);
     TRY(begin_movie(job, name, surface.faces.particles, err));
-    const weft_status status
-        = part == 0 ? export_frames(job, err) : write_shape_points(job, part);
+    const weft_status status = part == 0 ? export_frames(job, err) : WEFT_OK;
+    for (size_t i = 0; part > 0 && i < job->count; ++i) {
+        const record_surface at = part_at(job, part, time_of(job, i));
+        job->format->movie->points(job->movie.stream, &at);
+    }
     if (status != WEFT_OK) {
         record_file_discard(&job->movie);
         return status;
@@ -273,29 +255,6 @@ static weft_status export_part(export_job *job, size_t part, weft_error *err)
     return WEFT_OK;
 }
 
-/* A point cache holds one part, and all frames of it; a list has the files of all. */
-static weft_status export_movie(export_job *job, weft_error *err)
-{
-    for (size_t part = 0; part <= (job->format->rest ? job->shapes : 0); ++part) {
-        TRY(export_part(job, part, err));
-    }
-    return WEFT_OK;
-}
-
-/* The hash of triangles is that of an order which is not recorded. */
-static weft_status make_cloth(export_job *job, weft_error *err)
-{
-    if (job->surface.faces.cols > 0 || job->cloth != NULL) {
-        return WEFT_OK;
-    }
-    return job->scene == NULL
-               ? weft_error_set(err, WEFT_IO,
-                                "%s/scene.yaml cannot be read: it is needed to check "
-                                "final.csv",
-                                job->directory)
-               : weft_cloth_create(weft_scene_cloth(job->scene), &job->cloth, err);
-}
-
 static weft_status export_final(export_job *job, weft_error *err)
 {
     char name[NAME], time[RECORD_RESULT_TEXT];
@@ -303,7 +262,16 @@ static weft_status export_final(export_job *job, weft_error *err)
     job->surface.velocity = velocity;
     job->surface.strain = NULL;
     job->surface.doubles = true;
-    TRY(make_cloth(job, err));
+    /* the hash of triangles is that of an order which is not recorded */
+    if (job->surface.faces.cols == 0 && job->cloth == NULL) {
+        if (job->scene == NULL) {
+            return weft_error_set(err, WEFT_IO,
+                                  "%s/scene.yaml cannot be read: it is needed to check "
+                                  "final.csv",
+                                  job->directory);
+        }
+        TRY(weft_cloth_create(weft_scene_cloth(job->scene), &job->cloth, err));
+    }
     TRY(record_final_read(job->directory, &job->surface.faces, job->cloth, job->values,
                           velocity, err));
     if (job->format->write != record_csv) { /* final.csv is there already */
@@ -333,17 +301,11 @@ static bool find_frame(const char *text, export_job *job)
     return i < job->count;
 }
 
-static bool has_final(const export_job *job)
-{
-    uint64_t hash;
-    return record_exists(job->directory, "final.csv")
-           && record_result_hash(job->directory, &hash);
-}
-
 static int export_wanted(const arguments *given, export_job *job)
 {
     weft_error err = { 0 };
-    weft_status status;
+    weft_status status = WEFT_OK;
+    uint64_t hash;
     const bool all = given->frame == NULL ? job->format->movie != NULL
                                           : strcmp(given->frame, "all") == 0;
     const bool final
@@ -355,8 +317,14 @@ static int export_wanted(const arguments *given, export_job *job)
                            given->frame, number_of(job, job->count - 1));
     }
     if (job->format->movie != NULL) {
-        status = export_movie(job, &err);
-    } else if (final && has_final(job)) {
+        /* a point cache holds one part, and all frames of it; a list the files of all
+         */
+        const size_t last = job->format->rest ? job->shapes : 0;
+        for (size_t part = 0; status == WEFT_OK && part <= last; ++part) {
+            status = export_part(job, part, &err);
+        }
+    } else if (final && record_exists(job->directory, "final.csv")
+               && record_result_hash(job->directory, &hash)) {
         status = export_final(job, &err);
     } else {
         status = export_frames(job, &err);
@@ -412,15 +380,13 @@ static int open_anew(const arguments *given, export_job *job)
 /* Room for one frame. */
 static int make_surface(export_job *job)
 {
-    weft_error err = { 0 };
     const record_frames *frames = job->frames;
     job->n = job->surface.faces.particles;
     job->values = malloc(7 * job->n * sizeof *job->values);
     job->shape_position
         = malloc(RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS * sizeof(double[3]));
     if (job->values == NULL || job->shape_position == NULL) {
-        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for a frame");
-        return report_error(&err);
+        return report_status(WEFT_NO_MEMORY, "no memory for a frame");
     }
     job->surface.position = job->values;
     if (frames == NULL || frames->fields[WEFT_RECORD_VELOCITY]) {

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "record/export/export.h"
 #include "record/page.h"
 #include "record/player_page.h"
-#include "record/shape_mesh.h"
 
 const player_field player_fields[PLAYER_FIELDS] = {
     { "strain", WEFT_RECORD_STRAIN, 1 },

@@ -2,7 +2,7 @@
 /* shape_mesh.c -- a point of a shape's surface in the direction n from its core, which
  * is a point, the axis of a capsule or the inner box: core sign(n) + radius n / |n|, in
  * the norm of the shape's gap. */
-#include "record/shape_mesh.h"
+#include "record/export/export.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -19,10 +19,10 @@ typedef struct record_surface {
 /* The content of a file with one frame. */
 typedef void record_write_fn(FILE *stream, const record_surface *surface);
 
-/* export_obj.c: Wavefront OBJ, faces and texture coordinates; a chain is a line.
- * export_ply.c: the same as binary PLY; a chain is edges. export_csv.c:
- * row,col,x,y,z,vx,vy,vz, of triangles vertex,x,...; the velocities only if they are
- * known. export_vtp.c: VTK PolyData in XML, arrays appended raw. */
+/* Wavefront OBJ, faces and texture coordinates; a chain is a line. The same as binary
+ * PLY; a chain is edges. export_csv.c: row,col,x,y,z,vx,vy,vz, of triangles
+ * vertex,x,...; the velocities only if they are known. export_vtp.c: VTK PolyData in
+ * XML, arrays appended raw. */
 record_write_fn record_obj, record_ply, record_csv, record_vtp;
 
 /* Writes such a file, which appears complete or not at all. */
@@ -40,8 +40,7 @@ typedef struct record_movie {
     void (*end)(FILE *stream); /* NULL: not called */
 } record_movie;
 
-/* export_cache.c: point caches of other programs. export_vtp.c: an index of VTP files.
- */
+/* Point caches of other programs. export_vtp.c: an index of VTP files. */
 extern const record_movie record_mdd, record_pc2, record_pvd;
 
 /* export_csv.c: final.csv, into vectors of 3 N each. WEFT_IO if it is damaged or does
@@ -50,14 +49,21 @@ weft_status record_final_read(const char *directory, const record_faces *faces,
                               const weft_cloth *cloth, double *position,
                               double *velocity, weft_error *err);
 
-/* Functions that several formats share. */
-
-/* Texture coordinates of particle i of a grid: u along a row, v up a column, from 0 to
- * 1. */
-void record_texture(const record_faces *faces, size_t i, double uv[2]);
-
 /* Bytes of numbers, least significant first unless `big`. */
 void record_put(FILE *stream, uint64_t bits, size_t bytes, bool big);
 void record_put_float(FILE *stream, double value, bool big);
+
+/* ---- shape_mesh.c: the shapes of a recorded run ---- */
+
+/* DIR/scene.yaml, without the checks that need a plugin; NULL if it cannot be read: a
+ * page or an export then has no shapes. */
+weft_scene *record_scene(const char *directory);
+
+enum { RECORD_SHAPE_ROWS = 25, RECORD_SHAPE_COLS = 49 };
+
+/* The surface of shape k at time t [s], a grid that is closed at its poles and its
+ * seam; of a plane a square near the cloth. Its points are in position[3 ROWS COLS]. */
+record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, double t,
+                                    double *position);
 
 #endif

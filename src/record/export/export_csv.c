@@ -109,8 +109,6 @@ weft_status record_final_read(const char *directory, const record_faces *faces,
                               const weft_cloth *cloth, double *position,
                               double *velocity, weft_error *err)
 {
-    const weft_status status = read_state(directory, faces, position, velocity, err);
-    return status == WEFT_OK
-               ? check_hash(directory, faces, cloth, position, velocity, err)
-               : status;
+    TRY(read_state(directory, faces, position, velocity, err));
+    return check_hash(directory, faces, cloth, position, velocity, err);
 }

@@ -13,13 +13,6 @@
 
 /* ---- arrays ----------------------------------------------------------------- */
 
-static void put_double(FILE *stream, double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    record_put(stream, bits, sizeof bits, false);
-}
-
 static size_t real_size(const record_surface *surface)
 {
     return surface->doubles ? 8 : 4;
@@ -49,8 +42,10 @@ static void put_reals(FILE *stream, const record_surface *surface, const double 
     const size_t count = surface->faces.particles * components;
     record_put(stream, count * real_size(surface), 8, false);
     for (size_t i = 0; i < count; ++i) {
+        uint64_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
         if (surface->doubles) {
-            put_double(stream, values[i]);
+            record_put(stream, bits, sizeof bits, false);
         } else {
             record_put_float(stream, values[i], false);
         }
