@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "record/export/export.h"
-#include "record/player_page.h"
+#include "record/page.h"
 #include "record/vtkhdf.h"
 #include "run_frames.h"
 

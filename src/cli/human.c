@@ -97,25 +97,28 @@ void print_plain(FILE *stream, const char *text, const char *keep)
     }
 }
 
-void print_line(FILE *stream, const char *format, ...)
+static void print_text(FILE *stream, const char *keep, const char *format, va_list args)
 {
     char text[TEXT];
+    (void)vsnprintf(text, sizeof text, format, args);
+    print_plain(stream, text, keep);
+}
+
+void print_line(FILE *stream, const char *format, ...)
+{
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
+    print_text(stream, "", format, args);
     va_end(args);
-    print_plain(stream, text, "");
     putc('\n', stream);
 }
 
 void print_plainly(FILE *stream, const char *format, ...)
 {
-    char text[TEXT];
     va_list args;
     va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
+    print_text(stream, "\n", format, args);
     va_end(args);
-    print_plain(stream, text, "\n");
 }
 
 /* ---- lines -------------------------------------------------------------------- */
@@ -246,11 +249,10 @@ int usage_error(const arguments *given, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
-    char text[1024];
-    (void)vsnprintf(text, sizeof text, format, args);
+    fprintf(stderr, "weft %s: ", given->verb->name);
+    print_text(stderr, "", format, args);
     va_end(args);
-    print_line(stderr, "weft %s: %s", given->verb->name, text);
-    print_line(stderr, "'weft %s --help' shows how it is used", given->verb->name);
+    fprintf(stderr, "\n'weft %s --help' shows how it is used\n", given->verb->name);
     return EXIT_USAGE;
 }
 

@@ -38,8 +38,8 @@ static void tree_plugins(char *directory, size_t size)
     }
 }
 
-/* ---- plugins: each is loaded in a child first, as it may end or block its process --
- */
+/* ---- plugins: each is loaded in a child first, as it may end or block its process
+ * ---- */
 
 enum { LOAD_SECONDS = 10 }; /* ours take some milliseconds */
 

@@ -9,7 +9,7 @@
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/frames.h"
-#include "record/player_page.h"
+#include "record/page.h"
 #include "record/series.h"
 
 /* A file:// URL of a page that exists. */

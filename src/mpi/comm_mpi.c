@@ -35,8 +35,7 @@ static double max(void *ctx, double mine)
     return got;
 }
 
-/* ---- edge rows: sent from where they stand and received where they belong ---------
- */
+/* ---- edge rows: sent from where they stand and received where they belong ---- */
 
 static void free_edge(over_mpi *self)
 {
@@ -105,8 +104,7 @@ static void end(void *ctx)
     self->count = 0;
 }
 
-/* ---- bytes, in messages that MPI can count -----------------------------------------
- */
+/* ---- bytes, in messages that MPI can count ------------------------------- */
 
 static void share(void *ctx, void *data, size_t bytes)
 {
@@ -154,8 +152,7 @@ static void gather(void *ctx, const void *mine, size_t bytes, void *all)
     }
 }
 
-/* ---- begin and end ------------------------------------------------------------------
- */
+/* ---- begin and end ------------------------------------------------------- */
 
 static void stop(void *ctx, int code)
 {

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "record/page.h"
-#include "record/player_page.h"
 #include "record/series.h"
 
 #define PLAYERS_BUDGET 24e6 /* [B] of the frames of all runs */
@@ -28,8 +27,7 @@ bool record_is_batch(const char *directory)
            && !record_exists(directory, "run.vtkhdf");
 }
 
-/* ---- summary.csv ------------------------------------------------------------------
- */
+/* ---- summary.csv --------------------------------------------------------- */
 
 /* Reads a cell without its quotes, at most as much as fits. Returns the character after
  * it: ',', '\n' or EOF. */
@@ -92,8 +90,7 @@ static weft_status read_names(batch_page *self, weft_error *err)
                : weft_error_set(err, WEFT_IO, "%s: no rows with a directory", path);
 }
 
-/* ---- the page ---------------------------------------------------------------------
- */
+/* ---- the page ------------------------------------------------------------ */
 
 /* {"time":[last,least,most,mean],...} */
 static void write_columns(FILE *stream, const char *directory)

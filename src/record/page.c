@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* page.c -- writes data into an HTML page, and describes the runs of a page as JSON. */
 #include "record/page.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/bytes.h"
+#include "record/export/export.h"
 
 /* What a page may fetch by its own policy: nothing. */
 #define FETCHES "connect-src 'none'"
@@ -153,4 +156,206 @@ void page_plane(unsigned char *block, size_t planes, size_t plane, const double 
         codes[2 * i] = (unsigned char)(bits & 255);
         codes[2 * i + 1] = (unsigned char)(bits >> 8);
     }
+}
+
+/* ---- the description of runs ------------------------------------------------- */
+
+const player_field player_fields[PLAYER_FIELDS] = {
+    { "strain", WEFT_RECORD_STRAIN, 1 },
+    { "speed", WEFT_RECORD_VELOCITY, 3 },
+};
+
+static const char *comma(size_t i)
+{
+    return i > 0 ? "," : "";
+}
+
+/* A pinned particle that is not shown marks the nearest one that is. */
+static void write_pinned(const player_page *self)
+{
+    bool *marks = calloc(self->count, sizeof *marks);
+    const size_t half = self->stride / 2;
+    const uint8_t *pinned = self->runs[0].frames->pinned;
+    const size_t n = pinned == NULL ? 0 : self->faces->particles;
+    const size_t cols = self->faces->cols;
+    size_t written = 0;
+    for (size_t p = 0; marks != NULL && p < n; ++p) {
+        const size_t at = cols == 0
+                              ? p
+                              : (p / cols + half) / self->stride * self->shown_cols
+                                    + (p % cols + half) / self->stride;
+        marks[at] |= pinned[p] != 0;
+    }
+    for (size_t i = 0; marks != NULL && i < self->count; ++i) {
+        if (marks[i]) {
+            fprintf(self->stream, "%s%zu", comma(written++), i);
+        }
+    }
+    free(marks);
+}
+
+static void write_numbers(FILE *stream, const char *name, const double *x, size_t count)
+{
+    fprintf(stream, ",\"%s\":%s", name, count > 1 ? "[" : "");
+    for (size_t k = 0; k < count; ++k) {
+        fprintf(stream, "%s%.17g", comma(k), x[k]);
+    }
+    fputs(count > 1 ? "]" : "", stream);
+}
+
+static void write_shape(FILE *stream, const weft_shape *shape)
+{
+    fprintf(stream, "{\"shape\":\"%s\"", weft_shape_name(shape->kind));
+    write_numbers(stream, "at", shape->at, 3);
+    write_numbers(stream, "to", shape->to, 3);
+    write_numbers(stream, "normal", shape->normal, 3);
+    write_numbers(stream, "radius", &shape->radius, 1);
+    write_numbers(stream, "half", shape->half, 3);
+    write_numbers(stream, "rounding", &shape->rounding, 1);
+    write_numbers(stream, "velocity", shape->velocity, 3);
+    write_numbers(stream, "amplitude", shape->amplitude, 3);
+    write_numbers(stream, "frequency", &shape->frequency, 1);
+    write_numbers(stream, "spin", shape->spin, 3);
+    fputc('}', stream);
+}
+
+static void write_obstacles(FILE *stream, const char *directory)
+{
+    weft_scene *scene = record_scene(directory);
+    const weft_contact_def none = { .shape_count = 0 };
+    const weft_contact_def *contact
+        = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
+    write_numbers(stream, "thickness", &contact->thickness, 1);
+    fprintf(stream, ",\"self\":%s,\"obstacles\":[", contact->self ? "true" : "false");
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        fputs(comma(k), stream);
+        write_shape(stream, &contact->shapes[k]);
+    }
+    fputc(']', stream);
+    weft_scene_destroy(scene);
+}
+
+/* series.csv, of a brief page the header and the rows of the frames shown. Returns the
+ * bytes of its whole rows. */
+static size_t write_rows(const player_page *self, const player_run *run)
+{
+    char path[RECORD_PATH], line[4096];
+    FILE *series = record_open(run->directory, "series.csv", path, NULL);
+    size_t shown = 0, bytes = 0;
+    fputs(series == NULL ? "null" : "\"", self->stream);
+    for (bool head = true; series != NULL && fgets(line, sizeof line, series) != NULL;
+         head = false) {
+        const double wanted
+            = shown < self->shown ? run->frames->numbers[run->index[shown]] : -1.0;
+        const bool kept = !head && strtod(line, NULL) == wanted;
+        if (head || kept || !self->brief) {
+            page_characters(self->stream, line);
+        }
+        shown += kept;
+        bytes += strchr(line, '\n') == NULL ? 0 : strlen(line);
+    }
+    if (series != NULL) {
+        putc('"', self->stream);
+        (void)fclose(series);
+    }
+    return bytes;
+}
+
+/* Words of 32 bits, least significant byte first, as base64. */
+static void write_words(FILE *stream, const char *name, const void *from, size_t count)
+{
+    enum { PART = 3 * 256 };
+    unsigned char bytes[4 * PART];
+    fprintf(stream, ",\"%s\":\"", name);
+    for (size_t i = 0; i < count; i += PART) {
+        const size_t some = count - i < PART ? count - i : PART;
+        for (size_t b = 0; b < 4 * some; ++b) {
+            uint32_t word;
+            memcpy(&word, (const unsigned char *)from + 4 * (i + b / 4), sizeof word);
+            bytes[b] = (unsigned char)(word >> (8 * (b % 4)));
+        }
+        page_base64(stream, bytes, 4 * some);
+    }
+    fputc('"', stream);
+}
+
+/* Without memory the rest shape is left out. */
+static void write_triangles(FILE *stream, const record_faces *of)
+{
+    float *uv = malloc(2 * of->places * sizeof *uv);
+    for (size_t i = 0; uv != NULL && i < 2 * of->places; ++i) {
+        uv[i] = record_single(of->uv[i]);
+    }
+    fprintf(stream, ",\"mesh\":{\"vertices\":%zu,\"triangles\":%zu", of->particles,
+            of->triangles);
+    write_words(stream, "corners", of->corners, 3 * of->triangles);
+    write_words(stream, "places", of->corner_places, 3 * of->triangles);
+    write_words(stream, "rest", uv, uv == NULL ? 0 : 2 * of->places);
+    fputc('}', stream);
+    free(uv);
+}
+
+static void write_run(const player_page *self, const player_run *run)
+{
+    static const char *const files[] = { "scene", "manifest", "result" };
+    FILE *stream = self->stream;
+    fputs("{\"directory\":", stream);
+    page_directory(stream, run->directory);
+    fprintf(stream, ",\"frames\":%zu,\"index\":[", run->frames->count);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%zu", comma(i), run->index[i]);
+    }
+    fputs("],\"numbers\":[", stream);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%.0f", comma(i), run->frames->numbers[run->index[i]]);
+    }
+    fputc(']', stream);
+    write_obstacles(stream, run->directory);
+    for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
+        char name[32];
+        (void)snprintf(name, sizeof name, "%s.yaml", files[f]);
+        fprintf(stream, ",\"%s\":", files[f]);
+        page_file(stream, run->directory, name);
+    }
+    fputs(",\"series\":", stream);
+    const size_t rows = write_rows(self, run);
+    if (self->live) {
+        fprintf(stream, ",\"live\":{\"frame\":%zu,\"series\":%zu}", run->frames->count,
+                rows);
+    }
+    fputc('}', stream);
+}
+
+void player_page_describe(const player_page *self)
+{
+    FILE *stream = self->stream;
+    size_t written = 0;
+    fputs("<script id=\"weft-data\" type=\"application/json\">{\"weft\":", stream);
+    page_text(stream, weft_version());
+    if (self->faces->cols > 0) {
+        fprintf(stream, ",\"grid\":[%zu,%zu],\"shown\":[%zu,%zu],\"stride\":%zu",
+                self->faces->rows, self->faces->cols, self->shown_rows,
+                self->shown_cols, self->stride);
+    } else {
+        write_triangles(stream, self->faces);
+    }
+    fprintf(stream, ",\"chosen\":%zu,\"fields\":[", self->chosen);
+    for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
+        if (self->present[f]) {
+            fprintf(stream, "%s\"%s\"", comma(written++), player_fields[f].name);
+        }
+    }
+    fputs("],\"times\":[", stream);
+    for (size_t i = 0; i < self->shown; ++i) {
+        fprintf(stream, "%s%.17g", comma(i),
+                self->runs[0].frames->times[self->runs[0].index[i]]);
+    }
+    fputs("],\"pinned\":[", stream);
+    write_pinned(self);
+    fputs("],\"runs\":[", stream);
+    for (size_t r = 0; r < self->run_count; ++r) {
+        fputs(comma(r), stream);
+        write_run(self, &self->runs[r]);
+    }
+    fputs("]}</script>\n", stream);
 }

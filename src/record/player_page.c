@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* player_page.c -- selects the frames and particles that a page shows, and writes
  * them. */
-#include "record/player_page.h"
+#include "record/page.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "record/page.h"
 
 #define TIME_MATCH 1e-9 /* relative: two frames of the same time */
 enum {

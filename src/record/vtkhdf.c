@@ -3,7 +3,6 @@
  * write, the counts that include it. */
 #include "record/checkpoint.h"
 #include "record/vtkhdf_file.h"
-#include "record/vtkhdf_rows.h"
 
 #include <errno.h>
 #include <fcntl.h>

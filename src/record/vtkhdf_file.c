@@ -240,40 +240,30 @@ static bool mesh(const builder *self)
 
 /* ---- particles -------------------------------------------------------------- */
 
-static bool pinned(const builder *self)
-{
-    uint8_t *flags = malloc(self->n);
-    for (size_t i = 0; flags != NULL && i < self->n; ++i) {
-        flags[i] = weft_cloth_pinned(self->cloth, i);
-    }
-    const bool good = flags != NULL
-                      && dataset(self, ROOT "PointData/pinned", H5T_STD_U8LE, self->n,
-                                 1, H5T_NATIVE_UINT8, flags);
-    free(flags);
-    return good;
-}
-
-static bool rest(const builder *self)
-{
-    double *xyz = malloc(3 * self->n * sizeof *xyz);
-    if (xyz == NULL) {
-        return false;
-    }
-    weft_cloth_rest(self->cloth, xyz);
-    const bool good = dataset(self, "/weft/Rest", H5T_IEEE_F64LE, self->n, 3,
-                              H5T_NATIVE_DOUBLE, xyz);
-    free(xyz);
-    return good;
-}
-
 /* Data that are the same in all frames. */
 static bool fixed(const builder *self)
 {
     const int64_t count = (int64_t)self->n;
-    return integers(self, ROOT "NumberOfPoints", 1, 1, &count)
-           && make_group(self, ROOT "PointData")
-           && (!self->def->record->fields[WEFT_RECORD_PINNED] || pinned(self))
-           && rest(self) && topology(self) && mesh(self);
+    double *xyz = malloc(3 * self->n * sizeof *xyz);
+    uint8_t *flags = malloc(self->n);
+    const bool able = xyz != NULL && flags != NULL;
+    for (size_t i = 0; able && i < self->n; ++i) {
+        flags[i] = weft_cloth_pinned(self->cloth, i);
+    }
+    if (able) {
+        weft_cloth_rest(self->cloth, xyz);
+    }
+    const bool good = able && integers(self, ROOT "NumberOfPoints", 1, 1, &count)
+                      && make_group(self, ROOT "PointData")
+                      && (!self->def->record->fields[WEFT_RECORD_PINNED]
+                          || dataset(self, ROOT "PointData/pinned", H5T_STD_U8LE,
+                                     self->n, 1, H5T_NATIVE_UINT8, flags))
+                      && dataset(self, "/weft/Rest", H5T_IEEE_F64LE, self->n, 3,
+                                 H5T_NATIVE_DOUBLE, xyz)
+                      && topology(self) && mesh(self);
+    free(xyz);
+    free(flags);
+    return good;
 }
 
 /* The offsets of a field's rows are those of the points. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "record/vtkhdf_rows.h"
+#include "record/vtkhdf_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,8 +51,7 @@ weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
     return record_shared_open(self->comm, path, flags, &self->file, err);
 }
 
-/* ---- a set of a frame
- * ---------------------------------------------------------------- */
+/* ---- a set of a frame ---------------------------------------------------- */
 
 static double *own_part(const vtkhdf_rows *self, size_t width)
 {

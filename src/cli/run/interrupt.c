@@ -92,22 +92,16 @@ static void wait_for_news(const interrupt_watch *self, int patience)
     }
 }
 
-static bool is_over(interrupt_watch *self)
-{
-    (void)pthread_mutex_lock(&self->records);
-    const bool over = self->over;
-    (void)pthread_mutex_unlock(&self->records);
-    return over;
-}
-
 static void *watch(void *ctx)
 {
     interrupt_watch *self = ctx;
     wait_for_news(self, -1);
-    if (!is_over(self)) {
-        wait_for_news(self, PATIENCE);
-    }
     (void)pthread_mutex_lock(&self->records);
+    if (!self->over) {
+        (void)pthread_mutex_unlock(&self->records);
+        wait_for_news(self, PATIENCE);
+        (void)pthread_mutex_lock(&self->records);
+    }
     if (!self->over) {
         self->give_up(self->ctx);
     }

@@ -65,8 +65,7 @@ void ranks_warn(const weft_comm *comm, size_t threads)
 #endif
 }
 
-/* ---- begin and end ------------------------------------------------------------------
- */
+/* ---- begin and end ------------------------------------------------------- */
 
 /* NULL after printing why. */
 static comm_mpi *open_mpi(const arguments *given)

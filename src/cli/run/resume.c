@@ -76,16 +76,13 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
     own.frames = record_exists(directory, "frames/frame-000000.obj") ? "obj" : NULL;
     const bool begun
         = ranks_share(given->comm, record_exists(directory, RECORD_CHECKPOINT));
-    weft_status status = WEFT_OK;
-    if (begun) {
-        status = read_checkpoint(directory, scene, given->registry, &from, &err);
-    }
-    if (weft_comm_agree(given->comm, status, &err) != WEFT_OK) {
-        record_checkpoint_close(&from);
-        return report_error(&err);
-    }
+    const weft_status status
+        = begun ? read_checkpoint(directory, scene, given->registry, &from, &err)
+                : WEFT_OK;
     from.last = weft_run_last_frame(weft_scene_run(scene));
-    int code = open_longer(given, directory, scene, &longer);
+    int code = weft_comm_agree(given->comm, status, &err) == WEFT_OK
+                   ? open_longer(given, directory, scene, &longer)
+                   : report_error(&err);
     if (code != EXIT_DONE) {
         record_checkpoint_close(&from);
         return code;
@@ -143,13 +140,13 @@ static int resume_directory(const arguments *given, const char *directory)
     weft_status status = WEFT_OK;
     if (ranks_first(given->comm)) {
         status = record_is_run(directory, &err);
+        status = status == WEFT_OK
+                     ? record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err)
+                     : status;
     }
-    if (ranks_first(given->comm) && status == WEFT_OK) {
-        status = record_outdir_lock(directory, RECORD_PATIENCE, &lock, &err);
-    }
-    status = weft_comm_agree(given->comm, status, &err);
-    const int code
-        = status == WEFT_OK ? resume_claimed(given, directory) : report_error(&err);
+    const int code = weft_comm_agree(given->comm, status, &err) == WEFT_OK
+                         ? resume_claimed(given, directory)
+                         : report_error(&err);
     if (lock >= 0) {
         (void)close(lock);
     }

@@ -38,16 +38,6 @@ static void warn_of_held(run *self)
     }
 }
 
-/* Of the states at both ends and what a checkpoint keeps, so that a run that was
- * resumed has as many. */
-static size_t count_warnings(const run *self)
-{
-    return (size_t)self->beyond
-           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
-           + (size_t)(weft_sim_limit_held(self->sim) > 0)
-           + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps);
-}
-
 static weft_status write_planes(const run *self, const char *name,
                                 record_write_fn *write, const double *y,
                                 weft_error *err)
@@ -88,14 +78,6 @@ static weft_status write_state(const run *self, const char *name,
     return run_agree(self, status, err);
 }
 
-static weft_status write_frame_obj(const run *self, size_t index, weft_error *err)
-{
-    char name[64];
-    TRY(run_in_place(self, err));
-    (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
-    return write_state(self, name, record_obj, err);
-}
-
 /* Whether this frame ends the run, by `stop` of the scene. */
 static bool is_stopped(const run *self)
 {
@@ -104,10 +86,8 @@ static bool is_stopped(const run *self)
 
 /* ---- the frame loop; each callback takes the records from the watch ----------- */
 
-static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+static weft_status add_frame(run *self, size_t index, weft_error *err)
 {
-    run *self = ctx;
-    interrupt_acquire(&self->watch);
     const weft_limit_stats limit = weft_sim_limit_stats(self->sim);
     const record_frame frame = { .index = index,
                                  .sim = self->sim,
@@ -116,21 +96,28 @@ static weft_status on_frame(void *ctx, size_t index, weft_error *err)
     self->limit_sweeps = limit.sweeps;
     warn_of_held(self);
     /* The rows first: every frame of run.vtkhdf has its row in the series. */
-    weft_status status = record_series_add(&self->series, &frame, err);
-    status = run_agree(self, status, err);
-    status = status == WEFT_OK ? record_shapes_add(&self->shapes, &frame, err) : status;
-    status = run_agree(self, status, err);
-    status = status == WEFT_OK ? record_vtkhdf_add(self->frames, &frame, err) : status;
+    TRY(run_agree(self, record_series_add(&self->series, &frame, err), err));
+    TRY(run_agree(self, record_shapes_add(&self->shapes, &frame, err), err));
+    TRY(record_vtkhdf_add(self->frames, &frame, err));
     weft_cloth_destroy(self->whole); /* the first frame needed it */
     self->whole = NULL;
-    if (status == WEFT_OK && self->given->frames != NULL) {
-        status = write_frame_obj(self, index, err);
+    if (self->given->frames != NULL) {
+        char name[64];
+        (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
+        TRY(run_in_place(self, err));
+        TRY(write_state(self, name, record_obj, err));
     }
-    if (status == WEFT_OK) {
-        self->result.frames = index + 1;
-        summary_frame(&self->summary, &self->series.worst);
-        progress_show(&self->progress, self->result.frames - 1);
-    }
+    self->result.frames = index + 1;
+    summary_frame(&self->summary, &self->series.worst);
+    progress_show(&self->progress, index);
+    return WEFT_OK;
+}
+
+static weft_status on_frame(void *ctx, size_t index, weft_error *err)
+{
+    run *self = ctx;
+    interrupt_acquire(&self->watch);
+    const weft_status status = add_frame(self, index, err);
     interrupt_release(&self->watch);
     return status;
 }
@@ -262,7 +249,12 @@ static int conclude(run *self, weft_status status, const weft_error *why)
     self->result.sim = self->sim;
     self->result.measures = weft_sim_measure(self->sim);
     self->result.ledger = weft_sim_ledger(self->sim);
-    self->result.warnings = count_warnings(self);
+    /* by what a checkpoint keeps, so that a run that was resumed has as many */
+    self->result.warnings
+        = (size_t)self->beyond
+          + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
+          + (size_t)(weft_sim_limit_held(self->sim) > 0)
+          + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps);
     if (status != WEFT_OK) {
         code = report_failure(self, why);
     } else if (interrupted) {
@@ -318,9 +310,11 @@ static int run_prepared(run *self)
                                .scene = self->scene,
                                .sim = self->sim,
                                .result = &self->result };
-    weft_status status = record_checkpoint_identify(&self->checkpoint, self->scene,
-                                                    self->given->registry, &err);
-    status = run_agree(self, status, &err);
+    weft_status status
+        = run_agree(self,
+                    record_checkpoint_identify(&self->checkpoint, self->scene,
+                                               self->given->registry, &err),
+                    &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
     if (status == WEFT_OK && self->from != NULL) {
@@ -360,32 +354,14 @@ static weft_status open_directory(const run *self, int *lock, weft_error *err)
     if (!ranks_first(self->comm)) {
         return WEFT_OK;
     }
-    weft_status status = record_outdir_lock(self->out, RECORD_PATIENCE, lock, err);
-    status = status == WEFT_OK ? record_outdir(self->out, self->given->force, err)
-                               : status;
-    if (status == WEFT_OK && self->given->frames != NULL) {
+    TRY(record_outdir_lock(self->out, RECORD_PATIENCE, lock, err));
+    TRY(record_outdir(self->out, self->given->force, err));
+    if (self->given->frames != NULL) {
         char frames[RECORD_PATH];
-        status = record_path(self->out, "frames", frames, err);
-        status = status == WEFT_OK ? record_directory(frames, err) : status;
+        TRY(record_path(self->out, "frames", frames, err));
+        TRY(record_directory(frames, err));
     }
-    return status;
-}
-
-static int run_watched(run *self, int lock)
-{
-    const arguments *given = self->given;
-    watch_process watching = { .lock = -1 };
-    watch_def def = { .directory = self->out,
-                      .yaml = self->given->mode == PROGRESS_YAML,
-                      .writes = true };
-    if (!given->watch) {
-        return run_simulation(self);
-    }
-    (void)watch_check(given, &def.port);
-    watch_begin(&watching, &def, lock);
-    const int code = run_simulation(self);
-    watch_end(&watching);
-    return code;
+    return WEFT_OK;
 }
 
 int run_scene(const arguments *given, const char *out, const weft_scene *scene,
@@ -404,6 +380,9 @@ int run_scene(const arguments *given, const char *out, const weft_scene *scene,
                     .reason = "",
                     .planned = weft_run_last_frame(weft_scene_run(scene)) + 1 },
     };
+    watch_process watching = { .lock = -1 };
+    watch_def def
+        = { .directory = out, .yaml = given->mode == PROGRESS_YAML, .writes = true };
     if (!claimed && given->comm == NULL && scene_accepted(scene) != EXIT_DONE) {
         return EXIT_SCENE;
     }
@@ -417,7 +396,12 @@ int run_scene(const arguments *given, const char *out, const weft_scene *scene,
         code = report_error(&err);
     } else {
         (void)stat(out, &self.place);
-        code = run_watched(&self, lock);
+        if (given->watch) {
+            (void)watch_check(given, &def.port);
+            watch_begin(&watching, &def, lock);
+        }
+        code = run_simulation(&self);
+        watch_end(&watching);
     }
     if (lock >= 0) {
         (void)close(lock);

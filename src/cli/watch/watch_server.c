@@ -17,7 +17,6 @@
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/page.h"
-#include "record/player_page.h"
 
 #define LOOK 0.1 /* [s] between two looks at the files */
 #define FAREWELL                                                                       \
@@ -60,15 +59,7 @@ struct watch_server {
     feed *feeds;
 };
 
-/* ---- the run ----------------------------------------------------------------------
- */
-
-static bool is_over(const watch_def *def)
-{
-    return interrupt_signal() != 0 || record_exists(def->directory, "result.yaml")
-           || (def->parent != 0 ? getppid() != def->parent
-                                : !record_outdir_locked(def->directory));
-}
+/* ---- the run ---------------------------------------------------------------- */
 
 /* Reads all frames that there are. Closed first: libhdf5 shares what it knows of a file
  * among those who have it open. */
@@ -89,6 +80,7 @@ static void reopen(watch_server *self)
 /* A file that is not readable while it changes is tried again. */
 static void look(watch_server *self)
 {
+    const watch_def *def = self->def;
     char path[RECORD_PATH];
     struct stat file;
     const double now = weft__wall_clock();
@@ -97,12 +89,14 @@ static void look(watch_server *self)
     }
     self->looked = now;
     if (!self->over) {
-        self->over = is_over(self->def);
+        self->over = interrupt_signal() != 0
+                     || record_exists(def->directory, "result.yaml")
+                     || (def->parent != 0 ? getppid() != def->parent
+                                          : !record_outdir_locked(def->directory));
         self->moved = self->ended = now;
     }
-    self->frames
-        = record_path(self->def->directory, "run.vtkhdf", path, NULL) == WEFT_OK
-          && stat(path, &file) == 0;
+    self->frames = record_path(def->directory, "run.vtkhdf", path, NULL) == WEFT_OK
+                   && stat(path, &file) == 0;
     if (self->frames
         && (self->over || !self->open || file.st_mtim.tv_sec != self->state.tv_sec
             || file.st_mtim.tv_nsec != self->state.tv_nsec)) {
@@ -111,8 +105,7 @@ static void look(watch_server *self)
     }
 }
 
-/* ---- messages ---------------------------------------------------------------------
- */
+/* ---- messages --------------------------------------------------------------- */
 
 /* The complete rows of series.csv that the browser does not have. */
 static void put_rows(feed *self, FILE *out)
@@ -154,21 +147,15 @@ static void put_end(feed *self, FILE *out)
     self->ended = true;
 }
 
-/* The next frame to send; that number of frames or more: none yet. */
-static size_t choose_frame(const feed *self, size_t count)
-{
-    const size_t step = self->server->open ? self->server->page.step : 1;
-    const size_t behind = count > self->next ? count - self->next : 0;
-    const size_t i = (self->next + behind / LAG + step - 1) / step * step;
-    return i >= count && behind > 0 && self->server->over ? count - 1 : i;
-}
-
 /* Writes the next message; false: there is none now. */
 static bool write_message(feed *self)
 {
     watch_server *server = self->server;
     const size_t count = server->open ? server->page.runs[0].frames->count : 0;
-    const size_t i = choose_frame(self, count);
+    const size_t step = server->open ? server->page.step : 1;
+    const size_t behind = count > self->next ? count - self->next : 0;
+    const size_t next = (self->next + behind / LAG + step - 1) / step * step;
+    const size_t i = next >= count && behind > 0 && server->over ? count - 1 : next;
     const bool frame
         = i < count && player_page_encode(&server->page, 0, i, NULL) == WEFT_OK;
     const bool more = i < count || !server->over
@@ -235,8 +222,7 @@ static void wake_all(watch_server *self)
     }
 }
 
-/* ---- requests ---------------------------------------------------------------------
- */
+/* ---- requests --------------------------------------------------------------- */
 
 static enum MHD_Result send_response(struct MHD_Connection *connection, unsigned code,
                                      const char *type, struct MHD_Response *response)
@@ -336,14 +322,6 @@ static enum MHD_Result send_frames(watch_server *self,
     return send_response(connection, MHD_HTTP_OK, "text/event-stream", response);
 }
 
-/* Another name for this machine would let any web site read the answers. */
-static bool is_own_host(const watch_server *self, struct MHD_Connection *connection)
-{
-    const char *host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host");
-    return host != NULL
-           && (strcmp(host, self->hosts[0]) == 0 || strcmp(host, self->hosts[1]) == 0);
-}
-
 static enum MHD_Result answer(void *cls, struct MHD_Connection *connection,
                               const char *url, const char *method, const char *version,
                               const char *upload, size_t *upload_size, void **context)
@@ -351,7 +329,10 @@ static enum MHD_Result answer(void *cls, struct MHD_Connection *connection,
     watch_server *self = cls;
     (void)version;
     (void)upload;
-    if (!is_own_host(self, connection)) {
+    /* another name for this machine would let any web site read the answers */
+    const char *host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host");
+    if (host == NULL
+        || (strcmp(host, self->hosts[0]) != 0 && strcmp(host, self->hosts[1]) != 0)) {
         return refuse(connection, MHD_HTTP_FORBIDDEN, "no such host\n");
     }
     if (strcmp(method, "GET") != 0 || *upload_size > 0) {
@@ -370,8 +351,7 @@ static enum MHD_Result answer(void *cls, struct MHD_Connection *connection,
                : refuse(connection, MHD_HTTP_NOT_FOUND, "no such page\n");
 }
 
-/* ---- the server -------------------------------------------------------------------
- */
+/* ---- the server ------------------------------------------------------------- */
 
 /* A socket of 127.0.0.1 alone; -1: there is none (errno). */
 static int listen_on(watch_server *self)
