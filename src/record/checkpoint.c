@@ -49,15 +49,6 @@ enum {
 };
 _Static_assert(HEAD == (AT_SUM + 1) * WEFT__WORD, "the head is that of checkpoint.h");
 
-uint64_t record_hash(const char *text)
-{
-    uint64_t hash = WEFT__HASH_START;
-    for (; *text != '\0'; ++text) {
-        hash = weft__hash_byte(hash, (unsigned char)*text);
-    }
-    return hash;
-}
-
 void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
                             unsigned char to[RECORD_CHECKPOINT_HEAD])
 {
@@ -79,7 +70,10 @@ void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
 static uint64_t scene_hash(const weft_scene *scene)
 {
     const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
-    uint64_t hash = record_hash(weft_scene_text(scene));
+    uint64_t hash = WEFT__HASH_START;
+    for (const char *c = weft_scene_text(scene); *c != '\0'; ++c) {
+        hash = weft__hash_byte(hash, (unsigned char)*c);
+    }
     if (mesh != NULL) {
         hash = weft__hash_reals(hash, mesh->start, 3 * mesh->vertices);
         hash = weft__hash_reals(hash, mesh->rest, 2 * mesh->places);

@@ -19,8 +19,7 @@ typedef struct record_extremes {
 
 typedef struct record_checkpoint {
     uint64_t scene;               /* hash of scene.yaml and its mesh */
-    char program[RECORD_PROGRAM]; /* a description of the program that computed the run
-                                   */
+    char program[RECORD_PROGRAM]; /* which computed the run */
     uint64_t frame;               /* the last one; everything below is up to it */
     record_extent series;         /* [bytes] of series.csv */
     record_extent shapes;         /* [bytes] of shapes.csv; 0, 0 without shapes */
@@ -39,8 +38,6 @@ enum { RECORD_CHECKPOINT_HEAD = 566 * 8 }; /* [bytes] before the simulation */
 /* A head for a simulation of `state_size` bytes. */
 void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
                             unsigned char to[RECORD_CHECKPOINT_HEAD]);
-
-uint64_t record_hash(const char *text);
 
 /* Fills in the scene and a description of this program. */
 weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene *scene,

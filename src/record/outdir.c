@@ -6,7 +6,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
+#include <regex.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -42,43 +42,36 @@ const char *const record_names[] = {
     "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  NULL,
 };
 
-/* Whether a name is in the list, or is the temporary name of one that is. */
-static bool is_listed(const char *name, const char *const *list)
+/* What exports add beside the names above, and the files of frames/. A shape has files
+ * of its own beside those of the cloth. */
+#define EXPORTED                                                                       \
+    "^((final|rest)-shape-[0-9]+[.]obj|final-shape-[0-9]+[.]ply"                       \
+    "|run-shape-[0-9]+[.](mdd|pc2))([.]tmp)?$"
+#define FRAME                                                                          \
+    "^frame-([0-9]{6}|[1-9][0-9]{6,})(-shape-[0-9]+)?[.](obj|ply|csv|vtp)([.]tmp)?$"
+
+static bool matches(const char *name, const char *pattern)
 {
-    for (; *list != NULL; ++list) {
-        const size_t known = strlen(*list);
-        if (strncmp(name, *list, known) == 0
-            && (name[known] == '\0' || strcmp(name + known, ".tmp") == 0)) {
+    regex_t compiled;
+    const bool able = regcomp(&compiled, pattern, REG_EXTENDED | REG_NOSUB) == 0;
+    const bool found = able && regexec(&compiled, name, 0, NULL, 0) == 0;
+    if (able) {
+        regfree(&compiled);
+    }
+    return found;
+}
+
+/* Whether weft made a file of a run's directory, be it under its temporary name. */
+static bool is_ours(const char *name)
+{
+    for (const char *const *known = record_names; *known != NULL; ++known) {
+        const size_t length = strlen(*known);
+        if (strncmp(name, *known, length) == 0
+            && (name[length] == '\0' || strcmp(name + length, ".tmp") == 0)) {
             return true;
         }
     }
-    return false;
-}
-
-/* Whether it is a file of frames/: frame-000012.obj and the like. */
-static bool is_frame(const char *name)
-{
-    static const char *const endings[] = { ".obj", ".ply", ".csv", ".vtp", NULL };
-    const size_t digits
-        = strncmp(name, "frame-", 6) == 0 ? strspn(name + 6, "0123456789") : 0;
-    return (digits == 6 || (digits > 6 && name[6] != '0'))
-           && is_listed(name + 6 + digits, endings);
-}
-
-/* The file of the cloth beside which that of a shape was exported: final.obj for
- * final-shape-0.obj. Other names are returned as they are. */
-static const char *cloth_name(const char *name, char out[NAME_MAX + 1])
-{
-    static const char *const endings[]
-        = { ".obj", ".ply", ".vtp", ".mdd", ".pc2", NULL };
-    const char *mark = strstr(name, "-shape-");
-    const size_t digits = mark == NULL ? 0 : strspn(mark + 7, "0123456789");
-    if (digits == 0 || !is_listed(mark + 7 + digits, endings)) {
-        return name;
-    }
-    (void)snprintf(out, NAME_MAX + 1, "%.*s%s", (int)(mark - name), name,
-                   mark + 7 + digits);
-    return out;
+    return matches(name, EXPORTED);
 }
 
 typedef enum sweep { KEEP_ALL, SWEEP_RUN, SWEEP_FRAMES } sweep;
@@ -94,14 +87,12 @@ static long look_through(const char *directory, sweep what)
     long found = 0;
     for (struct dirent *item; (item = readdir(open)) != NULL;) {
         const char *name = item->d_name;
-        char path[RECORD_PATH], cloth[NAME_MAX + 1];
+        char path[RECORD_PATH];
         if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
             continue;
         }
         ++found;
-        const char *of = cloth_name(name, cloth);
-        const bool ours
-            = what == SWEEP_FRAMES ? is_frame(of) : is_listed(of, record_names);
+        const bool ours = what == SWEEP_FRAMES ? matches(name, FRAME) : is_ours(name);
         if (what != KEEP_ALL && ours
             && record_path(directory, name, path, NULL) == WEFT_OK) {
             const bool frames = strcmp(name, "frames") == 0;

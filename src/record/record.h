@@ -60,8 +60,6 @@ weft_status record_file_commit(record_file *file, weft_error *err);
 void record_file_discard(record_file *file);
 /* Writes text in quotes, with those inside doubled (RFC 4180). */
 void record_csv_quoted(FILE *stream, const char *text);
-weft_status record_text(const char *directory, const char *name, const char *text,
-                        weft_error *err);
 
 /* The copy of a scene's mesh in its results. */
 #define RECORD_MESH "scene.obj"

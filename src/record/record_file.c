@@ -130,8 +130,8 @@ void record_csv_quoted(FILE *stream, const char *text)
     putc('"', stream);
 }
 
-weft_status record_text(const char *directory, const char *name, const char *text,
-                        weft_error *err)
+static weft_status write_text(const char *directory, const char *name, const char *text,
+                              weft_error *err)
 {
     record_file file;
     TRY(record_file_open(&file, directory, name, err));
@@ -174,7 +174,7 @@ weft_status record_mesh(const char *directory, const char *name,
 {
     const char *file = weft_scene_mesh_file(scene), *made = weft_scene_mesh_text(scene);
     return file != NULL ? copy_file(directory, name, file, err)
-                        : record_text(directory, name, made, err);
+                        : write_text(directory, name, made, err);
 }
 
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
@@ -183,7 +183,7 @@ weft_status record_scene_text(const char *directory, const weft_scene *scene,
     if (weft_scene_cloth(scene)->mesh != NULL) { /* scene.yaml is read with it again */
         TRY(record_mesh(directory, RECORD_MESH, scene, err));
     }
-    return record_text(directory, "scene.yaml", weft_scene_text(scene), err);
+    return write_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }
 
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)

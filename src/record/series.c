@@ -13,7 +13,7 @@
 
 /* ---- tables ----------------------------------------------------------------- */
 
-weft_status record_table_write(record_table *table, const char *line, weft_error *err)
+static weft_status write_line(record_table *table, const char *line, weft_error *err)
 {
     for (const char *c = line; *c != '\0'; ++c, ++table->extent.length) {
         table->extent.sum = weft__hash_byte(table->extent.sum, (unsigned char)*c);
@@ -24,7 +24,7 @@ weft_status record_table_write(record_table *table, const char *line, weft_error
                : record_failed(table->path, err);
 }
 
-weft_status record_table_open(record_table *table, const char *directory,
+static weft_status open_table(record_table *table, const char *directory,
                               const char *name, bool again, weft_error *err)
 {
     TRY(record_path(directory, name, table->path, err));
@@ -50,7 +50,7 @@ weft_status record_table_sync(record_table *table, weft_error *err)
     if (table->stream == NULL) {
         return WEFT_OK;
     }
-    TRY(record_table_write(table, "", err));
+    TRY(write_line(table, "", err));
     return fsync(fileno(table->stream)) == 0 ? WEFT_OK
                                              : record_failed(table->path, err);
 }
@@ -60,7 +60,7 @@ weft_status record_table_close(record_table *table, weft_error *err)
     if (table->stream == NULL) {
         return WEFT_OK;
     }
-    const weft_status status = record_table_write(table, "", err);
+    const weft_status status = write_line(table, "", err);
     const bool closed = fclose(table->stream) == 0;
     table->stream = NULL;
     return closed || status != WEFT_OK ? status : record_failed(table->path, err);
@@ -167,13 +167,13 @@ weft_status record_series_open(record_series *series, const char *directory,
     char line[LINE];
     size_t used = 0;
     record_series_begin(series, optional);
-    TRY(record_table_open(&series->table, directory, "series.csv", again, err));
+    TRY(open_table(&series->table, directory, "series.csv", again, err));
     for (size_t i = 0; i < series->columns; ++i) {
         used
             += (size_t)snprintf(line + used, sizeof line - used, "%s%c",
                                 series->names[i], i + 1 < series->columns ? ',' : '\n');
     }
-    return again ? WEFT_OK : record_table_write(&series->table, line, err);
+    return again ? WEFT_OK : write_line(&series->table, line, err);
 }
 
 weft_status record_series_add(record_series *series, const record_frame *frame,
@@ -195,7 +195,7 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
 #undef CELL
     line[used - 1] = '\n';
     return series->table.stream == NULL ? WEFT_OK
-                                        : record_table_write(&series->table, line, err);
+                                        : write_line(&series->table, line, err);
 }
 
 /* ---- shapes.csv ------------------------------------------------------------- */
@@ -206,10 +206,9 @@ weft_status record_shapes_open(record_table *table, const char *directory,
     if (weft_cloth_shapes(cloth) == 0) {
         return WEFT_OK;
     }
-    TRY(record_table_open(table, directory, "shapes.csv", again, err));
-    return again
-               ? WEFT_OK
-               : record_table_write(table, "frame,time,shape,fx,fy,fz,tx,ty,tz\n", err);
+    TRY(open_table(table, directory, "shapes.csv", again, err));
+    return again ? WEFT_OK
+                 : write_line(table, "frame,time,shape,fx,fy,fz,tx,ty,tz\n", err);
 }
 
 /* The force and the torque of the cloth on each shape. */
@@ -229,7 +228,7 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
         }
         (void)snprintf(line + used, sizeof line - used, "\n");
         if (table->stream != NULL) { /* a band may not write */
-            TRY(record_table_write(table, line, err));
+            TRY(write_line(table, line, err));
         }
     }
     return WEFT_OK;

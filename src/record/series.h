@@ -21,19 +21,15 @@ typedef struct record_table {
     record_extent extent; /* bytes written */
 } record_table;
 
-/* A new file, or `again` an existing one for reading and writing; record_table_cut must
- * follow then and keeps its first part. */
-weft_status record_table_open(record_table *table, const char *directory,
-                              const char *name, bool again, weft_error *err);
+/* Keeps the first part of a table that was opened again. */
 weft_status record_table_cut(record_table *table, const record_extent *kept,
                              weft_error *err);
-weft_status record_table_write(record_table *table, const char *line, weft_error *err);
 /* Writes table->extent to the disk. */
 weft_status record_table_sync(record_table *table, weft_error *err);
 weft_status record_table_close(record_table *table, weft_error *err);
 
-/* shapes.csv, one row per frame and shape; a cloth without shapes has
- * none. */
+/* shapes.csv, one row per frame and shape; a cloth without shapes has none. A new file,
+ * or `again` an existing one for reading and writing; record_table_cut must follow. */
 weft_status record_shapes_open(record_table *table, const char *directory,
                                const weft_cloth *cloth, bool again, weft_error *err);
 weft_status record_shapes_add(record_table *table, const record_frame *frame,
@@ -62,7 +58,7 @@ typedef struct record_series {
 
 /* Names the columns. Until a file is opened, record_series_add only fills `row`. */
 void record_series_begin(record_series *series, unsigned optional);
-/* `again`: as record_table_open. */
+/* `again`: as above. */
 weft_status record_series_open(record_series *series, const char *directory,
                                unsigned optional, bool again, weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,

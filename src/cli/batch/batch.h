@@ -49,8 +49,6 @@ typedef struct batch {
 } batch;
 
 extern const char *const batch_status_names[BATCH_STATUSES];
-/* Whether result.yaml has that status: done, failed, io_error, crashed or timeout. */
-bool batch_is_over(batch_status status);
 
 /* batch_plan.c. The directory of a run: the file's stem, then key=value of each varied
  * key, in at most 120 safe characters. A hash is added if a character or the end was

@@ -36,7 +36,8 @@ static bool holds(const char *path, const char *text, bool *missing)
     return same;
 }
 
-bool batch_is_over(batch_status status)
+/* Whether result.yaml has that status. */
+static bool is_over(batch_status status)
 {
     return status >= BATCH_DONE && status <= BATCH_TIMEOUT;
 }
@@ -46,10 +47,10 @@ static batch_status result_status(const char *directory)
     char said[RECORD_RESULT_TEXT];
     batch_status status = BATCH_DONE;
     (void)record_result_get(directory, "status", said);
-    while (batch_is_over(status) && strcmp(said, batch_status_names[status]) != 0) {
+    while (is_over(status) && strcmp(said, batch_status_names[status]) != 0) {
         ++status;
     }
-    return batch_is_over(status) ? status : BATCH_PARTIAL;
+    return is_over(status) ? status : BATCH_PARTIAL;
 }
 
 batch_status batch_look(const batch *self, const batch_run *run)
@@ -166,8 +167,7 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     yaml_document_t result;
     TRY(record_path(self->out, run->name, directory, err));
     /* results of another scene's run, or of an unfinished one, do not count */
-    const bool known
-        = batch_is_over(run->status) && record_result_open(directory, &result);
+    const bool known = is_over(run->status) && record_result_open(directory, &result);
     for (size_t i = 0; i < keys->count; ++i) {
         cell(out, varied_text(run, keys->keys[i]), ',');
     }

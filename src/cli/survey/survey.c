@@ -80,18 +80,6 @@ double own_stable_step(const weft_scene *scene, const weft_stiffness *modes)
     return status == WEFT_OK ? own.step : 0.0;
 }
 
-bool own_step_is_stable(const weft_scene *scene, const weft_stiffness *modes, double h)
-{
-    weft_stability stability;
-    bool stable = false;
-    return survey_stability(scene, weft_scene_method_type(scene), &stability, NULL)
-               == WEFT_OK
-           && weft_stability_reaches(&stability, modes, allowed_growth(scene), h,
-                                     &stable, NULL)
-                  == WEFT_OK
-           && stable;
-}
-
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
 {
     const weft_run_def *run = weft_scene_run(scene);
@@ -278,8 +266,17 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
     const weft_stiffness modes
         = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
     const double h = step_taken(scene);
-    const bool in_doubt = h > 0.0 && !own_step_is_stable(scene, &modes, h);
-    const double stable = in_doubt ? own_stable_step(scene, &modes) : 0.0;
+    weft_stability own;
+    bool reaches = false; /* which is found sooner than the stable step */
+    const bool known
+        = h > 0.0
+          && survey_stability(scene, weft_scene_method_type(scene), &own, NULL)
+                 == WEFT_OK
+          && weft_stability_reaches(&own, &modes, allowed_growth(scene), h, &reaches,
+                                    NULL)
+                 == WEFT_OK;
+    const double stable
+        = h > 0.0 && !(known && reaches) ? own_stable_step(scene, &modes) : 0.0;
     const bool beyond = stable > 0.0 && h > stable;
     if (beyond && !quiet) {
         fprintf(

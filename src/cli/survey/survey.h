@@ -61,9 +61,6 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
 /* [s] The stable step of the scene's method; 0: it has none. */
 double own_stable_step(const weft_scene *scene, const weft_stiffness *modes);
 
-/* Whether that is at least h [s], which is found sooner. */
-bool own_step_is_stable(const weft_scene *scene, const weft_stiffness *modes, double h);
-
 /* The number of fixed steps of h [s] in a frame: none crosses its end. */
 double frame_steps(const weft_run_def *run, double h);
 
