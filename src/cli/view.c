@@ -25,35 +25,13 @@ static void print_url(const char *file)
     free(path);
 }
 
-/* Damage stops no page: its plots are then wrong or missing. */
-static void warn_of_series(const char *directory)
-{
-    record_series_row *rows;
-    size_t count;
-    weft_error err = { 0 };
-    if (record_series_rows(directory, &rows, &count, &err) != WEFT_OK) {
-        print_line(stderr, "weft: warning: %s; the page lacks plots", err.message);
-    }
-    free(rows);
-}
-
-static weft_status write_batch(const char *directory, const char *out, weft_error *err)
-{
-    size_t without = 0;
-    weft_error why = { 0 };
-    const weft_status status = record_batch(directory, out, &without, &why, err);
-    if (status == WEFT_OK && without > 0) {
-        print_line(stderr, "weft: warning: runs without frames: %zu; the first: %s",
-                   without, why.message);
-    }
-    return status;
-}
-
 int view_runs(const char *const *directories, size_t count, const char *out, bool yaml)
 {
     char path[RECORD_PATH];
     weft_error err = { 0 };
     weft_status status = WEFT_OK;
+    weft_error why = { 0 };
+    size_t without = 0;
     const bool batch = count == 1 && record_is_batch(directories[0]);
     if (out == NULL) {
         status = record_path(directories[0],
@@ -64,11 +42,20 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
         out = path;
     }
     if (status == WEFT_OK) {
-        status = batch ? write_batch(directories[0], out, &err)
+        status = batch ? record_batch(directories[0], out, &without, &why, &err)
                        : record_player(directories, count, out, &err);
     }
+    if (status == WEFT_OK && without > 0) {
+        print_line(stderr, "weft: warning: runs without frames: %zu; the first: %s",
+                   without, why.message);
+    }
     for (size_t i = 0; status == WEFT_OK && !batch && i < count; ++i) {
-        warn_of_series(directories[i]);
+        record_series_row *rows;
+        size_t row_count; /* damage stops no page: its plots are wrong or missing */
+        if (record_series_rows(directories[i], &rows, &row_count, &why) != WEFT_OK) {
+            print_line(stderr, "weft: warning: %s; the page lacks plots", why.message);
+        }
+        free(rows);
     }
     if (status != WEFT_OK) {
         const int code = report_error(&err);

@@ -11,14 +11,6 @@
 
 /* ---- the command line ---------------------------------------------------------- */
 
-/* "2/3": shard 2 of 3. */
-static bool take_shard(batch *self, const char *text)
-{
-    return option_count(text, '/', &self->shard)
-           && option_count(strchr(text, '/') + 1, '\0', &self->shards)
-           && self->shard >= 1 && self->shard <= self->shards;
-}
-
 static int take_options(batch *self)
 {
     const arguments *given = self->given;
@@ -36,7 +28,10 @@ static int take_options(batch *self)
                                given->timeout);
         }
     }
-    if (given->shard != NULL && !take_shard(self, given->shard)) {
+    if (given->shard != NULL /* "2/3": shard 2 of 3 */
+        && !(option_count(given->shard, '/', &self->shard)
+             && option_count(strchr(given->shard, '/') + 1, '\0', &self->shards)
+             && self->shard >= 1 && self->shard <= self->shards)) {
         return usage_error(given, "--shard %s: not i/n with i from 1 to n",
                            given->shard);
     }
@@ -85,20 +80,6 @@ static size_t look(batch *self, batch_run **wanted)
 
 /* ---- the end ------------------------------------------------------------------- */
 
-static void print_refused(const batch *self, const batch_run *run)
-{
-    static const char *const reasons[BATCH_STATUSES] = {
-        [BATCH_CHANGED] = ("holds a run of another scene, or of this one before it was "
-                           "changed: --force runs it again"),
-        [BATCH_BUSY] = "is being run by another process",
-        [BATCH_UNREADABLE] = "is not a readable directory",
-    };
-    if (reasons[run->status] != NULL) {
-        print_plainly(stderr, "weft: error: %s/%s %s\n", self->out, run->name,
-                      reasons[run->status]);
-    }
-}
-
 static void print_warned(const batch *self)
 {
     const batch_run *first = NULL;
@@ -119,12 +100,22 @@ static void print_warned(const batch *self)
  * failed" */
 static int print_counts(const batch *self)
 {
+    static const char *const reasons[BATCH_STATUSES] = {
+        [BATCH_CHANGED] = ("holds a run of another scene, or of this one before it was "
+                           "changed: --force runs it again"),
+        [BATCH_BUSY] = "is being run by another process",
+        [BATCH_UNREADABLE] = "is not a readable directory",
+    };
     size_t counts[BATCH_STATUSES] = { 0 }, mine = 0;
     for (size_t i = 0; i < self->run_count; ++i) {
         if (is_mine(self, i)) {
+            const batch_run *run = &self->runs[i];
             ++mine;
-            ++counts[self->runs[i].status];
-            print_refused(self, &self->runs[i]);
+            ++counts[run->status];
+            if (reasons[run->status] != NULL) {
+                print_plainly(stderr, "weft: error: %s/%s %s\n", self->out, run->name,
+                              reasons[run->status]);
+            }
         }
     }
     if (!self->given->quiet) {

@@ -252,17 +252,6 @@ static void ladder_ended(void *ctx, const process *one)
     progress_count(&self->progress, "methods", self->over, self->count + 1);
 }
 
-/* The calls of the costlier reference up to `last`, at most a share of COMPARE_WORK. */
-static void set_budget(compare *self)
-{
-    const double particles = (double)weft_cloth_particles(self->cloth);
-    const double share
-        = COMPARE_WORK / (particles * RUNGS_WORTH * (double)(self->count + 1));
-    const double dearest
-        = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
-    self->budget = (uint64_t)fmin(share, dearest);
-}
-
 static int by_value(const void *a, const void *b)
 {
     const double *x = a, *y = b;
@@ -308,7 +297,14 @@ static weft_status compare_all(compare *self, weft_error *err)
 {
     TRY(run_jobs(self, 1, compare_stiffness, NULL, err));
     TRY(make_references(self, err));
-    set_budget(self);
+    /* the calls of the costlier reference up to `last`, at most a share of COMPARE_WORK
+     */
+    const double share = COMPARE_WORK
+                         / ((double)weft_cloth_particles(self->cloth) * RUNGS_WORTH
+                            * (double)(self->count + 1));
+    const double dearest
+        = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
+    self->budget = (uint64_t)fmin(share, dearest);
     const weft_status status
         = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
     progress_clear(&self->progress);
@@ -352,23 +348,19 @@ static weft_status conclude(const compare *self, const char *directory, weft_err
     return WEFT_OK;
 }
 
-static weft_status find_references(compare *self, weft_error *err)
-{
-    const weft_registry *registry = self->given->registry;
-    return method_best(registry, NULL, &self->by[0])
-                   && method_best(registry, &self->by[0], &self->by[1])
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_UNSUPPORTED,
-                                "no two explicit methods with error control, of which "
-                                "one would check the other");
-}
-
 /* Checks for references before it makes the directory. */
 static weft_status compare_into(compare *self, const char *directory, weft_error *err)
 {
     TRY(scene_supported(self->scene, err));
     TRY(cloth_create(self->scene, weft_scene_cloth(self->scene), &self->cloth, err));
-    TRY(find_references(self, err));
+    const weft_registry *registry = self->given->registry;
+    if (!method_best(registry, NULL, &self->by[0])
+        || !method_best(registry, &self->by[0], &self->by[1])) {
+        return weft_error_set(
+            err, WEFT_UNSUPPORTED,
+            "no two explicit methods with error control, of which one "
+            "would check the other");
+    }
     TRY(record_outdir(directory, self->given->force, err));
     TRY(open_memory(self, err));
     TRY(add_methods(self, err));

@@ -141,16 +141,6 @@ void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ct
     }
 }
 
-void interrupt_release(interrupt_watch *self)
-{
-    (void)pthread_mutex_unlock(&self->records);
-}
-
-void interrupt_acquire(interrupt_watch *self)
-{
-    (void)pthread_mutex_lock(&self->records);
-}
-
 void interrupt_end(interrupt_watch *self)
 {
     self->over = true;

@@ -31,8 +31,8 @@ int interrupt_code(int signal);
 /* A weft_stop_fn. */
 bool interrupt_pending(void *unused);
 
-/* A lock on the records of a run, which the caller holds between begin and end except
- * from interrupt_release to interrupt_acquire. If a signal has been pending for a
+/* `records`, a lock on the records of a run, which the caller holds after begin and
+ * before end, and whenever it uses them. If a signal has been pending for a
  * second, or comes again, another thread takes the lock for good and calls give_up,
  * which ends the process. NULL: there is no thread. */
 typedef struct interrupt_watch {
@@ -46,8 +46,6 @@ typedef struct interrupt_watch {
 } interrupt_watch;
 
 void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx);
-void interrupt_release(interrupt_watch *self);
-void interrupt_acquire(interrupt_watch *self);
 void interrupt_end(interrupt_watch *self);
 
 #endif

@@ -67,13 +67,6 @@ static void measure(progress *show, double now)
 
 /* ---- for people ------------------------------------------------------------- */
 
-static size_t terminal_width(void)
-{
-    struct winsize size = { 0 };
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col
-                                                                           : 80;
-}
-
 /* Add a part if it fits as a whole: the most important ones come first. */
 static void add(char *line, size_t width, const char *name, const char *value)
 {
@@ -97,7 +90,9 @@ static void write_line(progress *show, size_t frame)
     enum { LONGEST = 160 };
     char line[LONGEST + 1] = "", text[64];
     const bool redraw = show->mode == PROGRESS_TERMINAL;
-    size_t width = redraw ? terminal_width() - 1 : LONGEST;
+    struct winsize size = { 0 };
+    const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    size_t width = !redraw ? LONGEST : known ? size.ws_col - 1u : 79;
     width = width < LONGEST ? width : LONGEST;
     const double left = show->run->duration - weft_sim_time(show->sim);
     (void)snprintf(text, sizeof text, "%zu/%zu", frame, weft_run_last_frame(show->run));

@@ -116,30 +116,30 @@ static weft_status add_frame(run *self, size_t index, weft_error *err)
 static weft_status on_frame(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_acquire(&self->watch);
+    (void)pthread_mutex_lock(&self->watch.records);
     const weft_status status = add_frame(self, index, err);
-    interrupt_release(&self->watch);
+    (void)pthread_mutex_unlock(&self->watch.records);
     return status;
 }
 
 static weft_status on_checkpoint(void *ctx, size_t index, weft_error *err)
 {
     run *self = ctx;
-    interrupt_acquire(&self->watch);
+    (void)pthread_mutex_lock(&self->watch.records);
     const weft_status status = run_checkpoint(self, index, err);
-    interrupt_release(&self->watch);
+    (void)pthread_mutex_unlock(&self->watch.records);
     return status;
 }
 
 static bool on_step(void *ctx)
 {
     run *self = ctx;
-    interrupt_acquire(&self->watch);
+    (void)pthread_mutex_lock(&self->watch.records);
     summary_step(&self->summary);
     if (self->given->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         progress_show(&self->progress, self->result.frames - 1);
     }
-    interrupt_release(&self->watch);
+    (void)pthread_mutex_unlock(&self->watch.records);
     return interrupt_agreed(self->comm) == 0;
 }
 
@@ -189,9 +189,9 @@ static weft_status simulate(run *self, weft_error *err)
     }
     progress_begin(&self->progress, self->given->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
-    interrupt_release(&self->watch);
+    (void)pthread_mutex_unlock(&self->watch.records);
     weft_status status = weft_sim_play(self->sim, &frames, err);
-    interrupt_acquire(&self->watch);
+    (void)pthread_mutex_lock(&self->watch.records);
     interrupt_end(&self->watch);
     if (status == WEFT_STOPPED && interrupt_signal() != 0) {
         status = WEFT_OK;

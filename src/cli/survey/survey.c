@@ -102,17 +102,6 @@ static int compare(const void *first, const void *second)
                         : libm[0] - libm[1];
 }
 
-static weft_status add_method(const weft_scene *scene, const stepper_method *m,
-                              survey *out, weft_error *err)
-{
-    survey_method *method = &out->methods[out->count++];
-    const weft_status status = stable_step(scene, m->type, &out->modes, method, err);
-    method->plugin = m->plugin;
-    method->per_second
-        = method->step > 0.0 ? calls_per_second(scene, method, method->step) : INFINITY;
-    return status == WEFT_NO_MEMORY ? status : WEFT_OK;
-}
-
 weft_status survey_methods(const weft_scene *scene, const weft_registry *registry,
                            survey *out, weft_error *err)
 {
@@ -125,9 +114,17 @@ weft_status survey_methods(const weft_scene *scene, const weft_registry *registr
     }
     for (size_t i = 0; method_at(registry, i, &m); ++i) {
         /* a scene's own table is no method of other scenes */
-        if ((m.type->flags & WEFT_STEPPER_BUTCHER) == 0 || m.type == own) {
-            TRY(add_method(scene, &m, out, err));
+        if ((m.type->flags & WEFT_STEPPER_BUTCHER) != 0 && m.type != own) {
+            continue;
         }
+        survey_method *method = &out->methods[out->count++];
+        if (stable_step(scene, m.type, &out->modes, method, err) == WEFT_NO_MEMORY) {
+            return WEFT_NO_MEMORY;
+        }
+        method->plugin = m.plugin;
+        method->per_second = method->step > 0.0
+                                 ? calls_per_second(scene, method, method->step)
+                                 : INFINITY;
     }
     qsort(out->methods, out->count, sizeof *out->methods, compare);
     for (size_t i = 0; i < out->count; ++i) {
@@ -168,39 +165,20 @@ static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
     }
 }
 
-/* Without a simulation, whose plugin is missing, the bounds of every state. */
-static weft_status survey_cloth(const weft_cloth *cloth, const weft_sim *sim,
-                                bool refine, survey *out, weft_error *err)
-{
-    const double *y = sim == NULL ? NULL : weft_sim_state(sim);
-    const double t = sim == NULL ? 0.0 : weft_sim_time(sim);
-    out->any = weft_cloth_stiffness(cloth, 0.0, NULL);
-    out->now = out->modes = y == NULL ? out->any : weft_cloth_stiffness(cloth, t, y);
-    out->refined = refine && y != NULL;
-    return out->refined ? weft_cloth_stiffness_refined(cloth, t, y, 0, &out->modes, err)
-                        : WEFT_OK;
-}
-
-/* The adaptive method of the highest order above that of the scene. */
-static const survey_method *find_rival(const survey *of)
-{
-    const survey_method *best = of->own;
-    for (size_t i = 0; i < of->count; ++i) {
-        const survey_method *other = &of->methods[i];
-        if (method_adapts(other->type) && other->step > 0.0
-            && other->type->order > best->type->order) {
-            best = other;
-        }
-    }
-    return best == of->own ? NULL : best;
-}
-
-/* The RHS calls of a method of higher order up to the end of the trial. */
+/* The RHS calls of the adaptive method of the highest order above that of the scene, up
+ * to the end of the trial. */
 static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
                              survey *out, weft_error *err)
 {
-    const survey_method *rival = find_rival(out);
-    if (rival == NULL) {
+    const survey_method *rival = out->own;
+    for (size_t i = 0; i < out->count; ++i) {
+        const survey_method *other = &out->methods[i];
+        if (method_adapts(other->type) && other->step > 0.0
+            && other->type->order > rival->type->order) {
+            rival = other;
+        }
+    }
+    if (rival == out->own) {
         return WEFT_OK;
     }
     weft_sim *sim = NULL;
@@ -233,7 +211,15 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
 {
     *out = (survey){ 0 };
     (void)load_plugins(given->registry, NULL);
-    TRY(survey_cloth(cloth, sim, given->refine, out, err));
+    out->now = out->modes = out->any = weft_cloth_stiffness(cloth, 0.0, NULL);
+    if (sim != NULL) { /* else its plugin is missing: the bounds of every state */
+        const double *y = weft_sim_state(sim), t = weft_sim_time(sim);
+        out->now = out->modes = weft_cloth_stiffness(cloth, t, y);
+        out->refined = given->refine;
+        if (out->refined) {
+            TRY(weft_cloth_stiffness_refined(cloth, t, y, 0, &out->modes, err));
+        }
+    }
     TRY(survey_methods(scene, given->registry, out, err));
     if (out->own != NULL && out->own->step > 0.0
         && (out->own->type->flags & WEFT_STEPPER_STRUCTURE) == 0) {

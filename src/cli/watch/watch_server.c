@@ -137,16 +137,6 @@ static void put_frame(feed *self, size_t i, FILE *out)
     fputs("\"}\n\n", out);
 }
 
-static void put_end(feed *self, FILE *out)
-{
-    fputs("event: end\ndata: {", out);
-    put_rows(self, out);
-    fputs(",\"result\":", out);
-    page_file(out, self->server->def->directory, "result.yaml");
-    fputs("}\n\n", out);
-    self->ended = true;
-}
-
 /* Writes the next message; false: there is none now. */
 static bool write_message(feed *self)
 {
@@ -176,7 +166,12 @@ static bool write_message(feed *self)
         put_frame(self, i, out);
         self->next = i + 1;
     } else {
-        put_end(self, out);
+        fputs("event: end\ndata: {", out);
+        put_rows(self, out);
+        fputs(",\"result\":", out);
+        page_file(out, server->def->directory, "result.yaml");
+        fputs("}\n\n", out);
+        self->ended = true;
     }
     return fclose(out) == 0 && self->size > 0;
 }
