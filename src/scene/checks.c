@@ -84,8 +84,7 @@ static bool holds_all(const weft_scene *scene)
 static void report_product(void *ctx, size_t field, size_t other, const char *message)
 {
     const weft__match *match = ctx;
-    const weft__node *grid = weft__value_in(match, "grid");
-    const weft__node *at = grid->entries[weft__find_key(grid, "spacing", 7)].value;
+    const weft__node *at = weft__value_of(weft__value_in(match, "grid"), "spacing");
     if (field != offsetof(weft_cloth_def, spacing)) {
         const bool massive = field == offsetof(weft_cloth_def, density);
         const weft__node *fabric = weft__value_in(match, "fabric");

@@ -4,56 +4,52 @@
 
 #include "scene/read.h"
 
-/* The value of section.key, or what of the section is there. */
+/* The value of section.key, or what of the section is there; key NULL: its name. */
 static weft__mark place(const weft__match *root, const char *section, const char *key)
 {
-    const weft__node *map = weft__value_in(root, section);
-    const size_t slot
-        = map->type == WEFT__MAP ? weft__find_key(map, key, strlen(key)) : map->count;
-    return slot < map->count && map->entries[slot].value != NULL
-               ? map->entries[slot].value->at
-               : map->at;
+    const weft__found *found = weft__found_in(root, section);
+    const weft__node *value
+        = key == NULL ? found->key : weft__value_of(found->value, key);
+    return (value == NULL ? found->value : value)->at;
 }
 
 void weft__check_bands(weft__reader *reader, const weft__match *root)
 {
     const weft_scene *scene = reader->scene;
     const size_t bands = reader->def->bands, rows = scene->cloth.rows;
-    if (scene->meshed) {
-        weft__report_error(
-            reader->report, place(root, "cloth", "mesh"),
-            "a mesh of triangles does not run in bands, which are rows of "
-            "a grid");
-    } else if (rows / bands < WEFT_GHOST_ROWS) {
+    const struct {
+        bool wrong;
+        const char *section, *key, *message;
+    } rules[] = {
+        { scene->meshed, "cloth", "mesh",
+          "a mesh of triangles does not run in bands, which are rows of a grid" },
+        { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
+          "a strain limit does not run in bands: it corrects springs one after "
+          "another, from row to row" },
+        { scene->record.ledger, "record", "ledger",
+          "the energy ledger is not kept in bands" },
+        { scene->config.norm != WEFT_NORM_MAX && !(scene->config.fixed_step > 0.0),
+          "stepper", "norm",
+          "norm rms does not run in bands: its sum would depend on their number; norm "
+          "max does" },
+        { scene->cloth.contact.self, "contact", "self",
+          "contact of the cloth with itself does not run in bands: any two rows may "
+          "touch" },
+        { scene->run.stop.quantity != WEFT_STOP_NEVER, "stop", NULL,
+          "a run in bands ends at run.duration: the condition is one of the whole "
+          "cloth" },
+    };
+    if (!scene->meshed && rows / bands < WEFT_GHOST_ROWS) {
         weft__report_error(reader->report, place(root, "cloth", "grid"),
                            "%zu rows are too few for %zu bands: each needs %d", rows,
                            bands, WEFT_GHOST_ROWS);
     }
-    if (scene->limit.method != WEFT_LIMIT_NONE) {
-        weft__report_error(reader->report, weft__found_in(root, "limit")->key->at,
-                           "a strain limit does not run in bands: it corrects springs "
-                           "one after another, from row to row");
-    }
-    if (scene->record.ledger) {
-        weft__report_error(reader->report, place(root, "record", "ledger"),
-                           "the energy ledger is not kept in bands");
-    }
-    if (scene->config.norm != WEFT_NORM_MAX && !(scene->config.fixed_step > 0.0)) {
-        weft__report_error(reader->report, place(root, "stepper", "norm"),
-                           "norm rms does not run in bands: its sum would depend on "
-                           "their number; norm max does");
-    }
-    if (scene->cloth.contact.self) {
-        weft__report_error(
-            reader->report, place(root, "contact", "self"),
-            "contact of the cloth with itself does not run in bands: any "
-            "two rows may touch");
-    }
-    if (scene->run.stop.quantity != WEFT_STOP_NEVER) {
-        weft__report_error(
-            reader->report, weft__found_in(root, "stop")->key->at,
-            "a run in bands ends at run.duration: the condition is one of "
-            "the whole cloth");
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
+        if (rules[i].wrong) {
+            weft__report_error(reader->report,
+                               place(root, rules[i].section, rules[i].key), "%s",
+                               rules[i].message);
+        }
     }
     weft__require_flag(reader, WEFT_STEPPER_AGREES, place(root, "stepper", "method"),
                        "does not run in bands", "these do");

@@ -249,13 +249,6 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     }
 }
 
-/* The value of a key that a mapping may have. */
-static const weft__node *value_of(const weft__node *map, const char *name)
-{
-    const size_t slot = weft__find_key(map, name, strlen(name));
-    return slot < map->count ? map->entries[slot].value : NULL;
-}
-
 /* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits). */
 static void warn_of_cells(weft__reader *reader, weft__mark at)
 {
@@ -280,11 +273,11 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
         return;
     }
     const weft__node *contact = weft__value_in(root, "contact");
-    const weft__node *shapes = value_of(contact, "shapes");
+    const weft__node *shapes = weft__value_of(contact, "shapes");
     if (law->self) {
         warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
-                         value_of(contact, "self")->at);
-        warn_of_cells(reader, value_of(contact, "self")->at);
+                         weft__value_of(contact, "self")->at);
+        warn_of_cells(reader, weft__value_of(contact, "self")->at);
     }
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;
@@ -295,8 +288,8 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }
     if (def->mesh == NULL && def->pin_count > 0 && law->shape_count > 0) {
-        warn_of_pins(reader, value_of(weft__value_in(root, "cloth"), "pins"));
+        warn_of_pins(reader, weft__value_of(weft__value_in(root, "cloth"), "pins"));
     }
-    warn_of_stepper(reader, value_of(stepper, "method"),
-                    value_of(stepper, "fixed_step"));
+    warn_of_stepper(reader, weft__value_of(stepper, "method"),
+                    weft__value_of(stepper, "fixed_step"));
 }

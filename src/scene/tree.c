@@ -143,3 +143,10 @@ size_t weft__find_key(const weft__node *map, const char *key, size_t length)
     }
     return i;
 }
+
+const weft__node *weft__value_of(const weft__node *node, const char *key)
+{
+    const size_t slot = node->type == WEFT__MAP ? weft__find_key(node, key, strlen(key))
+                                                : node->count;
+    return slot < node->count ? node->entries[slot].value : NULL;
+}

@@ -79,6 +79,9 @@ static inline const weft__node *weft__item(const weft__node *list, size_t i)
 /* The number of a key's first pair in a mapping; its count if it has none. */
 size_t weft__find_key(const weft__node *map, const char *key, size_t length);
 
+/* The value of a key of a node; NULL: it is no mapping, or has none. */
+const weft__node *weft__value_of(const weft__node *node, const char *key);
+
 /* override.c: puts an override "key.path=value" into a tree whose root is a mapping.
  * Mistakes in it are reported. */
 void weft__override_apply(weft__tree *tree, const weft__source *source);
