@@ -17,7 +17,6 @@ weft__add_fn weft__bending_wide, weft__wind_wide, weft__contact_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
-weft__extent_fn weft__extent_wide;
 weft__drift_fn weft__drift_wide;
 weft__damping_fn weft__damping_wide;
 
@@ -191,7 +190,6 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->contact.clear = weft__clear_wide;
         cloth->self.pushes = weft__pushes_wide;
         cloth->self.waits = weft__waits_wide;
-        cloth->self.extent = weft__extent_wide;
         cloth->self.drift = weft__drift_wide;
     }
     return wide ? "8 lanes" : weft_cloth_isa(cloth);
@@ -535,18 +533,21 @@ static void expect_same_bounds(const weft__self *at, double *y)
     const size_t n = mesh->particles;
     weft__drift tiles[2][4];
     ck_assert_uint_eq(weft__tile_count(mesh), 4);
-    ck_assert_double_eq(at->extent(NULL, y, n), weft__extent_loops(NULL, y, n));
-    at->drift(at, NULL, y, 0, 4, tiles[0]);
-    weft__drift_loops(at, NULL, y, 0, 4, tiles[1]);
+    const size_t level = weft__tile_level(mesh);
+    weft__drift_loops(at, NULL, y, WEFT__LEVELS - 1, 0, 1, tiles[0]);
+    ck_assert_double_eq(weft__extent(at, NULL, y),
+                        weft__drift_extent(&tiles[0][0], &tiles[0][0]));
+    at->drift(at, NULL, y, level, 0, 4, tiles[0]);
+    weft__drift_loops(at, NULL, y, level, 0, 4, tiles[1]);
     for (size_t i = 0; i < 12; ++i) { /* vectors may reach beyond a tile */
         ck_assert_double_le(tiles[0][i / 3].low[i % 3], tiles[1][i / 3].low[i % 3]);
         ck_assert_double_ge(tiles[0][i / 3].high[i % 3], tiles[1][i / 3].high[i % 3]);
     }
     const double kept = y[n + 3];
     y[n + 3] = NAN;
-    ck_assert_double_infinite(at->extent(NULL, y, n));
-    at->drift(at, NULL, y, 0, 4, tiles[0]);
-    weft__drift_loops(at, NULL, y, 0, 4, tiles[1]);
+    ck_assert_double_infinite(weft__extent(at, NULL, y));
+    at->drift(at, NULL, y, level, 0, 4, tiles[0]);
+    weft__drift_loops(at, NULL, y, level, 0, 4, tiles[1]);
     ck_assert_double_infinite(weft__drift_extent(&tiles[0][0], &tiles[0][3]));
     ck_assert_double_infinite(weft__drift_extent(&tiles[1][0], &tiles[1][3]));
     y[n + 3] = kept;

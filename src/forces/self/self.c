@@ -323,7 +323,6 @@ static void choose(void *own, weft__isa isa)
     weft__self *of = own;
     of->pushes = WEFT_FORM(isa, pushes);
     of->waits = WEFT_FORM(isa, waits);
-    of->extent = WEFT_FORM(isa, extent);
     of->drift = WEFT_FORM(isa, drift);
 }
 

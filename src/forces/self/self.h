@@ -74,20 +74,19 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
 /* [m] No two particles move by more against each other. */
 double weft__stride_length(const weft__stride *of);
 
-/* [m] No two particles of N are displaced by more against each other, from NULL: than
- * from 0; x, y, z planes. INFINITY if a number is not finite. weft__extent uses the
- * instructions of the cloth. */
-typedef double weft__extent_fn(const double *from, const double *to, size_t n);
-double weft__extent(const weft__self *own, const double *from, const double *to);
-
 /* The bounds of displacements. */
 typedef struct weft__drift {
     double low[3], high[3]; /* [m] */
 } weft__drift;
 
-/* Sets the bounds of tiles [first, end); infinite ones where a number is not finite. */
+/* Sets the bounds of displacements from one state to another, from NULL: from 0, of
+ * patches [first, end) of a level; infinite ones where a number is not finite. */
 typedef void weft__drift_fn(const weft__self *own, const double *from, const double *to,
-                            size_t first, size_t end, weft__drift *tiles);
+                            size_t level, size_t first, size_t end, weft__drift *of);
+
+/* [m] No two particles are displaced by more against each other; INFINITY if a number
+ * is not finite. */
+double weft__extent(const weft__self *own, const double *from, const double *to);
 
 /* [m] Of the bounds of two tiles together, which may be the same. */
 static inline double weft__drift_extent(const weft__drift *a, const weft__drift *b)
@@ -184,7 +183,6 @@ typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
 
 WEFT_FORMS(weft__pushes_fn, pushes);
 WEFT_FORMS(weft__waits_fn, waits);
-WEFT_FORMS(weft__extent_fn, extent);
 WEFT_FORMS(weft__drift_fn, drift);
 
 struct weft__self {
@@ -192,7 +190,6 @@ struct weft__self {
     weft_contact_def law; /* law.self: whether there is any */
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
-    weft__extent_fn *extent;
     weft__drift_fn *drift;
 };
 

@@ -196,27 +196,23 @@ INLINE void push_kind(work *of, weft__pair_kind kind)
     } while (!last);
 }
 
-#define PUSH(kind)                                                                     \
-    static void push_##kind(work *of)                                                  \
-    {                                                                                  \
-        push_kind(of, kind);                                                           \
-    }
-EACH_KIND(PUSH)
-#undef PUSH
-
 size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
                            const weft__near *near, const weft__span *spans,
                            size_t span_count, const double *y, weft__pushes *out,
                            double *bad)
 {
-    static void (*const each[])(work *)
-        = { push_WEFT__VERTICES, push_WEFT__VERTEX_EDGE, push_WEFT__VERTEX_TRIANGLE,
-            push_WEFT__EDGES };
     work of;
     of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
     of.y = y, of.out = out, of.bad = splat(0.0);
     of.span = of.next = of.done = of.close.count = of.found.count = 0;
-    each[kind](&of);
+    switch (kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        push_kind(&of, kind);                                                          \
+        break;
+        EACH_KIND(CASE)
+#undef CASE
+    }
     *bad += sum(of.bad);
     return of.done;
 }
@@ -251,23 +247,19 @@ INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
     }
 }
 
-#define WAIT(kind)                                                                     \
-    static void wait_##kind(const waiting *of)                                         \
-    {                                                                                  \
-        wait_kind(of, kind);                                                           \
-    }
-EACH_KIND(WAIT)
-#undef WAIT
-
 void NAME(waits, LEVEL)(const weft__self *own, weft__pair_kind kind,
                         const weft__near *near, size_t first, size_t end,
                         const double *y, double most, double *distances)
 {
-    static void (*const each[])(const waiting *)
-        = { wait_WEFT__VERTICES, wait_WEFT__VERTEX_EDGE, wait_WEFT__VERTEX_TRIANGLE,
-            wait_WEFT__EDGES };
     const waiting of = { own, near, first, end, y, most, distances };
-    each[kind](&of);
+    switch (kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        wait_kind(&of, kind);                                                          \
+        break;
+        EACH_KIND(CASE)
+#undef CASE
+    }
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */
@@ -277,7 +269,7 @@ typedef struct run_bounds {
     vec low, high;
 } run_bounds;
 
-/* Adds `count` numbers; or some before them where the last lanes are beyond. */
+/* Adds numbers, or some before them where the last lanes are beyond. */
 INLINE void add_run(const double *from, const double *to, size_t first, size_t end,
                     run_bounds *sum, vec *trouble)
 {
@@ -308,23 +300,6 @@ INLINE void narrow(const run_bounds of[3], weft__drift *to)
     }
 }
 
-/* A product with 0 is NaN for a number that is not finite. */
-double NAME(extent, LEVEL)(const double *from, const double *to, size_t n)
-{
-    weft__drift all;
-    run_bounds of[3];
-    vec trouble = splat(0.0);
-    if (n < LANES) {
-        return weft__extent_loops(from, to, n);
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        of[k] = no_bounds();
-        add_run(from, to, k * n, (k + 1) * n, &of[k], &trouble);
-    }
-    narrow(of, &all);
-    return sum(trouble) == 0.0 ? weft__drift_extent(&all, &all) : (double)INFINITY;
-}
-
 /* The first of LANES columns whose vectors have all columns of a tile. */
 INLINE size_t first_column(const size_t in[4])
 {
@@ -332,12 +307,11 @@ INLINE size_t first_column(const size_t in[4])
 }
 
 void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double *to,
-                        size_t first, size_t end, weft__drift *tiles)
+                        size_t level, size_t first, size_t end, weft__drift *patches)
 {
     const size_t n = own->mesh->particles, cols = own->mesh->cols;
-    const size_t level = weft__tile_level(own->mesh);
     if (cols < LANES) {
-        weft__drift_loops(own, from, to, first, end, tiles);
+        weft__drift_loops(own, from, to, level, first, end, patches);
         return;
     }
     for (size_t i = first; i < end; ++i) {
@@ -345,18 +319,20 @@ void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double 
         run_bounds of[3];
         size_t in[4];
         weft__patch_range(own->mesh, level, i, in);
+        const bool whole = in[3] - in[2] == cols; /* then its rows are one run */
+        const size_t rows = in[1] - in[0], runs = whole ? 1 : rows;
+        const size_t start = first_column(in);
+        const size_t stop = whole ? rows * cols : in[3] < LANES ? LANES : in[3];
         for (size_t k = 0; k < 3; ++k) {
             of[k] = no_bounds();
-            const size_t start = first_column(in);
-            for (size_t r = in[0]; r < in[1]; ++r) {
-                const size_t at = k * n + r * cols;
-                add_run(from, to, at + start, at + (in[3] < LANES ? LANES : in[3]),
-                        &of[k], &trouble);
+            for (size_t r = 0; r < runs; ++r) {
+                const size_t at = k * n + (in[0] + r) * cols;
+                add_run(from, to, at + start, at + stop, &of[k], &trouble);
             }
         }
-        narrow(of, &tiles[i]);
+        narrow(of, &patches[i]);
         if (any(trouble != 0.0)) {
-            tiles[i].high[0] = (double)INFINITY;
+            patches[i].high[0] = (double)INFINITY;
         }
     }
 }

@@ -151,7 +151,7 @@ static void drift_part(void *ctx, size_t part)
 {
     const drifting *of = ctx;
     const size_t tiles = weft__tile_count(of->own->mesh), first = part * DRIFT_PART;
-    of->own->drift(of->own, of->from, of->to, first,
+    of->own->drift(of->own, of->from, of->to, weft__tile_level(of->own->mesh), first,
                    first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles, of->tiles);
 }
 

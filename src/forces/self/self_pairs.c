@@ -234,26 +234,10 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
                              + *gap);
 }
 
-double weft__extent_loops(const double *from, const double *to, size_t n)
-{
-    double square = 0.0;
-    for (size_t k = 0; k < 3; ++k) {
-        double low = INFINITY, high = -INFINITY, bad = 0.0;
-        for (size_t i = k * n; i < (k + 1) * n; ++i) {
-            const double d = from != NULL ? to[i] - from[i] : to[i];
-            low = d < low ? d : low;
-            high = d > high ? d : high;
-            bad += d * 0.0;
-        }
-        square += bad == 0.0 ? (high - low) * (high - low) : (double)INFINITY;
-    }
-    return sqrt(square);
-}
-
 void weft__drift_loops(const weft__self *own, const double *from, const double *to,
-                       size_t first, size_t end, weft__drift *tiles)
+                       size_t level, size_t first, size_t end, weft__drift *of)
 {
-    const size_t n = own->mesh->particles, level = weft__tile_level(own->mesh);
+    const size_t n = own->mesh->particles;
     for (size_t i = first; i < end; ++i) {
         size_t in[4];
         weft__patch_range(own->mesh, level, i, in);
@@ -268,15 +252,18 @@ void weft__drift_loops(const weft__self *own, const double *from, const double *
                     bad += d * 0.0;
                 }
             }
-            tiles[i].low[k] = low;
-            tiles[i].high[k] = bad == 0.0 ? high : (double)INFINITY;
+            of[i].low[k] = low;
+            of[i].high[k] = bad == 0.0 ? high : (double)INFINITY;
         }
     }
 }
 
 double weft__extent(const weft__self *own, const double *from, const double *to)
 {
-    return own->extent(from, to, own->mesh->particles);
+    weft__drift all; /* the one patch of the last level */
+    own->drift(own, from, to, WEFT__LEVELS - 1, 0, 1, &all);
+    const double extent = weft__drift_extent(&all, &all);
+    return isfinite(extent) ? extent : (double)INFINITY;
 }
 
 double weft__stride_length(const weft__stride *of)
