@@ -179,51 +179,10 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
                                 "limit, or other callbacks");
 }
 
-static weft_status not_finite(const char *what, weft_error *err)
-{
-    return weft_error_set(err, WEFT_INVALID,
-                          "the saved simulation has %s that is not finite", what);
-}
-
-/* Forged bytes may have a correct checksum. */
-static weft_status check_numbers(const weft_sim *sim, const weft__save_fields *saved,
-                                 const double *y, weft_error *err)
-{
-    return isfinite(saved->t) && weft__not_negative(saved->next_step)
-                   && weft__not_negative(saved->last_step)
-                   && weft__not_negative(saved->limit_step)
-                   && weft__all_finite(y, weft_cloth_dim(sim->cloth))
-               ? WEFT_OK
-               : not_finite("a time, a step or a state", err);
-}
-
-static weft_status check_ledger(const weft_sim *sim, const weft__save_fields *saved,
-                                const double *y, weft_error *err)
-{
-    const double works[]
-        = { saved->energy_start, saved->limit_work, saved->outside_work };
-    return !sim->ledger.on
-                   || (weft__all_finite(works, 3)
-                       && weft__all_finite(y + weft_cloth_dim(sim->cloth),
-                                           sim->config.quadratures))
-               ? WEFT_OK
-               : not_finite("an energy ledger", err);
-}
-
-static weft_status check_holds(const weft_sim *sim, const uint64_t *holds,
-                               weft_error *err)
-{
-    for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
-        if (!weft__can_hold(&sim->cloth->mesh, i, holds[i])) {
-            return weft_error_set(err, WEFT_INVALID, "a saved pin makes no sense");
-        }
-    }
-    return WEFT_OK;
-}
-
-static weft_status read_shapes(const weft_sim *sim, restored *to, weft_error *err)
+static bool read_shapes(const weft_sim *sim, restored *to)
 {
     const unsigned char *from = front_shapes(sim, to) + 2 * WEFT__WORD;
+    bool good = true;
     for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
         const double since = weft__real_at(from + (1 + SHAPE_REALS) * WEFT__WORD);
         weft_shape def = { .kind = WEFT_SHAPES };
@@ -231,14 +190,37 @@ static weft_status read_shapes(const weft_sim *sim, restored *to, weft_error *er
             def.kind = (weft_shape_kind)word(from, 0);
         }
         weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
-        if (!isfinite(since)
-            || weft__shape_make(&sim->cloth->contact, &def, since, k, &to->shapes[k],
-                                NULL)
-                   != WEFT_OK) {
-            return weft_error_set(err, WEFT_INVALID, "a saved shape makes no sense");
-        }
+        good = good && isfinite(since)
+               && weft__shape_make(&sim->cloth->contact, &def, since, k, &to->shapes[k],
+                                   NULL)
+                      == WEFT_OK;
     }
-    return WEFT_OK;
+    return good;
+}
+
+/* What is wrong; NULL: nothing. Forged bytes may have a correct checksum. */
+static const char *fault_of(const weft_sim *sim, restored *of)
+{
+    const weft__save_fields *saved = &of->fields;
+    const size_t dim = weft_cloth_dim(sim->cloth);
+    const double works[]
+        = { saved->energy_start, saved->limit_work, saved->outside_work };
+    bool held = true;
+    for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
+        held = held && weft__can_hold(&sim->cloth->mesh, i, of->holds[i]);
+    }
+    return !isfinite(saved->t) || !weft__not_negative(saved->next_step)
+                   || !weft__not_negative(saved->last_step)
+                   || !weft__not_negative(saved->limit_step)
+                   || !weft__all_finite(of->y, dim)
+               ? "the saved simulation has a time, a step or a state that is not finite"
+           : sim->ledger.on
+                   && (!weft__all_finite(works, 3)
+                       || !weft__all_finite(of->y + dim, sim->config.quadratures))
+               ? "the saved simulation has an energy ledger that is not finite"
+           : !held                 ? "a saved pin makes no sense"
+           : !read_shapes(sim, of) ? "a saved shape makes no sense"
+                                   : NULL;
 }
 
 static weft_status check_gaps(const weft_sim *sim, const restored *from,
@@ -304,10 +286,8 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
     weft__words_get(&to->fields, to->front + AT_FIELDS * WEFT__WORD, FIELDS);
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
-    status = status == WEFT_OK ? check_numbers(sim, &to->fields, to->y, err) : status;
-    status = status == WEFT_OK ? check_ledger(sim, &to->fields, to->y, err) : status;
-    status = status == WEFT_OK ? check_holds(sim, to->holds, err) : status;
-    status = status == WEFT_OK ? read_shapes(sim, to, err) : status;
+    const char *fault = status == WEFT_OK ? fault_of(sim, to) : NULL;
+    status = fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : status;
     status = status == WEFT_OK ? check_gaps(sim, to, err) : status;
     return status == WEFT_OK && to->shape_count > 0 ? weft__sim_make_start(sim, err)
                                                     : status;
