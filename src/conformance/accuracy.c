@@ -35,7 +35,7 @@ static result at_4_s(trial *self, weft_norm norm, double tolerance)
     config.norm = norm;
     trial_run *r = weft__begin(self, 0, config);
     weft__go(self, r, 4.0);
-    return (result){ weft__error_at_end(r), weft__stats(self, r).steps };
+    return (result){ weft__error_at_end(r), weft__stats(r).steps };
 }
 
 /* The error at the end is not the error of a step: a factor remains between them. It is

@@ -19,7 +19,7 @@ void weft__create_calls_no_rhs(trial *self)
 {
     const trial_run *r = weft__begin_usual(self, 0);
     weft__expect(self, r->model.calls == 0, "create called the rhs");
-    const weft_stepper_stats stats = weft__stats(self, r);
+    const weft_stepper_stats stats = weft__stats(r);
     weft__expect(self,
                  stats.steps == 0 && stats.rejected == 0 && stats.rhs_calls == 0
                      && !(stats.last_step > 0.0),
@@ -43,8 +43,8 @@ static const struct {
     { FIELD(max_step), { 0.0, -1.0, 0.9e-10, (double)NAN } },
 };
 
-static void refuses_one(trial *self, size_t dim, const weft_stepper_config *config,
-                        bool with_structure, const char *what)
+static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
+                    bool with_structure, const char *what)
 {
     model m = { .k = 1.0 };
     const weft_ode ode = { .dim = dim, .rhs = weft__model_rhs, .ctx = &m };
@@ -71,12 +71,6 @@ static void refuses_one(trial *self, size_t dim, const weft_stepper_config *conf
     weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
 }
 
-static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
-                    const char *what)
-{
-    refuses_one(self, dim, config, true, what);
-}
-
 static void numbers_are_refused(trial *self, const weft_stepper_config *good)
 {
     const size_t count = sizeof odd_numbers / sizeof odd_numbers[0];
@@ -86,7 +80,7 @@ static void numbers_are_refused(trial *self, const weft_stepper_config *good)
         weft_stepper_config bad = *good;
         memcpy((char *)&bad + odd_numbers[i / 4].offset, &odd, sizeof odd);
         (void)snprintf(what, sizeof what, "%s %g", odd_numbers[i / 4].name, odd);
-        refuses(self, DIM, &bad, what);
+        refuses(self, DIM, &bad, true, what);
     }
 }
 
@@ -98,32 +92,33 @@ void weft__mistakes_are_refused(trial *self)
     numbers_are_refused(self, &good);
     if (weft__adapts(self->type)) {
         bad.norm = (weft_norm)7;
-        refuses(self, DIM, &bad, "norm 7");
+        refuses(self, DIM, &bad, true, "norm 7");
     } else {
         bad = weft__adaptive(1e-6);
-        refuses(self, DIM, &bad, "fixed_step 0 of a method without error control");
+        refuses(self, DIM, &bad, true,
+                "fixed_step 0 of a method without error control");
     }
     if (!weft__takes_fixed(self->type)) {
         bad = weft__fixed(1e-3);
-        refuses(self, DIM, &bad, "fixed_step of a method that takes none");
+        refuses(self, DIM, &bad, true, "fixed_step of a method that takes none");
     }
     bad = good;
     bad.struct_size = 8;
-    refuses(self, DIM, &bad, "a config of 8 bytes");
-    refuses(self, 0, &good, "dim 0");
-    refuses(self, 5, &good, "dim 5");
+    refuses(self, DIM, &bad, true, "a config of 8 bytes");
+    refuses(self, 0, &good, true, "dim 0");
+    refuses(self, 5, &good, true, "dim 5");
     if (weft__needs_structure(self->type)) {
-        refuses_one(self, DIM, &good, false, "no structure");
+        refuses(self, DIM, &good, false, "no structure");
     }
     if ((self->type->flags & WEFT_STEPPER_BUTCHER) == 0) {
         good.butcher = &table;
-        refuses(self, DIM, &good, "a Butcher table");
+        refuses(self, DIM, &good, true, "a Butcher table");
     }
     if ((self->type->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         bad = good;
         bad.butcher = NULL;
         bad.quadratures = 2;
-        refuses(self, DIM + 2, &bad, "quadratures");
+        refuses(self, DIM + 2, &bad, true, "quadratures");
     }
 }
 
@@ -169,7 +164,7 @@ void weft__fixed_steps_ignore_tolerances(trial *self)
     weft__go(self, odd, 0.5);
     weft__expect(self, weft__same(self, plain, odd),
                  "the result depends on tolerances");
-    const uint64_t steps = weft__stats(self, odd).steps;
+    const uint64_t steps = weft__stats(odd).steps;
     weft__expect(self, steps == 256,
                  "%" PRIu64 " steps of 1/512 s up to 0.5 s, not 256", steps);
 }

@@ -16,7 +16,7 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
     const trial_run before = *r;
     r->model.fault = kind;
     r->model.at = r->model.calls + k;
-    const weft_status status = weft__step(self, r, 1.0);
+    const weft_status status = weft__step(r, 1.0);
     if (status == WEFT_OK) {
         weft__expect(self, isfinite(weft__model_distance(r->y, r->y)),
                      "%s: a state that is not finite was accepted", what);
@@ -27,8 +27,8 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
                  "%s: the step returned '%s', not '%s'", what, weft_status_text(status),
                  weft_status_text(wanted));
     weft__unchanged(self, r, &before, what);
-    weft__expect(self, weft__stats(self, r).steps == 3,
-                 "%s: the failure counts as a step", what);
+    weft__expect(self, weft__stats(r).steps == 3, "%s: the failure counts as a step",
+                 what);
     weft__calls_counted(self, r, what);
     weft__expect(self, kind != STOP || r->model.calls == r->model.at,
                  "%s: it was called %" PRIu64 " times more", what,
@@ -36,7 +36,7 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
     r->model.fault = NO_FAULT;
     weft__go(self, r, 0.25);
     strcat(what, ", and healed");
-    weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
+    weft__near_solution(self, r, what);
     return true;
 }
 
@@ -61,15 +61,15 @@ void weft__one_refusal_costs_a_smaller_step(trial *self)
     for (int i = 0; i < 3; ++i) {
         trial_run *r = weft__begin_usual(self, 0);
         weft__go(self, r, 0.125);
-        const uint64_t rejected = weft__stats(self, r).rejected;
+        const uint64_t rejected = weft__stats(r).rejected;
         r->model.fault = kinds[i];
         r->model.once = true;
         r->model.at = r->model.calls + 2;
         weft__go(self, r, 1.0);
         (void)snprintf(what, sizeof what, "rhs %s once", weft__fault_names[kinds[i]]);
-        weft__expect(self, weft__stats(self, r).rejected > rejected,
+        weft__expect(self, weft__stats(r).rejected > rejected,
                      "%s: no step was rejected", what);
-        weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
+        weft__near_solution(self, r, what);
     }
 }
 
@@ -82,7 +82,7 @@ void weft__a_first_step_too_large_is_rescued(trial *self)
     r->model.edge = 1.2;
     r->model.last = 8.0; /* at the start's y too, which implicit stages begin with */
     weft__good_step(self, r, 100.0);
-    weft__expect(self, weft__stats(self, r).rejected > 0 && r->t < 4.0,
+    weft__expect(self, weft__stats(r).rejected > 0 && r->t < 4.0,
                  "%s: %.17g s were taken", what, r->t);
     weft__go(self, r, 4.0);
     weft__near(self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type), what);
@@ -97,12 +97,11 @@ void weft__needing_less_than_min_step_fails(trial *self)
     weft__go(self, r, 0.125);
     const trial_run before = *r;
     r->model.k = 1e14; /* 1e-6 s is a period and a half */
-    const weft_status status = weft__step(self, r, 1.0);
+    const weft_status status = weft__step(r, 1.0);
     weft__expect(self, status == WEFT_STEP_TOO_SMALL, "%s returned '%s'", what,
                  weft_status_text(status));
     weft__unchanged(self, r, &before, what);
     r->model.k = 1.0;
     weft__go(self, r, 1.0);
-    weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type),
-               "after the failure");
+    weft__near_solution(self, r, "after the failure");
 }

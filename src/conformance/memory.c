@@ -32,12 +32,12 @@ void weft__the_heap_does_not_grow(trial *self)
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.0625);
     const size_t before = heap_in_use();
-    const uint64_t first = weft__stats(self, r).steps;
+    const uint64_t first = weft__stats(r).steps;
     weft__go(self, r, 8.0);
     const size_t after = heap_in_use();
     weft__expect(self, after <= before,
                  "%zu bytes more are allocated after %" PRIu64 " steps", after - before,
-                 weft__stats(self, r).steps - first);
+                 weft__stats(r).steps - first);
 }
 
 /* free() and solvers keep a varying amount for later use, up to some 500 bytes more

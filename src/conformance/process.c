@@ -125,7 +125,7 @@ void weft__the_process_is_left_alone(trial *self)
     weft__expect(self, r->err.status == WEFT_OK && r->err.message[0] == '\0',
                  "create and all steps succeeded, and *err is '%s'", r->err.message);
     r->model.fault = GIVE_NAN;
-    (void)weft__step(self, r, 1.0);
+    (void)weft__step(r, 1.0);
     self->type->state_changed(r->self);
     weft__end(self, 0);
     look_around(&after);

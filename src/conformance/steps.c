@@ -11,7 +11,7 @@ static void at_exactly(trial *self, const trial_run *r, double t_end)
 /* The statistics of the step just taken from t = before. */
 static void counted(trial *self, const trial_run *r, double before, uint64_t steps)
 {
-    const weft_stepper_stats s = weft__stats(self, r);
+    const weft_stepper_stats s = weft__stats(r);
     weft__expect(self, s.steps == steps + 1,
                  "one step made steps %" PRIu64 " of %" PRIu64, s.steps, steps);
     weft__expect(self, fabs(s.last_step - (r->t - before)) <= 1e-15,
@@ -29,7 +29,7 @@ void weft__every_end_is_met(trial *self)
         const double t_end = frame / 29.97;
         while (r->t < t_end) {
             const double before = r->t;
-            const uint64_t steps = weft__stats(self, r).steps;
+            const uint64_t steps = weft__stats(r).steps;
             weft__good_step(self, r, t_end);
             counted(self, r, before, steps);
         }
@@ -54,7 +54,7 @@ void weft__a_single_step_lands_exactly(trial *self)
 static void takes_steps(trial *self, trial_run *r, double t_end, uint64_t wanted)
 {
     weft__go(self, r, t_end);
-    const uint64_t steps = weft__stats(self, r).steps;
+    const uint64_t steps = weft__stats(r).steps;
     weft__expect(self, steps == wanted,
                  "%" PRIu64 " steps up to %.17g s instead of %" PRIu64, steps, t_end,
                  wanted);
@@ -67,7 +67,7 @@ void weft__steps_that_fit_leave_no_sliver(trial *self)
     for (unsigned frame = 1; frame <= 60; ++frame) {
         takes_steps(self, r, frame / 299.7, 10 * frame);
         takes_steps(self, rough, frame / 299.7, 4 * frame);
-        const double last = weft__stats(self, rough).last_step;
+        const double last = weft__stats(rough).last_step;
         weft__expect(self, fabs(last - 1.0 / 2997.0) <= 1e-12,
                      "the last step to %.17g s has %.17g s", frame / 299.7, last);
     }
@@ -101,7 +101,7 @@ void weft__step_sizes_are_kept(trial *self)
     double longest = 0.0;
     while (r->t < 1.0) {
         weft__good_step(self, r, 1.0);
-        longest = fmax(longest, weft__stats(self, r).last_step);
+        longest = fmax(longest, weft__stats(r).last_step);
     }
     weft__expect(self, longest <= 0.0113 * (1.0 + 1e-11),
                  "a step of %.17g s, max_step is 0.0113 s", longest);
@@ -118,7 +118,7 @@ void weft__no_step_goes_backwards(trial *self)
     for (int i = 0; i < 4; ++i) {
         char what[64];
         (void)snprintf(what, sizeof what, "a step from 0.25 to %g s", t_ends[i]);
-        const weft_status status = weft__step(self, r, t_ends[i]);
+        const weft_status status = weft__step(r, t_ends[i]);
         weft__expect(self, status == WEFT_INVALID, "%s returned '%s'", what,
                      weft_status_text(status));
         weft__unchanged(self, r, &before, what);

@@ -30,7 +30,7 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
 {
     trial_run *r = &self->runs[slot];
     weft__end(self, slot);
-    *r = (trial_run){ .model = { .k = 1.0, .apart = self->apart } };
+    *r = (trial_run){ .type = self->type, .model = { .k = 1.0, .apart = self->apart } };
     r->ode = (weft_ode){ .dim = DIM + self->apart,
                          .rhs = weft__model_rhs,
                          .ctx = &r->model };
@@ -52,15 +52,15 @@ trial_run *weft__begin_usual(trial *self, int slot)
     return weft__begin(self, slot, weft__usual(self->type, self->mode));
 }
 
-weft_status weft__step(const trial *self, trial_run *r, double t_end)
+weft_status weft__step(trial_run *r, double t_end)
 {
-    return self->type->step(r->self, t_end, &r->t, r->y, &r->err);
+    return r->type->step(r->self, t_end, &r->t, r->y, &r->err);
 }
 
 void weft__good_step(trial *self, trial_run *r, double t_end)
 {
     const double before = r->t;
-    weft__expect(self, weft__step(self, r, t_end) == WEFT_OK,
+    weft__expect(self, weft__step(r, t_end) == WEFT_OK,
                  "step from %.17g to %.17g s failed: %s", before, t_end,
                  r->err.message);
     weft__expect(self, before < r->t && r->t <= t_end,
@@ -77,10 +77,10 @@ void weft__go(trial *self, trial_run *r, double t_end)
     }
 }
 
-weft_stepper_stats weft__stats(const trial *self, const trial_run *r)
+weft_stepper_stats weft__stats(const trial_run *r)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
-    self->type->stats(r->self, &stats);
+    r->type->stats(r->self, &stats);
     return stats;
 }
 
@@ -99,7 +99,7 @@ void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
 
 void weft__calls_counted(trial *self, const trial_run *r, const char *when)
 {
-    const uint64_t calls = weft__stats(self, r).rhs_calls;
+    const uint64_t calls = weft__stats(r).rhs_calls;
     weft__expect(self, calls == r->model.calls,
                  "%s: rhs_calls is %" PRIu64 ", there were %" PRIu64, when, calls,
                  r->model.calls);
@@ -123,4 +123,9 @@ void weft__near(trial *self, const trial_run *r, double error, double allowed,
     weft__go(self, quiet, r->t);
     weft__expect(self, false, "%s: off by %.3g at %g s, %g allowed; without that %.2g",
                  what, error, r->t, allowed, weft__error_at_end(quiet));
+}
+
+void weft__near_solution(trial *self, const trial_run *r, const char *what)
+{
+    weft__near(self, r, weft__error_at_end(r), weft__allowed(self->type), what);
 }

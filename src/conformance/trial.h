@@ -11,6 +11,7 @@
 
 /* One run of the method on the model. */
 typedef struct trial_run {
+    const weft_stepper_type *type;
     model model;
     weft_structure structure; /* of the model */
     weft_ode ode;
@@ -40,12 +41,12 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);
 trial_run *weft__begin_usual(trial *self, int slot);
 void weft__end(trial *self, int slot);
 
-weft_status weft__step(const trial *self, trial_run *r, double t_end);
+weft_status weft__step(trial_run *r, double t_end);
 /* Expects a step, or all steps up to t_end, to succeed. */
 void weft__good_step(trial *self, trial_run *r, double t_end);
 void weft__go(trial *self, trial_run *r, double t_end);
 
-weft_stepper_stats weft__stats(const trial *self, const trial_run *r);
+weft_stepper_stats weft__stats(const trial_run *r);
 /* Whether two runs have the same y, bit for bit. */
 bool weft__same(const trial *self, const trial_run *a, const trial_run *b);
 /* Expects t and y to be those of `before`; `what` happened since. */
@@ -58,6 +59,7 @@ double weft__error_at_end(const trial_run *r);
  * is not, also reports the error of an undisturbed run of the same config. */
 void weft__near(trial *self, const trial_run *r, double error, double allowed,
                 const char *what);
+void weft__near_solution(trial *self, const trial_run *r, const char *what);
 
 /* The checks, each of one promise, in the order of the table in conformance.c. */
 typedef void check_fn(trial *self);
