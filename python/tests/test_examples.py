@@ -15,7 +15,7 @@ from conftest import TREE, sheet
 import weft
 
 
-@pytest.mark.parametrize("module", [weft, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [weft, weft.garment, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
 def test_docstrings(module, doctest_folder):
     globs = {"weft": weft, "scene": sheet(), "tmp": doctest_folder}
     result = doctest.testmod(module, extraglobs=globs)
@@ -36,9 +36,10 @@ def blocks(page):
 
 
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning", "ignore::weft.SceneWarning")
-def test_the_page_runs(in_a_tree):
-    code = blocks(TREE / "docs" / "python.md")
-    assert len(code) >= 5
+@pytest.mark.parametrize("page, least", [("python.md", 5), ("meshes.md", 2)])
+def test_the_page_runs(in_a_tree, page, least):
+    code = blocks(TREE / "docs" / page)
+    assert len(code) >= least
     names = {}
     for block in code:
         exec(block, names)

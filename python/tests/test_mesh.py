@@ -103,6 +103,13 @@ def test_arrays_of_any_form_are_copied(form):
         mesh.start[0] = 0
 
 
+def test_angle_and_stretch_are_those_of_the_worst_triangle():
+    mesh = Mesh([[0, 0], [1, 0], [0, 1], [3, 1]], [[0, 0, 0], [1, 0, 0], [0, 1.5, 0], [3, 1.5, 0]],
+                [[0, 1, 2], [1, 3, 2]])
+    assert mesh.smallest_angle == pytest.approx(np.degrees(np.arctan(0.5)))
+    assert mesh.largest_stretch == pytest.approx(1.5)
+
+
 def test_scenes_of_meshes_are_changed_saved_and_pickled():
     scene = hung(sheet())
     sim = weft.load(scene, {"run.fps": 100.0, "cloth.pins.1": {"vertices": [24]}, "cloth.fabric.density": 0.5,
@@ -233,6 +240,17 @@ def test_a_trimesh_has_its_rest_shape_in_uv_and_its_seams_are_sewn():
     assert len(Mesh.of(divided).start) == 15 and len(Mesh.from_trimesh(divided, sew=False).start) == 18
     again = Mesh.of(divided)
     assert (again.start[again.triangles] == start[sewn]).all() and (again.rest[again.places] == rest[places]).all()
+
+
+def test_a_file_with_seams_comes_back_through_trimesh(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    rest, start, triangles, places = two_panels()
+    Mesh(rest, start, triangles, places=places).write(tmp_path / "seam.obj")
+    again = Mesh.of(trimesh.load(tmp_path / "seam.obj", process=False))
+    assert len(again.start) == 15 and len(again.rest) == 18
+    lengths = [np.linalg.norm(np.roll(x, 1, axis=1) - x, axis=2).round(12).tolist()
+               for x in (again.rest[again.places], rest[places], again.start[again.triangles], start[triangles])]
+    assert sorted(lengths[0]) == sorted(lengths[1]) and sorted(lengths[2]) == sorted(lengths[3])
 
 
 def test_a_flat_trimesh_has_its_plane_as_rest_shape_and_another_one_is_refused():

@@ -20,6 +20,7 @@ True
 SI units. docs/python.md is a tour, docs/scene.md lists the keys of a scene. The log of logging.getLogger("weft") has
 loaded plugins and warnings of the simulation.
 """
+from weft import garment
 from weft._weft import ffi as _ffi
 from weft._weft import lib as _lib
 from weft.callbacks import CORRECT, FORCE, PerformanceWarning
@@ -33,5 +34,5 @@ __version__: str = _ffi.string(_lib.weft_version()).decode()
 
 __all__ = ["CORRECT", "FORCE", "Diagnostic", "Energy", "Error", "Failure", "Ledger", "Measures", "Mesh", "Method",
            "PerformanceWarning", "Run", "RunError", "SceneError", "SceneWarning", "Sim", "Spring", "Stats",
-           "StepError", "Stiffness", "amplification", "batch", "compare", "load", "load_plugin", "methods", "open",
+           "StepError", "Stiffness", "amplification", "batch", "compare", "garment", "load", "load_plugin", "methods", "open",
            "program", "run", "scene_help"]

@@ -195,6 +195,12 @@ class Mesh:
         cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
         return float(np.degrees(np.arctan2(cross, (a * b).sum(axis=2)).min()))
 
+    @property
+    def largest_stretch(self) -> float:
+        """of all triangles at the start, in any direction; 1: none is stretched."""
+        x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.places]))
+        return float(np.linalg.norm(np.linalg.solve(rest, x), ord=2, axis=(1, 2)).max())
+
     def write(self, path: PathLike) -> None:
         """Writes an OBJ file for `cloth.mesh.file`, which makes the same cloth to the last bit: v, vt, usemtl, f, and
         points p of each group g.
