@@ -525,9 +525,171 @@ START_TEST(a_garment_survives_another_program)
 }
 END_TEST
 
+/* ---- finer meshes -------------------------------------------------------------- */
+
+/* Two triangles, the second of which may lie elsewhere at rest: sewn then. */
+static weft_scene *refined(const char *second, size_t by, const char *pins)
+{
+    static char text[1024];
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    (void)snprintf(text, sizeof text,
+                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 "
+                   "1\nvt 5 0\nvt 6 1\nvt 5 1\ng low\nf 1/1 2/2 3/3\ng high\n%s\n",
+                   second);
+    write_file(OUT "/two.obj", text);
+    (void)snprintf(
+        text, sizeof text,
+        "weft: 1\ncloth:\n  mesh: {file: two.obj, unit: 2}\n  fabric: {density: "
+        "1, stretch: 1}\n  pins: [%s]\nstepper: {plugin: verlet, method: "
+        "velocity_verlet, fixed_step: 1.0e-3}\nrun: {duration: 1}\n",
+        pins);
+    weft_scene_def def = scene_of_text(text);
+    def.file = OUT "/two.yaml";
+    def.refine = by;
+    return good_scene(&def);
+}
+
+START_TEST(a_file_is_refined_by_splitting)
+{
+    static const char *const seconds[] = { "f 1/1 3/3 4/4", "f 1/5 3/6 4/7" };
+    for (size_t sewn = 0; sewn < 2; ++sewn) {
+        weft_scene *scene = refined(seconds[sewn], 4,
+                                    "{vertices: [3]}, {group: low}, "
+                                    "{near: [1, 1, 0]}");
+        const weft_cloth_def *cloth = weft_scene_cloth(scene);
+        const weft_mesh_def *mesh = cloth->mesh;
+        static const double start[] = { 0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0 };
+        ck_assert_uint_eq(mesh->triangles, 32);
+        ck_assert_uint_eq(mesh->vertices, 25);
+        ck_assert_uint_eq(mesh->places, sewn ? 30 : 25);
+        ck_assert_int_eq(euler(mesh), 1);
+        ck_assert_double_eq(area_of(mesh), 4.0);
+        ck_assert_mem_eq(mesh->start, start, sizeof start);
+        ck_assert_uint_eq(cloth->pins[0].vertices[0], 3);
+        /* half a square of 5 x 5 with its diagonal, and its middle */
+        ck_assert_uint_eq(cloth->pins[1].vertex_count, 15);
+        const double *middle = &mesh->start[3 * cloth->pins[2].vertices[0]];
+        ck_assert(middle[0] == 1.0 && middle[1] == 1.0);
+        weft_cloth_destroy(test_cloth(cloth));
+        weft_scene_destroy(scene);
+    }
+}
+END_TEST
+
+START_TEST(a_midpoint_belongs_to_a_group_if_both_ends_do)
+{
+    static const char second[] = "f 1/1 3/3 4/4\ng tip\np 1 4";
+    weft_scene *scene = refined(second, 2, "{group: tip}");
+    const weft_cloth_def *cloth = weft_scene_cloth(scene);
+    ck_assert_uint_eq(cloth->pins[0].vertex_count, 3); /* 0, 3 and between */
+    for (size_t i = 0; i < 3; ++i) {
+        ck_assert(cloth->mesh->start[3 * cloth->pins[0].vertices[i]] == 0.0);
+    }
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(what_cannot_be_refined_is_refused)
+{
+    weft_scene_destroy(refined("f 1/1 3/3 4/4", 1, "{vertices: [3]}"));
+    weft_scene_def def = weft_scene_def_default();
+    def.file = OUT "/two.yaml";
+    def.refine = 2;
+    static const char text[]
+        = "weft: 1\ncloth:\n  mesh: {file: two.obj}\n  fabric: {density: 1, stretch: "
+          "1}\nstepper: {plugin: verlet, method: velocity_verlet, fixed_step: "
+          "1.0e-3}\nrun: {duration: 1}\n";
+    def.text = text;
+    def.length = sizeof text - 1;
+    weft_scene_destroy(good_scene(&def));
+    for (size_t by = 3; by <= (size_t)1 << 40; by *= 3) {
+        def.refine = by;
+        ck_assert_ptr_nonnull(strstr(bad_scene(&def),
+                                     "two.yaml:3:16: error: a mesh of 2 triangles is "
+                                     "refined by 2, 4, 8, ..."));
+    }
+    weft_scene_def cut = with_cut(SQUARE "\n  pins:\n    - {vertices: [0]}");
+    weft_scene_destroy(good_scene(&cut));
+    cut.refine = 2;
+    ck_assert_ptr_nonnull(
+        strstr(bad_scene(&cut), "vertices have other numbers in a finer cut"));
+}
+END_TEST
+
+START_TEST(a_finer_cut_has_its_spacing_divided)
+{
+    weft_scene_def def = with_cut(L_SHAPE);
+    def.refine = 2;
+    weft_scene *fine = good_scene(&def);
+    char *text = strdup(weft_scene_mesh_text(fine));
+    weft_scene *same
+        = good_cut("outline: [[0, 0], [1, 0], [1, 0.4], [0.4, 0.4], [0.4, 1], "
+                   "[0, 1]]\n    spacing: 0.025");
+    ck_assert_str_eq(text, weft_scene_mesh_text(same));
+    free(text);
+    weft_scene_destroy(fine);
+    weft_scene_destroy(same);
+}
+END_TEST
+
+/* The first value is that of a run; the energy of a membrane converges, of triangles
+ * that are split with order 2. */
+START_TEST(converge_refines_a_cut_and_a_file)
+{
+    (void)shell("rm -rf " OUT " && mkdir -p " OUT);
+    write_file(
+        OUT "/ring.yaml",
+        "weft: 1\nname: ring\ncloth:\n  cut:\n    outline: [[0, 0], [1, 0], [1, 1], "
+        "[0, 1]]\n    spacing: 0.2\n    "
+        "scale: 1.1\n    down: [0, 0, 1]\n  fabric: {density: 0.2, stretch: 60, "
+        "shear: 20}\n  pins: [{group: outline}]\nforces: {wind: {velocity: [0, 0, "
+        "0], drag: 10}}\nstepper: {plugin: verlet, method: velocity_verlet, "
+        "fixed_step: 5.0e-4}\nrun: {duration: 1.5, fps: 1}\n");
+    expect(shell(WEFT " run " OUT "/ring.yaml --out " OUT "/a --quiet"), 0);
+    ck_assert(same_end("a/scene.obj", "g"));
+    for (int file = 0; file < 2; ++file) {
+        double value[3], order;
+        expect(shell(WEFT " converge " OUT
+                          "/%s.yaml --sizes 1,2,4 --at elastic --at 25.y "
+                          "--csv --quiet >" OUT "/out && grep -c 25.y " OUT "/out",
+                     file ? "g" : "ring"),
+               0);
+        says("3");
+        expect(shell("awk -F, '/^.elastic/ { print $5 }' " OUT "/out && tail -n 4 " OUT
+                     "/out | head -n 1 | cut -d, -f7"),
+               0);
+        ck_assert_int_eq(
+            sscanf(output, "%lf %lf %lf %lf", &value[0], &value[1], &value[2], &order),
+            4);
+        ck_assert_double_lt(fabs(value[2] - value[1]), fabs(value[1] - value[0]));
+        ck_assert(!file || (order > 1.5 && order < 2.5));
+        expect(shell("grep 25.y.,1, " OUT "/out | cut -d, -f5 && awk -F, '$1 == 25 { "
+                     "print $3 }' " OUT "/a/final.csv"),
+               0);
+        ck_assert_int_eq(sscanf(output, "%lf %lf", &value[0], &value[1]), 2);
+        ck_assert_double_eq(value[0], value[1]);
+    }
+    expect(shell(WEFT " converge " OUT "/ring.yaml --sizes 2,1 2>&1"), 2);
+    says(
+        "--sizes needs 2 to 16 increasing numbers from 1 to 1000000, as --sizes 1,2,4");
+    expect(shell(WEFT " converge " OUT "/ring.yaml --sizes 1,2 --at tip 2>&1"), 2);
+    says("no column of series.csv and no vertex of ");
+    expect(shell(WEFT " converge " OUT "/g.yaml --sizes 1,3 2>&1"), 3);
+    says("is refined by 2, 4, 8, ...");
+}
+END_TEST
+
 TEST_SUITE(cut)
 {
     Suite *all = suite_create("cut");
+    TCase *finer = tcase_create("finer");
+    tcase_set_timeout(finer, 240);
+    tcase_add_test(finer, a_file_is_refined_by_splitting);
+    tcase_add_test(finer, a_midpoint_belongs_to_a_group_if_both_ends_do);
+    tcase_add_test(finer, what_cannot_be_refined_is_refused);
+    tcase_add_test(finer, a_finer_cut_has_its_spacing_divided);
+    tcase_add_test(finer, converge_refines_a_cut_and_a_file);
+    suite_add_tcase(all, finer);
     TCase *meshes = tcase_create("meshes"), *errors = tcase_create("errors"),
           *runs = tcase_create("runs");
     tcase_add_loop_test(meshes, area_and_topology_are_those_of_the_piece, 0,

@@ -106,6 +106,9 @@ typedef struct weft_scene_def {
     weft_status (*mesh_cut)(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
                             weft_error *err);
     void *mesh_ctx;
+    size_t
+        refine; /* > 1: spacings of a cut are divided by it, and the sides of triangles
+                   of a file, whose vertices keep their numbers; a power of 2 then */
 } weft_scene_def;
 
 WEFT_DEFAULT(weft_scene_def)

@@ -33,7 +33,8 @@ typedef enum progress_mode {
 typedef struct arguments {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until, *sizes, *bands, *port, *garment;
-    size_t jobs; /* 0: not given */
+    size_t jobs;  /* 0: not given */
+    size_t finer; /* weft_scene_def.refine */
     const char **sets, **ats;
     size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;

@@ -163,6 +163,7 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     def.set_count = text == NULL ? given->set_count : 0;
     def.find_plugin = find_plugin;
     def.find_ctx = given->registry;
+    def.refine = given->finer;
 #ifdef WEFT_QHULL
     def.mesh_cut = cut_mesh;
 #endif

@@ -75,7 +75,7 @@ void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index, const char *
 {
     const weft__obj *obj = ctx;
     weft__mark at = obj->at;
-    if (part == WEFT__MESH_VERTEX) {
+    if (part == WEFT__MESH_VERTEX && obj->name[index] < obj->vertices) {
         at = weft__obj_mark(obj, obj->vertex_byte[obj->name[index]]);
     } else if (part == WEFT__MESH_PLACE) {
         at = weft__obj_mark(obj, obj->place_byte[obj->place_of[index]]);
@@ -414,6 +414,10 @@ bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
             member[vertex] = true;
         }
     }
+    for (size_t i = obj->coarse; obj->parent != NULL && i < obj->def.vertices; ++i) {
+        const uint32_t *parent = obj->parent[i - obj->coarse];
+        member[i] = member[parent[0]] && member[parent[1]];
+    }
     weft__free(memory, listed);
     return found;
 }
@@ -454,7 +458,8 @@ void weft__obj_forget(weft__obj *obj)
                              obj->groups.list,
                              obj->vertex_of,
                              obj->place_of,
-                             obj->face_of };
+                             obj->face_of,
+                             obj->parent };
     fill_places(obj);
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         weft__free(obj->report->memory, blocks[i]);

@@ -49,6 +49,8 @@ typedef struct weft__obj {
     weft__obj_names fabrics, groups; /* groups: sorted */
     uint32_t *vertex_of;             /* of v in the definition; WEFT__NONE: unused */
     uint32_t *place_of, *face_of;    /* vt of a place, face of a triangle */
+    size_t coarse;                   /* vertices before it was refined */
+    uint32_t (*parent)[2];           /* vertices beside those that came then */
     /* as long as the definition that points to it */
     weft_mesh_def def;
     double *start, *rest;
@@ -70,6 +72,10 @@ bool weft__obj_read(weft__obj *obj); /* what obj->text is already */
  * (its length does not matter, but it has one), then moves. */
 void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double angle,
                     const double at[3]);
+
+/* obj_split.c: divides each side of a triangle by so many, a power of 2. false: it is
+ * none, or the mesh becomes too large, which is reported; or no memory. */
+bool weft__obj_refine(weft__obj *obj, size_t by);
 
 /* Receives a fault of weft__triangles_create (mesh/triangles.h); ctx: the weft__obj. */
 void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index,

@@ -104,8 +104,9 @@ struct weft_scene {
     weft__cut cut;
     const char *mesh_path; /* of the file that was read; NULL: none */
     weft__fabrics fabrics;
-    weft__obj obj; /* what cloth.mesh points to */
-    bool meshed;   /* the cloth is no grid, whether its mesh could be read or not */
+    weft__obj obj;   /* what cloth.mesh points to */
+    bool renumbered; /* vertices have other numbers than in the scene as it is */
+    bool meshed;     /* the cloth is no grid, whether its mesh could be read or not */
     weft_limit_def limit;
     weft_run_def run;
     weft_record_def record;

@@ -332,7 +332,11 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
     weft_scene *scene = reader->scene;
     const size_t before = reader->report->mistakes;
     scene->meshed = true;
+    char *path = weft__mesh_path(reader, NULL);
+    const size_t finer = reader->def->refine > 1 ? reader->def->refine : 1;
+    scene->renumbered = finer > 1 && path == NULL;
     cut->grid.rows = cut->grid.cols = 2;
+    cut->grid.spacing[0] /= scene->renumbered ? (double)finer : 1.0;
     cut->grid.spacing[1] = cut->grid.spacing[0];
     for (size_t i = 0; i < match->section->count; ++i) {
         if (match->found[i].wrong) {
@@ -348,11 +352,11 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
         || !check_spacing(reader, weft__value_in(match, "spacing"), cut)) {
         return;
     }
-    char *path = weft__mesh_path(reader, NULL);
     scene->obj = (weft__obj){ .report = reader->report,
                               .at = match->map->at,
                               .path = path == NULL ? "cut" : path };
     const bool read = path != NULL ? weft__obj_load(&scene->obj, path)
+                                         && weft__obj_refine(&scene->obj, finer)
                                    : make_mesh(reader, match, cut, &lines)
                                          && weft__obj_read(&scene->obj);
     if (read && reader->report->mistakes == before) {

@@ -70,8 +70,10 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
     if (weft__obj_load(&scene->obj, path) && reader->report->mistakes == before) {
         weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
                        from->at);
-        scene->cloth.mesh = &scene->obj.def;
-        scene->mesh_path = path;
+        if (weft__obj_refine(&scene->obj, reader->def->refine)) {
+            scene->cloth.mesh = &scene->obj.def;
+            scene->mesh_path = path;
+        }
     }
 }
 

@@ -58,6 +58,11 @@ void weft__read_vertices(weft__reader *reader, const weft__key *key,
     weft__vertices *vertices = to;
     if (node->type != WEFT__LIST || count == 0) {
         weft__refuse_value(reader, key, node);
+    } else if (reader->scene->renumbered) {
+        weft__report_error(reader->report, node->at,
+                           "vertices have other numbers in a finer cut: group, near or "
+                           "inside hold there");
+        return;
     }
     if (reader->scene->cloth.mesh == NULL || count == 0) {
         return;

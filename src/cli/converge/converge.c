@@ -17,7 +17,7 @@
 static int read_sizes(converge *self, const char *list)
 {
     const char *at = list == NULL ? "" : list;
-    size_t size, before = 1;
+    size_t size, before = !self->mesh;
     bool able = true;
     while (able && *at != '\0') {
         const size_t length = strcspn(at, ",");
@@ -32,9 +32,10 @@ static int read_sizes(converge *self, const char *list)
                ? EXIT_DONE
                : usage_error(
                    self->given,
-                   "--sizes needs 2 to %d increasing numbers from 2 to %d, as "
-                   "--sizes 9,17,33",
-                   CONVERGE_SIZES, CONVERGE_LARGEST);
+                   "--sizes needs 2 to %d increasing numbers from %d to %d, as "
+                   "--sizes %s",
+                   CONVERGE_SIZES, self->mesh ? 1 : 2, CONVERGE_LARGEST,
+                   self->mesh ? "1,2,4" : "9,17,33");
 }
 
 /* WEFT_INVALID: something has no place on the grid of that size. */
@@ -53,7 +54,8 @@ static weft_status refine(converge *self, converge_size *to, weft_error *err)
                                   "%zu does not keep the particle of %s", to->size,
                                   one->name);
         }
-        to->particles[i] = row * axis[1].refined + col;
+        to->probes[i]
+            = (converge_probe){ { row * axis[1].refined + col }, { 1.0, 0.0, 0.0 } };
     }
     return WEFT_OK;
 }
@@ -85,6 +87,9 @@ static int report_size(size_t size, const weft_error *why)
 static int open_size(converge *self, converge_size *to)
 {
     weft_error err = { 0 };
+    if (self->mesh) {
+        return converge_open_mesh(self, to);
+    }
     if (refine(self, to, &err) != WEFT_OK) {
         return refuse_size(self, &err);
     }
@@ -119,9 +124,14 @@ static weft_status take_values(const converge *self, size_t i, const weft_sim *s
     TRY(record_series_add(&series, &last, err));
     for (size_t k = 0; k < self->quantity_count; ++k) {
         const converge_quantity *one = &self->quantities[k];
-        self->results[i].values[k]
-            = one->particle ? y[one->which * n + self->sizes[i].particles[k]]
-                            : series.row[one->which];
+        const converge_probe *at = &self->sizes[i].probes[k];
+        const double *x = &y[one->particle ? one->which * n : 0];
+        self->results[i].values[k] = !one->particle ? series.row[one->which]
+                                     : at->share[0] == 1.0
+                                         ? x[at->particle[0]]
+                                         : at->share[0] * x[at->particle[0]]
+                                               + at->share[1] * x[at->particle[1]]
+                                               + at->share[2] * x[at->particle[2]];
     }
     return WEFT_OK;
 }
@@ -192,28 +202,29 @@ static int run_sizes(converge *self)
 
 /* ---- the verb --------------------------------------------------------------- */
 
-static void warn_of_particles(const refinement *grid)
+static void warn_of_particles(const converge *self)
 {
-    const weft_cloth_def *cloth = &grid->cloth;
+    const weft_cloth_def *cloth = weft_scene_cloth(self->scene);
     const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
     const bool chain = cloth->rows == 1 || cloth->cols == 1;
+    const bool fabric = weft_scene_fabric(self->scene) != NULL;
     bool spread = false;
     for (size_t i = 0; i < cloth->load_count; ++i) {
         const weft_load *load = &cloth->loads[i];
         spread = spread || load->rows.first != load->rows.last
-                 || load->cols.first != load->cols.last;
+                 || load->cols.first != load->cols.last || load->vertex_count > 1;
     }
     const struct {
         bool used;
         const char *key, *each;
     } keys[]
-        = { { cloth->mass > 0.0, "cloth.mass", "particle" },
+        = { { cloth->mass > 0.0 && !self->mesh, "cloth.mass", "particle" },
             { cloth->drag > 0.0, "forces.damping", "particle" },
             { spread, "the mass of cloth.loads", "particle" },
             { bend->present && bend->stiffness > 0.0, "cloth.springs.bend", "spring" },
-            { chain && cloth->law == WEFT_LAW_HOOKE && grid->fabric == NULL,
+            { chain && cloth->law == WEFT_LAW_HOOKE && !fabric,
               "cloth.springs.stretch of a chain with law: hooke", "spring" },
-            { !chain && cloth->law == WEFT_LAW_STRAIN,
+            { !chain && !self->mesh && cloth->law == WEFT_LAW_STRAIN,
               "cloth.springs of a sheet with law: strain", "spring" } };
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
         if (keys[i].used) {
@@ -228,11 +239,12 @@ static void warn_of_particles(const refinement *grid)
 static int prepare(converge *self, const arguments *given)
 {
     weft_error err = { 0 };
+    self->mesh = weft_scene_cloth(self->scene)->mesh != NULL;
     if (scene_supported(self->scene, &err) != WEFT_OK
-        || refine_begin(&self->grid, self->scene, &err) != WEFT_OK) {
+        || (!self->mesh && refine_begin(&self->grid, self->scene, &err) != WEFT_OK)) {
         return report_error(&err);
     }
-    if (given->clamp_midway && !refine_clamp(&self->grid)) {
+    if (given->clamp_midway && (self->mesh || !refine_clamp(&self->grid))) {
         return usage_error(self->given, "--clamp-midway: no pins hold exactly the "
                                         "first two rows or columns");
     }
@@ -254,11 +266,12 @@ static int converge_verb(const arguments *given)
         code = prepare(&self, given);
     }
     if (code == EXIT_DONE) {
-        warn_of_particles(&self.grid);
+        warn_of_particles(&self);
         code = run_sizes(&self);
     }
     for (size_t i = 0; i < self.count; ++i) {
         weft_cloth_destroy(self.sizes[i].cloth);
+        weft_scene_destroy(self.sizes[i].scene);
     }
     refine_end(&self.grid);
     weft_scene_destroy(scene);
@@ -274,6 +287,8 @@ const verb verb_converge = {
       "nothing, and compares quantities at the end of the runs. The extents of the "
       "cloth do not change, nor do the places of pins and loads on it: row 3 of 9 is "
       "row 6 of 17. A size on whose grid one of these has no particle is refused.\n\n"
+      "Of a mesh the numbers divide its edges: 1 is the scene's own, 2 has the spacing "
+      "of a cut halved, or each triangle of a file in four (powers of 2).\n\n"
       "Prints for each size the spacing [m], the value, its difference from the size "
       "before, and from the third size on the observed order p, at which value + c "
       "spacing^p passes through the last three values, and the limit that it "
@@ -284,10 +299,11 @@ const verb verb_converge = {
       "What is given for each particle or spring does; a warning names it.\n\n"
       "  --sizes N1,N2,...    numbers of particles, increasing, 2 to 16 of them\n"
       "  --at WHAT            a column of series.csv, or a particle of the scene as "
-      "ROW,COL (a number, negative from the end, or middle), or tip (the middle of the "
+      "ROW,COL (a number, negative from the end, or middle), or of a mesh as VERTEX, "
+      "or tip (the middle of the "
       "last row, or the end of a single row), middle, top-left, top-right, "
       "bottom-left, bottom-right; .x, .y or .z after it selects a coordinate; default: "
-      "tip; may be repeated\n"
+      "tip, of a mesh elastic; may be repeated\n"
       "  --clamp-midway       two pinned rows or columns at the beginning stay two, "
       "and the extent counts from midway between them, where they clamp cloth that "
       "resists bending\n"

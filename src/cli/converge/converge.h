@@ -19,7 +19,7 @@ enum {
 typedef struct converge_quantity {
     char name[CONVERGE_NAME];
     bool particle;
-    size_t place[2]; /* of it, for refine_line: row, column */
+    size_t place[2]; /* of it, for refine_line: row, column; of a mesh: vertex */
     size_t which;    /* the column, or 0, 1, 2: x, y, z */
 } converge_quantity;
 
@@ -29,16 +29,24 @@ typedef struct converge_result {
     double values[CONVERGE_QUANTITIES]; /* NAN: the run failed */
 } converge_result;
 
+/* Places in a state, and what each counts: a particle, or a place in a triangle. */
+typedef struct converge_probe {
+    size_t particle[3];
+    double share[3];
+} converge_probe;
+
 typedef struct converge_size {
     size_t size;
-    double spacing; /* [m] along the larger extent */
+    double spacing;    /* [m] along the larger extent; of a mesh: of mean triangles */
+    weft_scene *scene; /* of a mesh that is refined; NULL: the scene's own */
     weft_cloth *cloth;
-    size_t particles[CONVERGE_QUANTITIES]; /* of the quantities that have one */
+    converge_probe probes[CONVERGE_QUANTITIES]; /* of the quantities that have one */
 } converge_size;
 
 typedef struct converge {
     const arguments *given;
     const weft_scene *scene;
+    bool mesh; /* sizes divide edges; the grid is not used then */
     refinement grid;
     size_t quantity_count;
     converge_quantity quantities[CONVERGE_QUANTITIES];
@@ -52,6 +60,10 @@ typedef struct converge {
 
 /* converge_quantity.c: reads the options --at; returns the exit code. */
 int converge_add_quantities(converge *self);
+
+/* converge_mesh.c: the cloth of a size, and where its quantities are; returns the exit
+ * code. */
+int converge_open_mesh(converge *self, converge_size *to);
 
 /* converge_write.c: the results to stdout. */
 void converge_print(const converge *self, bool csv);

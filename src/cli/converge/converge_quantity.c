@@ -33,9 +33,26 @@ static bool read_line(const char *text, char end, size_t count, size_t *place)
     return number && line < count;
 }
 
+/* The vertex that has a number. */
+static bool read_vertex(const weft_mesh_def *mesh, const char *text, size_t *vertex)
+{
+    size_t number, v = 0;
+    if (!option_count(text, '\0', &number)) {
+        return false;
+    }
+    while (v < mesh->vertices && (mesh->names == NULL ? v : mesh->names[v]) != number) {
+        ++v;
+    }
+    *vertex = v;
+    return v < mesh->vertices;
+}
+
 /* The tip of a single row is its last particle. */
 static bool read_particle(const converge *self, const char *name, size_t place[2])
 {
+    if (self->mesh) {
+        return read_vertex(weft_scene_cloth(self->scene)->mesh, name, &place[0]);
+    }
     const refine_axis *axis = self->grid.axis;
     const char *particle = name;
     for (size_t i = 0; i < PLACES; ++i) {
@@ -56,8 +73,14 @@ static int unknown_quantity(const converge *self, const record_series *series,
     for (size_t i = 0; i < series->columns; ++i) {
         weft__guess_try(&guess, typed, series->names[i]);
     }
-    for (size_t i = 0; i < PLACES; ++i) {
+    for (size_t i = 0; i < PLACES && !self->mesh; ++i) {
         weft__guess_try(&guess, typed, places[i].name);
+    }
+    if (self->mesh) {
+        return usage_error(self->given,
+                           "--at %s is no column of series.csv and no vertex of %zu%s",
+                           typed, weft_scene_cloth(self->scene)->mesh->vertices,
+                           weft__guess_text(&guess, near, sizeof near));
     }
     return usage_error(self->given,
                        "--at %s is no column of series.csv and no particle of %zu x "
@@ -91,9 +114,9 @@ static bool add_quantity(converge *self, const record_series *series, const char
 int converge_add_quantities(converge *self)
 {
     const arguments *given = self->given;
-    static const char *tip = "tip";
+    const char *usual = self->mesh ? "elastic" : "tip";
     const bool none = given->at_count == 0;
-    const char **ats = none ? &tip : given->ats;
+    const char **ats = none ? &usual : given->ats;
     record_series series = { 0 };
     record_series_begin(&series, series_columns(self->scene));
     for (size_t i = 0; i < (none ? 1 : given->at_count); ++i) {

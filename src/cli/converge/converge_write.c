@@ -78,14 +78,17 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
 {
     const weft_cloth *cloth = self->sizes[i].cloth;
     const size_t rows = weft_cloth_rows(cloth), cols = weft_cloth_cols(cloth);
+    const size_t particles = weft_cloth_particles(cloth);
     double cells[CELLS];
     char text[48];
     fill_row(self, of, i, cells);
     if (csv) {
         record_csv_quoted(stdout, self->quantities[of].name);
-        printf(",%zu,%zu,%zu", self->sizes[i].size, rows, cols);
+        printf(self->mesh ? ",%zu,%zu" : ",%zu,%zu,%zu", self->sizes[i].size,
+               self->mesh ? particles : rows, cols);
     } else {
-        (void)snprintf(text, sizeof text, "%zu x %zu", rows, cols);
+        (void)snprintf(text, sizeof text, self->mesh ? "%zu" : "%zu x %zu",
+                       self->mesh ? particles : rows, cols);
         printf("%13s", text);
     }
     for (size_t k = 0; k < CELLS; ++k) {
@@ -101,7 +104,8 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
 void converge_print(const converge *self, bool csv)
 {
     if (csv) {
-        print_header("quantity,size,rows,cols", csv);
+        print_header(self->mesh ? "quantity,size,vertices" : "quantity,size,rows,cols",
+                     csv);
     }
     for (size_t of = 0; of < self->quantity_count; ++of) {
         if (!csv) {

@@ -111,11 +111,6 @@ weft_status refine_begin(refinement *self, const weft_scene *scene, weft_error *
     const weft_cloth_def *from = weft_scene_cloth(scene);
     const double down = (double)(from->rows - 1) * from->spacing[0];
     const double across = (double)(from->cols - 1) * from->spacing[1];
-    if (from->mesh != NULL) {
-        *self = (refinement){ .from = from };
-        return weft_error_set(err, WEFT_INVALID,
-                              "refining needs a grid, and the cloth is a mesh");
-    }
     *self = (refinement){ .from = from,
                           .fabric = weft_scene_fabric(scene),
                           .pins = calloc(from->pin_count + 1, sizeof *self->pins),
