@@ -22,6 +22,7 @@ typedef struct frames_file {
     hid_t file;
     hdf_set points, fields[WEFT_RECORD_PINNED]; /* velocity, strain */
     size_t n;
+    char wrong[48]; /* a complaint */
 } frames_file;
 
 /* ---- pieces ----------------------------------------------------------------- */
@@ -171,17 +172,6 @@ static const char *load_triangles(frames_file *self)
                : "Polygons, /weft/Places or /weft/CornerPlaces are missing or wrong";
 }
 
-/* A frame is committed once both NSteps and Steps/Values include it. */
-static const char *load_count(frames_file *self)
-{
-    const hid_t id = open_set(self, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, 1, 1);
-    const size_t times = id < 0 ? 0 : set_rows(id, 1);
-    (void)H5Dclose(id);
-    self->seen.count = read_integer(self, "/VTKHDF/Steps", "NSteps");
-    self->seen.count = self->seen.count < times ? self->seen.count : times;
-    return self->seen.count > 0 ? NULL : "NSteps or Steps/Values are missing or wrong";
-}
-
 static hdf_set frame_set(const frames_file *self, const char *path, size_t width)
 {
     const hid_t type = self->seen.doubles ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
@@ -192,6 +182,15 @@ static hdf_set frame_set(const frames_file *self, const char *path, size_t width
 static const char *load_points(frames_file *self)
 {
     const char *path = "/VTKHDF/Points";
+    /* a frame is committed once both NSteps and Steps/Values include it */
+    const hid_t times = open_set(self, "/VTKHDF/Steps/Values", H5T_IEEE_F64LE, 1, 1);
+    const size_t written = times < 0 ? 0 : set_rows(times, 1);
+    const size_t steps = read_integer(self, "/VTKHDF/Steps", "NSteps");
+    (void)H5Dclose(times);
+    self->seen.count = steps < written ? steps : written;
+    if (self->seen.count == 0) {
+        return "NSteps or Steps/Values are missing or wrong";
+    }
     if (!has_room(self, (double)self->seen.count * (double)self->n * 12.0)) {
         return "more frames than the file has room for";
     }
@@ -208,30 +207,25 @@ static const char *load_points(frames_file *self)
 /* A field that is not there was not recorded. */
 static const char *load_fields(frames_file *self)
 {
-    static const struct {
-        const char *path, *wrong;
-        size_t width;
-    } known[] = {
-        [WEFT_RECORD_VELOCITY]
-        = { "/VTKHDF/PointData/velocity", "PointData/velocity is wrong", 3 },
-        [WEFT_RECORD_STRAIN]
-        = { "/VTKHDF/PointData/strain", "PointData/strain is wrong", 1 },
-        [WEFT_RECORD_PINNED]
-        = { "/VTKHDF/PointData/pinned", "PointData/pinned is wrong", 1 },
-    };
+#define FIELD "/VTKHDF/PointData/"
+    static const char *const known[] = { [WEFT_RECORD_VELOCITY] = FIELD "velocity",
+                                         [WEFT_RECORD_STRAIN] = FIELD "strain",
+                                         [WEFT_RECORD_PINNED] = FIELD "pinned" };
     for (size_t i = 0; i < WEFT_RECORD_FIELDS; ++i) {
-        const char *path = known[i].path;
         bool good = true;
-        self->seen.fields[i] = H5Lexists(self->file, path, H5P_DEFAULT) > 0;
+        self->seen.fields[i] = H5Lexists(self->file, known[i], H5P_DEFAULT) > 0;
         if (self->seen.fields[i] && i == WEFT_RECORD_PINNED) {
-            self->seen.pinned = read_all(self, path, H5T_STD_U8LE, self->n, 1);
+            self->seen.pinned = read_all(self, known[i], H5T_STD_U8LE, self->n, 1);
             good = self->seen.pinned != NULL;
         } else if (self->seen.fields[i]) {
-            self->fields[i] = frame_set(self, path, known[i].width);
+            self->fields[i]
+                = frame_set(self, known[i], i == WEFT_RECORD_VELOCITY ? 3 : 1);
             good = self->fields[i].id >= 0;
         }
         if (!good) {
-            return known[i].wrong;
+            (void)snprintf(self->wrong, sizeof self->wrong, "%s is wrong",
+                           known[i] + strlen("/VTKHDF/"));
+            return self->wrong;
         }
     }
     return NULL;
@@ -276,7 +270,6 @@ static const char *load(frames_file *self)
     }
     const char *wrong = load_size(self);
     wrong = wrong == NULL ? load_triangles(self) : wrong;
-    wrong = wrong == NULL ? load_count(self) : wrong;
     wrong = wrong == NULL ? load_points(self) : wrong;
     wrong = wrong == NULL ? load_fields(self) : wrong;
     return wrong == NULL ? load_tables(self) : wrong;

@@ -130,33 +130,23 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
         unfinished ? directory : "", unfinished ? "' continues it; or " : "");
 }
 
-static bool taken(int lock, double patience)
-{
-    static const double pause = 0.02; /* [s] */
-    const struct timespec rest = { .tv_nsec = (long)(1e9 * pause) };
-    for (double waited = 0.0;; waited += pause) {
-        if (flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
-            return false;
-        }
-        if (waited >= patience) {
-            return true;
-        }
-        (void)nanosleep(&rest, NULL);
-    }
-}
-
 /* A run does without the lock where the file system has none. */
 weft_status record_outdir_lock(const char *directory, double patience, int *lock,
                                weft_error *err)
 {
+    static const double pause = 0.02; /* [s] */
+    const struct timespec rest = { .tv_nsec = (long)(1e9 * pause) };
     *lock = make_directories(directory)
                 ? open(directory, O_DIRECTORY | O_RDONLY | O_CLOEXEC)
                 : -1;
     if (*lock < 0) {
         return record_failed(directory, err);
     }
-    if (!taken(*lock, patience)) {
-        return WEFT_OK;
+    for (double waited = 0.0; waited <= patience; waited += pause) {
+        if (flock(*lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
+            return WEFT_OK;
+        }
+        (void)nanosleep(&rest, NULL);
     }
     (void)close(*lock);
     *lock = -1;

@@ -159,26 +159,6 @@ weft_status record_series_columns(const char *directory,
 }
 
 /* Frame i is on line i + 2. */
-static weft_status compare_line(const reader *self, const char *damaged,
-                                const char *const *names, const double *numbers,
-                                size_t count, weft_error *err)
-{
-    for (size_t i = 0; i < count; ++i) {
-        const char *text = cell(self->line, (int)i);
-        const double here
-            = strchr(",\n", *text) != NULL ? (double)NAN : strtod(text, NULL);
-        const bool equal = here == numbers[i] || (isnan(here) && isnan(numbers[i]));
-        if (!equal && strcmp(names[i], "hash") != 0) {
-            return weft_error_set(
-                err, WEFT_IO,
-                "%s: damaged: %s of frame %zu is %.17g on line %zu of "
-                "series.csv and %.17g in run.vtkhdf",
-                damaged, names[i], self->number - 2, here, self->number, numbers[i]);
-        }
-    }
-    return WEFT_OK;
-}
-
 weft_status record_series_compare(const char *directory, const char *damaged,
                                   const char *const *names, size_t count,
                                   record_numbers_fn *numbers, void *ctx,
@@ -190,8 +170,20 @@ weft_status record_series_compare(const char *directory, const char *damaged,
     TRY(open_reader(&self, directory, err));
     (void)next_line(&self);
     while (status == WEFT_OK && next_line(&self)) {
-        if (numbers(ctx, self.number - 2, values)) {
-            status = compare_line(&self, damaged, names, values, count, err);
+        const size_t frame = self.number - 2;
+        const bool known = numbers(ctx, frame, values);
+        for (size_t i = 0; status == WEFT_OK && known && i < count; ++i) {
+            const char *text = cell(self.line, (int)i);
+            const double here
+                = strchr(",\n", *text) != NULL ? (double)NAN : strtod(text, NULL);
+            const bool equal = here == values[i] || (isnan(here) && isnan(values[i]));
+            if (!equal && strcmp(names[i], "hash") != 0) {
+                status = weft_error_set(
+                    err, WEFT_IO,
+                    "%s: damaged: %s of frame %zu is %.17g on line %zu of "
+                    "series.csv and %.17g in run.vtkhdf",
+                    damaged, names[i], frame, here, self.number, values[i]);
+            }
         }
     }
     (void)fclose(self.stream);

@@ -97,22 +97,19 @@ size_t record_vtkhdf_frame(const weft_record_def *record, size_t particles)
     return numbers * real * particles + 256; /* offsets and field data */
 }
 
-/* libhdf5 crashes if it gets no memory for its caches, less than a megabyte. */
-static bool has_memory(void)
-{
-    void *volatile room = malloc((size_t)4 << 20); /* volatile: not optimised away */
-    free(room);
-    return room != NULL;
-}
-
 weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **out,
                                  weft_error *err)
 {
+    /* libhdf5 crashes if it gets no memory for its caches, less than a megabyte */
+    void *volatile room = malloc((size_t)4 << 20); /* volatile: not optimised away */
+    free(room);
     *out = NULL;
-    if (!has_memory()) {
+    if (room == NULL) {
         return weft_error_set(err, WEFT_IO, "%s/run.vtkhdf: %s", def->directory,
                               strerror(ENOMEM));
     }
+    char path[RECORD_PATH];
+    TRY(record_path(def->directory, "run.vtkhdf", path, err));
     record_vtkhdf *self = calloc(1, sizeof *self);
     vtkhdf_rows rows = { .file = -1 };
     if (self == NULL
@@ -129,13 +126,8 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
     self->file = H5I_INVALID_HID;
     self->time = FIELDS + def->series->columns;
     self->sum = WEFT__HASH_START;
-    const weft_status status
-        = record_path(def->directory, "run.vtkhdf", self->path, err);
-    if (status != WEFT_OK) {
-        (void)record_vtkhdf_close(self, NULL);
-        return status;
-    }
-    record_temporary(self->path, self->temporary);
+    strcpy(self->path, path);
+    record_temporary(path, self->temporary);
     *out = self;
     return WEFT_OK;
 }
@@ -580,7 +572,7 @@ weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err)
     const bool synced = sync_descriptor(self, self->rows.file) && sync_file(self);
     const bool good = close_file(self) && synced;
     hdf_begin(NULL);
-    if (self->count == 0 && is_first(self) && self->temporary[0] != '\0') {
+    if (self->count == 0 && is_first(self)) {
         (void)remove(self->temporary);
     }
     const weft_status status = good ? WEFT_OK : failed(self, err);

@@ -53,11 +53,6 @@ weft_status vtkhdf_rows_open(vtkhdf_rows *self, const char *path, int flags,
 
 /* ---- a set of a frame ---------------------------------------------------- */
 
-static double *own_part(const vtkhdf_rows *self, size_t width)
-{
-    return self->buffer + self->band.above * self->cols * width;
-}
-
 static void sum_rows(vtkhdf_rows *self, const double *own, size_t width)
 {
     const size_t count = self->cols * width;
@@ -95,35 +90,39 @@ static void unpack(const vtkhdf_rows *self, double *values, size_t count)
     }
 }
 
-static uint64_t place(const vtkhdf_rows *self, size_t set, size_t frame, size_t item)
+/* Where the own rows of a set are: in the buffer, and `size` bytes in the file. */
+static double *own_rows(const vtkhdf_rows *self, size_t set, size_t width, size_t frame,
+                        size_t *size, uint64_t *at)
 {
-    const uint64_t row = (uint64_t)frame * self->band.rows + self->band.first;
-    return self->places[set] + row * self->cols * item;
+    const size_t row
+        = self->cols * width * (self->doubles ? sizeof(double) : sizeof(float));
+    *size = self->band.own * row;
+    *at = self->places[set]
+          + ((uint64_t)frame * self->band.rows + self->band.first) * row;
+    return self->buffer + self->band.above * self->cols * width;
 }
 
 bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
 {
-    double *own = own_part(self, width);
-    const size_t count = self->band.own * self->cols * width;
-    const size_t size = self->doubles ? sizeof(double) : sizeof(float);
+    size_t size;
+    uint64_t at;
+    double *own = own_rows(self, set, width, frame, &size, &at);
     sum_rows(self, own, width);
-    pack(self, own, count);
-    return record_write_at(self->file, own, count * size,
-                           place(self, set, frame, width * size));
+    pack(self, own, self->band.own * self->cols * width);
+    return record_write_at(self->file, own, size, at);
 }
 
 bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
 {
-    double *own = own_part(self, width);
-    const size_t count = self->band.own * self->cols * width;
-    const size_t size = self->doubles ? sizeof(double) : sizeof(float);
-    if (!record_read_at(self->file, own, count * size,
-                        place(self, set, frame, width * size))) {
-        return false;
+    size_t size;
+    uint64_t at;
+    double *own = own_rows(self, set, width, frame, &size, &at);
+    const bool good = record_read_at(self->file, own, size, at);
+    if (good) {
+        unpack(self, own, self->band.own * self->cols * width);
+        sum_rows(self, own, width);
     }
-    unpack(self, own, count);
-    sum_rows(self, own, width);
-    return true;
+    return good;
 }
 
 uint64_t vtkhdf_rows_sum(vtkhdf_rows *self, uint64_t sum)

@@ -92,36 +92,25 @@ static comm_mpi *open_mpi(const arguments *given)
     return start();
 }
 
-static uint64_t hash_file(uint64_t hash, const char *path)
-{
-    struct stat status;
-    FILE *stream
-        = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "r") : NULL;
-    for (int c; stream != NULL && (c = getc(stream)) != EOF;) {
-        hash = weft__hash_byte(hash, (unsigned char)c);
-    }
-    if (stream != NULL) {
-        (void)fclose(stream);
-    }
-    return hash;
-}
-
 /* Whether this rank was started with the command line and the scene of rank 0, whose
  * run it takes part in; a scene that only rank 0 can read is shared. */
 static bool is_alike(const comm_mpi *mpi, const arguments *given)
 {
     const weft_comm *comm = &mpi->comm;
-    uint64_t mine[2] = { WEFT__HASH_START, WEFT__HASH_START }, first[2];
+    const char *scene = given->operands[0];
+    struct stat file; /* 0: this rank cannot read it */
+    const bool there = stat(scene, &file) == 0 && S_ISREG(file.st_mode);
+    uint64_t mine[2] = { WEFT__HASH_START,
+                         there ? record_bytes_sum(scene, 0, (size_t)file.st_size) : 0 };
+    uint64_t first[2];
     for (char **word = given->argv; *word != NULL; ++word) {
         for (const char *c = *word; c == *word || c[-1] != '\0'; ++c) {
             mine[0] = weft__hash_byte(mine[0], (unsigned char)*c);
         }
     }
-    mine[1] = hash_file(mine[1], given->operands[0]);
     memcpy(first, mine, sizeof first);
     comm->share(comm->self, first, sizeof first);
-    const bool alike
-        = mine[0] == first[0] && (mine[1] == first[1] || mine[1] == WEFT__HASH_START);
+    const bool alike = mine[0] == first[0] && (mine[1] == first[1] || mine[1] == 0);
     if (!alike) {
         fprintf(stderr,
                 "weft: error: rank %d has %s than rank 0: start all ranks alike\n",
