@@ -205,20 +205,6 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
     return WEFT_OK;
 }
 
-static weft_status compare_frames(comparison *self, weft_error *err)
-{
-    const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
-    for (size_t i = 0, j = 0; i < a->count && j < b->count;) {
-        const int which = order(a->times[i], b->times[j]);
-        if (which == 0) {
-            TRY(compare_frame(self, i, j, err));
-        }
-        i += which <= 0;
-        j += which >= 0;
-    }
-    return WEFT_OK;
-}
-
 /* ---- the report ------------------------------------------------------------- */
 
 static bool ends_differ(const comparison *self, double end[2])
@@ -342,8 +328,14 @@ static weft_status compare(comparison *self, weft_error *err)
 {
     TRY(open_both(self, err));
     compare_hashes(self);
-    if (both_have_frames(self)) {
-        TRY(compare_frames(self, err));
+    const record_frames *a = self->side[0].frames, *b = self->side[1].frames;
+    for (size_t i = 0, j = 0; both_have_frames(self) && i < a->count && j < b->count;) {
+        const int which = order(a->times[i], b->times[j]);
+        if (which == 0) {
+            TRY(compare_frame(self, i, j, err));
+        }
+        i += which <= 0;
+        j += which >= 0;
     }
     return self->rows > 0
                ? WEFT_OK

@@ -8,26 +8,22 @@ static void print_line(void *ctx, const char *text)
     puts(text);
 }
 
-static int print_keys(const arguments *given)
+static int scene_help_verb(const arguments *given)
 {
     weft_error err = { 0 };
+    if (given->operand_count > 0 && given->markdown) {
+        return usage_error(given, "--markdown prints all keys");
+    }
     for (int i = 0; i < given->operand_count; ++i) {
         if (weft_scene_help_key(given->operands[i], print_line, NULL, &err)
             != WEFT_OK) {
             return usage_error(given, "%s", err.message);
         }
     }
-    return EXIT_DONE;
-}
-
-static int scene_help_verb(const arguments *given)
-{
-    if (given->operand_count > 0) {
-        return given->markdown ? usage_error(given, "--markdown prints all keys")
-                               : print_keys(given);
+    if (given->operand_count == 0) {
+        weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT,
+                        print_line, NULL);
     }
-    weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT, print_line,
-                    NULL);
     return EXIT_DONE;
 }
 

@@ -193,19 +193,6 @@ static const char *check(const unsigned char *bytes, uint64_t size)
                : "damaged: its checksum is wrong";
 }
 
-static void unpack(const unsigned char *bytes, record_checkpoint *out)
-{
-    const unsigned char *field = bytes + AT_FIELDS * WEFT__WORD;
-#define GET(kind, name)                                                                \
-    out->name = weft__##kind##_at(field);                                              \
-    field += WEFT__WORD;
-    FIELDS(GET)
-    out->extremes.strain.family = (weft_family)word(bytes, AT_FAMILY);
-    memcpy(out->program, bytes + AT_PROGRAM * WEFT__WORD, RECORD_PROGRAM);
-    memcpy(out->vtkhdf.page, bytes + AT_PAGE * WEFT__WORD, RECORD_PAGE);
-    out->program[RECORD_PROGRAM - 1] = '\0';
-}
-
 weft_status record_checkpoint_read(const char *directory, record_checkpoint *out,
                                    weft_error *err)
 {
@@ -225,7 +212,15 @@ weft_status record_checkpoint_read(const char *directory, record_checkpoint *out
         record_checkpoint_close(out);
         return weft_error_set(err, WEFT_IO, "%s: %s", out->path, wrong);
     }
-    unpack(head, out);
+    const unsigned char *field = head + AT_FIELDS * WEFT__WORD;
+#define GET(kind, name)                                                                \
+    out->name = weft__##kind##_at(field);                                              \
+    field += WEFT__WORD;
+    FIELDS(GET)
+    out->extremes.strain.family = (weft_family)word(head, AT_FAMILY);
+    memcpy(out->program, head + AT_PROGRAM * WEFT__WORD, RECORD_PROGRAM);
+    memcpy(out->vtkhdf.page, head + AT_PAGE * WEFT__WORD, RECORD_PAGE);
+    out->program[RECORD_PROGRAM - 1] = '\0';
     out->state_size = (size_t)size - HEAD;
     return WEFT_OK;
 }

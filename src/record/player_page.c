@@ -14,20 +14,6 @@ enum {
     COUNT_LEAST = 81    /* but no further */
 };
 
-/* A field is shown if every run has recorded it. */
-static void find_fields(player_page *self)
-{
-    self->planes = 3;
-    for (size_t f = 0; f < PLAYER_FIELDS; ++f) {
-        self->present[f] = true;
-        for (size_t r = 0; r < self->run_count; ++r) {
-            self->present[f] = self->present[f]
-                               && self->runs[r].frames->fields[player_fields[f].field];
-        }
-        self->planes += self->present[f];
-    }
-}
-
 static weft_status open_runs(player_page *self, weft_error *err)
 {
     for (size_t r = 0; r < self->run_count; ++r) {
@@ -189,7 +175,15 @@ weft_status player_page_open(player_page *self, const char *const *directories,
         self->runs[r].directory = directories[r];
     }
     TRY(open_runs(self, err));
-    find_fields(self);
+    self->planes = 3;
+    for (size_t f = 0; f < PLAYER_FIELDS; ++f) { /* shown if every run has it */
+        self->present[f] = true;
+        for (size_t r = 0; r < count; ++r) {
+            self->present[f] = self->present[f]
+                               && self->runs[r].frames->fields[player_fields[f].field];
+        }
+        self->planes += self->present[f];
+    }
     self->chosen = match(self->runs, self->run_count);
     if (self->chosen == 0) {
         return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",

@@ -69,15 +69,6 @@ weft_status record_failed(const char *path, weft_error *err)
     return weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(errno));
 }
 
-/* A file that exists under that name may be a link too. */
-static FILE *open_new(const char *path)
-{
-    (void)remove(path);
-    const int file
-        = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-    return file < 0 ? NULL : fdopen(file, "w");
-}
-
 weft_status record_file_open(record_file *file, const char *directory, const char *name,
                              weft_error *err)
 {
@@ -88,7 +79,10 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
         TRY(record_no_link(file->temporary, err));
     }
     record_temporary(file->path, file->temporary);
-    file->stream = open_new(file->temporary);
+    (void)remove(file->temporary); /* it may be a link too */
+    const int made = open(file->temporary,
+                          O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+    file->stream = made < 0 ? NULL : fdopen(made, "w");
     return file->stream != NULL ? WEFT_OK : record_failed(file->path, err);
 }
 

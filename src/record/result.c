@@ -59,18 +59,6 @@ static void write_config(yaml_out *out, const weft_scene *scene, const weft_sim 
     yaml_out_write(out, "} }");
 }
 
-static void write_cloth(yaml_out *out, const weft_cloth *cloth)
-{
-    yaml_out_write(out, "cloth: {");
-    yaml_out_size(out, cloth);
-    yaml_out_write(out,
-                   "pinned: %zu, stretch_springs: %zu, shear_springs: %zu, "
-                   "bend_springs: %zu, mass: %g }",
-                   weft_cloth_pins(cloth), weft_cloth_springs(cloth, WEFT_STRETCH),
-                   weft_cloth_springs(cloth, WEFT_SHEAR),
-                   weft_cloth_springs(cloth, WEFT_BEND), weft_cloth_mass(cloth));
-}
-
 static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
 {
     if (limit->method == WEFT_LIMIT_NONE) {
@@ -130,7 +118,14 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
                    weft_scene_name(scene), weft_version(), COMPILER);
     write_plugin(&out, plugin, plugin_file, weft_scene_method_type(scene));
     write_config(&out, scene, sim);
-    write_cloth(&out, whole);
+    yaml_out_write(&out, "cloth: {");
+    yaml_out_size(&out, whole);
+    yaml_out_write(&out,
+                   "pinned: %zu, stretch_springs: %zu, shear_springs: %zu, "
+                   "bend_springs: %zu, mass: %g }",
+                   weft_cloth_pins(whole), weft_cloth_springs(whole, WEFT_STRETCH),
+                   weft_cloth_springs(whole, WEFT_SHEAR),
+                   weft_cloth_springs(whole, WEFT_BEND), weft_cloth_mass(whole));
     write_contact_def(&out, &weft_scene_cloth(scene)->contact);
     write_limit_def(&out, weft_scene_limit(scene));
     yaml_out_write(&out,
@@ -252,17 +247,6 @@ weft_status record_result_write(const char *directory, const record_result *resu
     return commit(yaml_out_end(&out), &file, err);
 }
 
-/* Copies all lines but the first two, which are status and reason. */
-static void copy_outcome(FILE *from, FILE *to)
-{
-    int line = 1;
-    for (int c; (c = getc(from)) != EOF; line += c == '\n') {
-        if (line > 2) {
-            (void)putc(c, to);
-        }
-    }
-}
-
 weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err)
 {
@@ -278,7 +262,12 @@ weft_status record_result_amend(const char *directory, const record_result *resu
         yaml_out_begin(&out, file.stream);
         write_end(&out, result);
         const bool good = yaml_out_end(&out);
-        copy_outcome(former, file.stream);
+        int line = 1; /* all but the first two, which are status and reason */
+        for (int c; (c = getc(former)) != EOF; line += c == '\n') {
+            if (line > 2) {
+                (void)putc(c, file.stream);
+            }
+        }
         status = commit(good, &file, err);
     }
     (void)fclose(former);

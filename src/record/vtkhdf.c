@@ -152,28 +152,25 @@ static bool is_recorded(const record_vtkhdf *self, size_t set)
                            : true;
 }
 
-static hdf_set open_set(const record_vtkhdf *self, size_t set)
-{
-    const bool field = set >= FIELDS;
-    char path[160];
-    (void)snprintf(path, sizeof path, "%s%s",
-                   field ? "/VTKHDF/FieldData/" : layout[set].path,
-                   field ? self->def.series->names[set - FIELDS] : "");
-    return (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),
-                      .memory = field ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
-                      .rows = 1,
-                      .width = field ? 1 : layout[set].width };
-}
-
 static bool open_sets(record_vtkhdf *self)
 {
     bool good = true;
     for (size_t i = 0; good && i < self->time; ++i) {
+        const bool field = i >= FIELDS;
+        char path[160];
         self->sets[i].id = H5I_INVALID_HID;
-        if (is_recorded(self, i)) {
-            self->sets[i] = open_set(self, i);
-            good = self->sets[i].id >= 0;
+        if (!is_recorded(self, i)) {
+            continue;
         }
+        (void)snprintf(path, sizeof path, "%s%s",
+                       field ? "/VTKHDF/FieldData/" : layout[i].path,
+                       field ? self->def.series->names[i - FIELDS] : "");
+        self->sets[i]
+            = (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),
+                         .memory = field ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
+                         .rows = 1,
+                         .width = field ? 1 : layout[i].width };
+        good = self->sets[i].id >= 0;
     }
     return good;
 }
@@ -377,24 +374,14 @@ static bool publish(record_vtkhdf *self)
     return self->head.sum != 0;
 }
 
-static weft_status begin_file(record_vtkhdf *self, const weft_sim *sim, weft_error *err)
+/* The file appears with one frame, as readers do not expect an empty one. */
+static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
+                               weft_error *err)
 {
     TRY(agree(self, !is_first(self) || make_file(self), err));
     TRY(vtkhdf_rows_open(&self->rows, self->temporary, O_WRONLY, err));
     TRY(write_frame(self, sim, err));
     return agree(self, !is_first(self) || publish(self), err);
-}
-
-/* The file appears with one frame, as readers do not expect an empty one. */
-static weft_status write_first(record_vtkhdf *self, const weft_sim *sim,
-                               weft_error *err)
-{
-    const weft_status status = begin_file(self, sim, err);
-    if (status != WEFT_OK) {
-        self->count = 0;
-        (void)close_file(self);
-    }
-    return status;
 }
 
 /* Reads a frame, its words in the order of write_frame: into the sum, or, unless that
@@ -437,9 +424,8 @@ static weft_status damaged(const record_vtkhdf *self, weft_error *err)
                           self->count);
 }
 
-/* Opens the file for reading, once its bytes are known to be those of `mark`. */
-static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *mark,
-                                weft_error *err)
+static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
+                                bool *equal, weft_error *err)
 {
     weft_status status = is_first(self) ? check_bytes(self, mark, err) : WEFT_OK;
     if (status == WEFT_OK && is_first(self)
@@ -447,13 +433,7 @@ static weft_status open_checked(record_vtkhdf *self, const record_vtkhdf_mark *m
         status = damaged(self, err);
     }
     TRY(weft_comm_agree(self->def.comm, status, err));
-    return vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err);
-}
-
-static weft_status check_frames(record_vtkhdf *self, const record_vtkhdf_mark *mark,
-                                bool *equal, weft_error *err)
-{
-    TRY(open_checked(self, mark, err));
+    TRY(vtkhdf_rows_open(&self->rows, self->path, O_RDONLY, err));
     for (; self->count < mark->frames.length; ++self->count) {
         const bool good = pass_frame(self, self->count, NULL);
         TRY(weft_comm_agree(self->def.comm, good ? WEFT_OK : damaged(self, err), err));
@@ -531,8 +511,15 @@ weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               self->count);
     }
     errno = 0;
-    return self->count == 0 ? write_first(self, frame->sim, err)
-                            : write_frame(self, frame->sim, err);
+    if (self->count > 0) {
+        return write_frame(self, frame->sim, err);
+    }
+    const weft_status status = write_first(self, frame->sim, err);
+    if (status != WEFT_OK) {
+        self->count = 0;
+        (void)close_file(self);
+    }
+    return status;
 }
 
 /* ---- the end ---------------------------------------------------------------- */

@@ -67,29 +67,6 @@ static void sum_rows(vtkhdf_rows *self, const double *own, size_t width)
     }
 }
 
-/* Little-endian values of the file, in place: those of single precision are behind
- * the values still to be read, or before those already written. */
-static void pack(const vtkhdf_rows *self, double *values, size_t count)
-{
-    unsigned char *to = (unsigned char *)values;
-    for (size_t i = 0; i < count; ++i) {
-        if (self->doubles) {
-            weft__real_put(to + i * sizeof(double), values[i]);
-        } else {
-            weft__single_put(to + i * sizeof(float), (float)values[i]);
-        }
-    }
-}
-
-static void unpack(const vtkhdf_rows *self, double *values, size_t count)
-{
-    const unsigned char *from = (const unsigned char *)values;
-    for (size_t i = count; i-- > 0;) {
-        values[i] = self->doubles ? weft__real_at(from + i * sizeof(double))
-                                  : (double)weft__single_at(from + i * sizeof(float));
-    }
-}
-
 /* Where the own rows of a set are: in the buffer, and `size` bytes in the file. */
 static double *own_rows(const vtkhdf_rows *self, size_t set, size_t width, size_t frame,
                         size_t *size, uint64_t *at)
@@ -108,7 +85,16 @@ bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame
     uint64_t at;
     double *own = own_rows(self, set, width, frame, &size, &at);
     sum_rows(self, own, width);
-    pack(self, own, self->band.own * self->cols * width);
+    /* little-endian and in place: single precision is before what is still to be read
+     */
+    unsigned char *to = (unsigned char *)own;
+    for (size_t i = 0; i < self->band.own * self->cols * width; ++i) {
+        if (self->doubles) {
+            weft__real_put(to + i * sizeof(double), own[i]);
+        } else {
+            weft__single_put(to + i * sizeof(float), (float)own[i]);
+        }
+    }
     return record_write_at(self->file, own, size, at);
 }
 
@@ -118,8 +104,12 @@ bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
     uint64_t at;
     double *own = own_rows(self, set, width, frame, &size, &at);
     const bool good = record_read_at(self->file, own, size, at);
+    const unsigned char *from = (const unsigned char *)own;
+    for (size_t i = self->band.own * self->cols * width; good && i-- > 0;) {
+        own[i] = self->doubles ? weft__real_at(from + i * sizeof(double))
+                               : (double)weft__single_at(from + i * sizeof(float));
+    }
     if (good) {
-        unpack(self, own, self->band.own * self->cols * width);
         sum_rows(self, own, width);
     }
     return good;

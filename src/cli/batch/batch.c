@@ -63,21 +63,6 @@ static bool is_mine(const batch *self, size_t run)
     return self->given->summary || run % self->shards == self->shard - 1;
 }
 
-/* The state of every run. Fills `wanted` with those that this process runs and returns
- * their number. */
-static size_t look(batch *self, batch_run **wanted)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < self->run_count; ++i) {
-        batch_run *run = &self->runs[i];
-        run->status = batch_look(self, run);
-        if (!self->given->summary && is_mine(self, i) && to_run(self, run)) {
-            wanted[count++] = run;
-        }
-    }
-    return count;
-}
-
 /* ---- the end ------------------------------------------------------------------- */
 
 static void print_warned(const batch *self)
@@ -151,7 +136,15 @@ static int run_batch(batch *self)
         free(wanted);
         return report_error(&err);
     }
-    const int stop = batch_pool_run(self, wanted, look(self, wanted));
+    size_t count = 0; /* that this process runs */
+    for (size_t i = 0; i < self->run_count; ++i) {
+        batch_run *run = &self->runs[i];
+        run->status = batch_look(self, run);
+        if (!self->given->summary && is_mine(self, i) && to_run(self, run)) {
+            wanted[count++] = run;
+        }
+    }
+    const int stop = batch_pool_run(self, wanted, count);
     free(wanted);
     /* One shard does not know the results of the others. */
     if (self->shards == 1) {

@@ -48,19 +48,6 @@ static void say_cheapest(const weft_scene *scene, const survey *of, sentence *ou
     }
 }
 
-static void advise_fixed(const weft_scene *scene, const survey *of, sentence *out)
-{
-    const double h = step_taken(scene), most = of->own->step;
-    if (h > most) {
-        say(out,
-            "a fixed step of %.3g s is beyond the stable %.3g s: the run may blow up",
-            h, most);
-    } else {
-        say(out, "the fixed step is %.2g %% of the stable step: ", 100.0 * h / most);
-        say_cheapest(scene, of, out);
-    }
-}
-
 static void advise_adaptive(const weft_scene *scene, const survey *of, sentence *out)
 {
     const survey_method *own = of->own;
@@ -93,8 +80,14 @@ static sentence advise(const weft_scene *scene, const survey *of)
     if (of->own == NULL || !(of->now.omega2 + of->now.damping > 0.0)) {
         return out;
     }
-    if (step_taken(scene) > 0.0 && of->own->step > 0.0) {
-        advise_fixed(scene, of, &out);
+    const double h = step_taken(scene), most = of->own->step;
+    if (h > 0.0 && most > 0.0 && h > most) {
+        say(&out,
+            "a fixed step of %.3g s is beyond the stable %.3g s: the run may blow up",
+            h, most);
+    } else if (h > 0.0 && most > 0.0) {
+        say(&out, "the fixed step is %.2g %% of the stable step: ", 100.0 * h / most);
+        say_cheapest(scene, of, &out);
     } else if (of->trial_steps > 0) {
         advise_adaptive(scene, of, &out);
     }

@@ -153,27 +153,22 @@ static weft_status run_jobs(compare *self, size_t jobs,
                                 strerror(errno));
 }
 
-/* Least squares of log(distance of the twin) over time. */
-static double growth_rate(const compare *self)
+/* The growth of the twin's distance, by least squares of its logarithm over time, and
+ * the energy at play. */
+static void find_scales(compare *self)
 {
+    const size_t size = weft_cloth_dim(self->cloth);
+    double low = self->energy[0], high = low, kinetic = 0.0;
     double t = 0.0, d = 0.0, tt = 0.0, td = 0.0, n = 0.0;
     for (size_t i = 0; i <= self->last; ++i) {
         const double x = compare_time(self, i), y = log(fmax(self->twin[i], 1e-300));
         n += 1.0, t += x, d += y, tt += x * x, td += x * y;
-    }
-    return (n * td - t * d) / (n * tt - t * t);
-}
-
-static void find_energy(compare *self)
-{
-    const size_t n = weft_cloth_particles(self->cloth);
-    double low = self->energy[0], high = low, kinetic = 0.0;
-    for (size_t i = 0; i <= self->last; ++i) {
         low = fmin(low, self->energy[i]), high = fmax(high, self->energy[i]);
-        kinetic = fmax(kinetic, weft_cloth_energy(self->cloth, compare_time(self, i),
-                                                  self->frames[0] + i * 6 * n)
-                                    .kinetic);
+        kinetic = fmax(
+            kinetic,
+            weft_cloth_energy(self->cloth, x, self->frames[0] + i * size).kinetic);
     }
+    self->growth = (n * td - t * d) / (n * tt - t * t);
     self->at_play = fmax(high - low, kinetic);
 }
 
@@ -215,8 +210,7 @@ static weft_status find_horizon(compare *self, weft_error *err)
     if (self->last == 0) {
         return no_horizon(self, err);
     }
-    self->growth = growth_rate(self);
-    find_energy(self);
+    find_scales(self);
     return WEFT_OK;
 }
 

@@ -119,27 +119,21 @@ static bool is_alike(const comm_mpi *mpi, const arguments *given)
     return comm->max(comm->self, alike ? 0.0 : 1.0) == 0.0;
 }
 
-/* All ranks do what rank 0 does, and only that is to be seen. */
-static void silence(arguments *given)
-{
-    const int nowhere = open("/dev/null", O_WRONLY);
-    given->quiet = true;
-    given->view = false;
-    given->mode = PROGRESS_NONE;
-    (void)fflush(stdout);
-    (void)dup2(nowhere, STDOUT_FILENO);
-    (void)dup2(nowhere, STDERR_FILENO);
-    (void)close(nowhere);
-}
-
 static int run_joined(arguments *given, const comm_mpi *mpi, size_t bands)
 {
     const weft_comm *comm = &mpi->comm;
     if (!is_alike(mpi, given)) {
         return EXIT_SCENE;
     }
-    if (comm->rank > 0) {
-        silence(given);
+    if (comm->rank > 0) { /* what rank 0 does, and only that is to be seen */
+        const int nowhere = open("/dev/null", O_WRONLY);
+        given->quiet = true;
+        given->view = false;
+        given->mode = PROGRESS_NONE;
+        (void)fflush(stdout);
+        (void)dup2(nowhere, STDOUT_FILENO);
+        (void)dup2(nowhere, STDERR_FILENO);
+        (void)close(nowhere);
     }
     if ((size_t)comm->size != bands) {
         fprintf(stderr, WRONG_START, given->verb->name, given->bands, comm->size,

@@ -262,20 +262,17 @@ static weft_status reopen_records(run *self, weft_error *err)
     return run_agree(self, cut_tables(self, err), err);
 }
 
-static weft_status open_records(run *self, weft_error *err)
-{
-    const record_vtkhdf_def def = frames_of(self);
-    TRY(run_agree(self, open_tables(self, false, err), err));
-    return run_agree(self, record_vtkhdf_create(&def, &self->frames, err), err);
-}
-
 weft_status run_begin(run *self, weft_error *err)
 {
     if (self->again) {
         remove_ends(self);
         run_remove(self, "run.vtkhdf");
     }
-    const weft_status status = open_records(self, err);
+    const record_vtkhdf_def def = frames_of(self);
+    weft_status status = run_agree(self, open_tables(self, false, err), err);
+    if (status == WEFT_OK) {
+        status = run_agree(self, record_vtkhdf_create(&def, &self->frames, err), err);
+    }
     return status == WEFT_OK ? WEFT_OK : run_close(self, status, NULL);
 }
 

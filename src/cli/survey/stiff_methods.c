@@ -72,19 +72,6 @@ static const survey_method *find(const survey *of, const char *plugin, const cha
     return NULL;
 }
 
-/* The largest omega^2, and the least damping that goes with it. */
-static void find_stiffest(const weft_stiffness *modes, stiff_gains *out)
-{
-    double w = 0.0, c = 0.0;
-    for (size_t i = 0; i < modes->count; ++i) {
-        const double *corner = modes->corners[i];
-        c = corner[0] > w || (corner[0] == w && corner[1] < c) ? corner[1] : c;
-        w = fmax(w, corner[0]);
-    }
-    out->omega = sqrt(w);
-    out->zeta = w > 0.0 ? 0.5 * c / out->omega : 0.0;
-}
-
 /* [m] The root of the area of a particle. */
 static double spacing_of(const weft_cloth_def *cloth)
 {
@@ -107,7 +94,15 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
     const survey_method *least = cheapest_explicit(of);
     const survey_method *rkc = find(of, "stiff", "rkc2"); /* measured for RKC_COST */
     stiff_gains out = { 0 };
-    find_stiffest(&of->modes, &out);
+    double w = 0.0,
+           c = 0.0; /* the largest omega^2, the least damping that goes with it */
+    for (size_t i = 0; i < of->modes.count; ++i) {
+        const double *corner = of->modes.corners[i];
+        c = corner[0] > w || (corner[0] == w && corner[1] < c) ? corner[1] : c;
+        w = fmax(w, corner[0]);
+    }
+    out.omega = sqrt(w);
+    out.zeta = w > 0.0 ? 0.5 * c / out.omega : 0.0;
     if (rkc != NULL && rkc->step > 0.0 && isfinite(rkc->step)) {
         out.rkc = rkc;
     }

@@ -35,14 +35,13 @@ typedef struct watch_server watch_server;
 
 /* The frames on their way to a browser. */
 typedef struct feed {
-    watch_server *server;
+    watch_server *server; /* NULL: there is none */
     struct MHD_Connection *connection;
-    size_t next;                   /* frame of run.vtkhdf */
-    long rows;                     /* [B] of series.csv that it has */
-    char *text;                    /* the message under way */
-    size_t size, sent;             /* of it */
-    bool suspended, ended;         /* ended: the message is the last */
-    struct feed *after, **to_this; /* in the list of the server */
+    size_t next;           /* frame of run.vtkhdf */
+    long rows;             /* [B] of series.csv that it has */
+    char *text;            /* the message under way */
+    size_t size, sent;     /* of it */
+    bool suspended, ended; /* ended: the message is the last */
 } feed;
 
 struct watch_server {
@@ -56,7 +55,8 @@ struct watch_server {
     double looked, served; /* [s]; served: a page that has not asked for frames */
     double moved;          /* [s] when the run ended or a browser took something */
     double ended;          /* [s] when the run was found to be over */
-    feed *feeds;
+    feed feeds[CLIENTS];
+    size_t fed; /* of them */
 };
 
 /* ---- the run ---------------------------------------------------------------- */
@@ -199,17 +199,14 @@ static ssize_t read_feed(void *cls, uint64_t position, char *buffer, size_t most
 static void free_feed(void *cls)
 {
     feed *self = cls;
-    *self->to_this = self->after;
-    if (self->after != NULL) {
-        self->after->to_this = self->to_this;
-    }
+    --self->server->fed;
     free(self->text);
-    free(self);
+    *self = (feed){ .server = NULL };
 }
 
 static void wake_all(watch_server *self)
 {
-    for (feed *one = self->feeds; one != NULL; one = one->after) {
+    for (feed *one = self->feeds; one < self->feeds + CLIENTS; ++one) {
         if (one->suspended) {
             one->suspended = false;
             MHD_resume_connection(one->connection);
@@ -289,8 +286,11 @@ static size_t request_number(struct MHD_Connection *connection, enum MHD_ValueKi
 static enum MHD_Result send_frames(watch_server *self,
                                    struct MHD_Connection *connection)
 {
-    feed *made = calloc(1, sizeof *made);
-    if (made == NULL) {
+    feed *made = self->feeds, *const end = self->feeds + CLIENTS;
+    while (made < end && made->server != NULL) {
+        ++made;
+    }
+    if (made == end) { /* there are no more connections than feeds */
         return MHD_NO;
     }
     const size_t from = request_number(connection, MHD_GET_ARGUMENT_KIND, "frame");
@@ -300,20 +300,15 @@ static enum MHD_Result send_frames(watch_server *self,
         .connection = connection,
         .next = last >= from && last > 0 ? last + 1 : from,
         .rows = (long)request_number(connection, MHD_GET_ARGUMENT_KIND, "series"),
-        .after = self->feeds,
-        .to_this = &self->feeds,
     };
     struct MHD_Response *response = MHD_create_response_from_callback(
         MHD_SIZE_UNKNOWN, BLOCK, read_feed, made, free_feed);
     if (response == NULL) {
-        free(made);
+        made->server = NULL;
         return MHD_NO;
     }
-    self->feeds = made;
+    ++self->fed;
     self->served = 0.0;
-    if (made->after != NULL) {
-        made->after->to_this = &made->after;
-    }
     return send_response(connection, MHD_HTTP_OK, "text/event-stream", response);
 }
 
@@ -405,7 +400,7 @@ static bool is_finished(const watch_server *self, double began)
 {
     const bool told = interrupt_signal() != 0;
     return self->over
-           && ((self->feeds == NULL && (told || began > self->served + FAREWELL))
+           && ((self->fed == 0 && (told || began > self->served + FAREWELL))
                || began > self->moved + FAREWELL
                || began > self->ended + (told ? LAST : SLOWEST));
 }
