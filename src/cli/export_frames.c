@@ -287,20 +287,6 @@ static weft_status export_final(export_job *job, weft_error *err)
 
 /* ---- which frames ----------------------------------------------------------- */
 
-/* Selects the frame of that number. */
-static bool find_frame(const char *text, export_job *job)
-{
-    size_t number, i = 0;
-    if (!option_count(text, '\0', &number)) {
-        return false;
-    }
-    while (i < job->count && number_of(job, i) != number) {
-        ++i;
-    }
-    job->first = job->last = i;
-    return i < job->count;
-}
-
 static int export_wanted(const arguments *given, export_job *job)
 {
     weft_error err = { 0 };
@@ -310,9 +296,18 @@ static int export_wanted(const arguments *given, export_job *job)
                                           : strcmp(given->frame, "all") == 0;
     const bool final
         = !all && (given->frame == NULL || strcmp(given->frame, "last") == 0);
+    size_t number = 0;
+    const bool named = all || final || option_count(given->frame, '\0', &number);
     job->first = all ? 0 : job->count - 1;
     job->last = job->count - 1;
-    if (!all && !final && !find_frame(given->frame, job)) {
+    if (!all && !final) {
+        for (job->first = 0;
+             job->first < job->count && number_of(job, job->first) != number;) {
+            ++job->first;
+        }
+        job->last = job->first;
+    }
+    if (!named || job->first == job->count) {
         return usage_error(given, "--frame %s: last, all or one recorded of 0 to %zu",
                            given->frame, number_of(job, job->count - 1));
     }

@@ -102,17 +102,6 @@ typedef struct finding {
     bool hung;    /* it did not come to an end */
 } finding;
 
-/* A check whose process returned no verdict. */
-static void explain(int status, finding *out)
-{
-    char text[128];
-    out->hung = WIFSIGNALED(status)
-                && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
-    out->of = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
-    process_describe(status, text, sizeof text);
-    breaks(&out->of, out->hung ? "the check did not come to an end" : text);
-}
-
 /* Reports the first line printed, if only this breaks the promise. */
 static void report_output(FILE *printed, finding *out)
 {
@@ -165,8 +154,14 @@ static bool run_check(bench *self, size_t check, finding *out)
         return false;
     }
     out->of = self->seen;
-    if (!self->returned) {
-        explain(child.status, out);
+    if (!self->returned) { /* no verdict */
+        const int status = child.status;
+        char text[128];
+        out->hung = WIFSIGNALED(status)
+                    && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+        out->of = (weft_conformance){ .verdict = WEFT_PROMISE_KEPT };
+        process_describe(status, text, sizeof text);
+        breaks(&out->of, out->hung ? "the check did not come to an end" : text);
     }
     report_output(self->printed, out);
     return true;

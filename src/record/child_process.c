@@ -162,29 +162,6 @@ static void fill(process_pool *pool)
     }
 }
 
-static void pass_signal(process_pool *pool)
-{
-    const int number = pool->stop == NULL ? 0 : pool->stop(pool->def.ctx);
-    for (size_t i = 0; number != 0 && i < pool->at_once; ++i) {
-        if (pool->all[i].pid > 0) {
-            (void)kill(pool->all[i].pid, pool->stopped ? SIGKILL : number);
-        }
-    }
-    pool->stopped = pool->stopped || number != 0;
-}
-
-static void reap(process_pool *pool)
-{
-    for (size_t i = 0; i < pool->at_once; ++i) {
-        if (pool->all[i].pid > 0 && has_ended(&pool->def, &pool->all[i])) {
-            --pool->running;
-            if (pool->ended != NULL) {
-                pool->ended(pool->def.ctx, &pool->all[i]);
-            }
-        }
-    }
-}
-
 /* A fork that fails is tried again as long as other jobs run. */
 bool process_pool_run(process_pool *pool)
 {
@@ -196,10 +173,21 @@ bool process_pool_run(process_pool *pool)
     for (fill(pool); pool->running > 0; fill(pool)) {
         tick(&pool->def);
         nap(last);
-        pass_signal(pool);
-        const size_t running = pool->running;
-        reap(pool);
-        last = pool->running < running ? weft__wall_clock() : last;
+        const int number = pool->stop == NULL ? 0 : pool->stop(pool->def.ctx);
+        for (size_t i = 0; i < pool->at_once; ++i) {
+            process *one = &pool->all[i];
+            if (one->pid > 0 && number != 0) {
+                (void)kill(one->pid, pool->stopped ? SIGKILL : number);
+            }
+            if (one->pid > 0 && has_ended(&pool->def, one)) {
+                last = weft__wall_clock();
+                --pool->running;
+                if (pool->ended != NULL) {
+                    pool->ended(pool->def.ctx, one);
+                }
+            }
+        }
+        pool->stopped = pool->stopped || number != 0;
     }
     const int failed = errno;
     free(pool->all);

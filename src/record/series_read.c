@@ -112,19 +112,6 @@ weft_status record_series_rows(const char *directory, record_series_row **rows,
     return status;
 }
 
-static size_t name_columns(const char *header, record_column *columns)
-{
-    size_t count = 0;
-    for (const char *at = header; at != NULL && count < RECORD_COLUMNS_MAX;
-         at = next_cell(at), ++count) {
-        columns[count]
-            = (record_column){ .last = NAN, .least = NAN, .most = NAN, .mean = NAN };
-        (void)snprintf(columns[count].name, RECORD_COLUMN_NAME, "%.*s",
-                       (int)strcspn(at, ",\n"), at);
-    }
-    return count;
-}
-
 static void add_cell(record_column *column, const char *text)
 {
     char *end;
@@ -146,8 +133,13 @@ weft_status record_series_columns(const char *directory,
     reader self;
     *count = 0;
     TRY(open_reader(&self, directory, err));
-    if (next_line(&self)) {
-        *count = name_columns(self.line, columns);
+    const char *name = next_line(&self) ? self.line : NULL;
+    for (; name != NULL && *count < RECORD_COLUMNS_MAX; name = next_cell(name)) {
+        record_column *column = &columns[(*count)++];
+        *column
+            = (record_column){ .last = NAN, .least = NAN, .most = NAN, .mean = NAN };
+        (void)snprintf(column->name, RECORD_COLUMN_NAME, "%.*s",
+                       (int)strcspn(name, ",\n"), name);
     }
     while (next_line(&self)) {
         for (size_t i = 0; i < *count; ++i) {

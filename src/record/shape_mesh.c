@@ -82,19 +82,6 @@ static solid solid_of(const weft_shape *shape, double t)
     return made;
 }
 
-/* In the coordinates of the axes. */
-static void point_towards(const solid *of, const double n[3], double x[3])
-{
-    const double side = n[0] * n[0] + n[1] * n[1], q2 = n[2] * n[2];
-    const double sides = of->kind == WEFT_BOX
-                             ? side * side - 2.0 * n[0] * n[0] * n[1] * n[1]
-                             : side * side;
-    const double norm = of->kind == WEFT_SPHERE ? 1.0 : sqrt(sqrt(sides + q2 * q2));
-    for (size_t k = 0; k < 3; ++k) {
-        x[k] = ((n[k] > 0.0) - (n[k] < 0.0)) * of->core[k] + of->radius / norm * n[k];
-    }
-}
-
 static void place(const solid *of, const double local[3], double x[3])
 {
     for (size_t k = 0; k < 3; ++k) {
@@ -112,7 +99,15 @@ static record_surface solid_surface(const solid *of, double *position)
         weft_sincos_turns(0.5 / (double)(rows - 1), (double)r, &ring, &n[2]);
         weft_sincos_turns(1.0 / (double)(cols - 1), (double)c, &n[1], &n[0]);
         n[0] *= ring, n[1] *= ring;
-        point_towards(of, n, local);
+        const double side = n[0] * n[0] + n[1] * n[1], q2 = n[2] * n[2];
+        const double sides = of->kind == WEFT_BOX
+                                 ? side * side - 2.0 * n[0] * n[0] * n[1] * n[1]
+                                 : side * side;
+        const double norm = of->kind == WEFT_SPHERE ? 1.0 : sqrt(sqrt(sides + q2 * q2));
+        for (size_t k = 0; k < 3; ++k) {
+            const double sign = (n[k] > 0.0) - (n[k] < 0.0);
+            local[k] = sign * of->core[k] + of->radius / norm * n[k];
+        }
         place(of, local, position + 3 * i);
     }
     return (record_surface){ record_grid(rows, cols), position, NULL, NULL, true };

@@ -316,20 +316,6 @@ static bool write_particles(record_vtkhdf *self, const weft_sim *sim)
     return good;
 }
 
-static bool write_tables(record_vtkhdf *self)
-{
-    const int64_t ones[2] = { 1, 1 }, step = (int64_t)self->count;
-    const int64_t first_point = (int64_t)(self->count * self->n);
-    bool good = write_set(self, PARTS, ones)
-                && write_set(self, POINT_OFFSETS, &first_point)
-                && write_set(self, FIELD_OFFSETS, &step)
-                && write_set(self, FIELD_SIZES, ones);
-    for (size_t i = FIELDS; good && i < self->time; ++i) {
-        good = write_set(self, i, &self->def.series->row[i - FIELDS]);
-    }
-    return good;
-}
-
 /* The time lies beyond the end of Values until its extent grows. NSteps and that extent
  * are written at once (vtkhdf_file.c). */
 static bool commit(record_vtkhdf *self, const void *time)
@@ -343,8 +329,18 @@ static weft_status write_frame(record_vtkhdf *self, const weft_sim *sim,
                                weft_error *err)
 {
     const double t = weft_sim_time(sim);
+    const int64_t ones[2] = { 1, 1 }, step = (int64_t)self->count;
+    const int64_t first_point = (int64_t)(self->count * self->n);
     TRY(agree(self, write_particles(self, sim), err));
-    TRY(agree(self, !is_first(self) || (write_tables(self) && commit(self, &t)), err));
+    bool good = !is_first(self)
+                || (write_set(self, PARTS, ones)
+                    && write_set(self, POINT_OFFSETS, &first_point)
+                    && write_set(self, FIELD_OFFSETS, &step)
+                    && write_set(self, FIELD_SIZES, ones));
+    for (size_t i = FIELDS; good && is_first(self) && i < self->time; ++i) {
+        good = write_set(self, i, &self->def.series->row[i - FIELDS]);
+    }
+    TRY(agree(self, good && (!is_first(self) || commit(self, &t)), err));
     ++self->count;
     return WEFT_OK;
 }

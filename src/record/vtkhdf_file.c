@@ -358,18 +358,6 @@ static bool heads(const builder *self)
                                               self->faces->triangles));
 }
 
-static bool create(const builder *self)
-{
-    /* NSteps and the header of Steps/Values come first, so that both are in the first
-     * page: they change in one write then, which a kill cannot cut in two */
-    return self->file >= 0 && H5Pset_create_intermediate_group(self->parents, 1) >= 0
-           && H5Pset_alloc_time(self->early, H5D_ALLOC_TIME_EARLY) >= 0
-           && H5Pset_fill_time(self->early, H5D_FILL_TIME_NEVER) >= 0
-           && H5Pset_obj_track_times(self->early, false) >= 0 && make_group(self, STEPS)
-           && integer_attribute(self, STEPS, "NSteps", 0) && times(self) && heads(self)
-           && fixed(self) && particles(self) && allocate_times(self) && steps(self);
-}
-
 bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t capacity)
 {
     const weft_cloth *whole = def->whole == NULL ? def->cloth : def->whole;
@@ -389,7 +377,17 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
         .n = weft_cloth_particles(whole),
         .capacity = capacity,
     };
-    const bool good = taken && create(&self);
+    /* NSteps and the header of Steps/Values come first, so that both are in the first
+     * page: they change in one write then, which a kill cannot cut in two */
+    const bool good = taken && self.file >= 0
+                      && H5Pset_create_intermediate_group(self.parents, 1) >= 0
+                      && H5Pset_alloc_time(self.early, H5D_ALLOC_TIME_EARLY) >= 0
+                      && H5Pset_fill_time(self.early, H5D_FILL_TIME_NEVER) >= 0
+                      && H5Pset_obj_track_times(self.early, false) >= 0
+                      && make_group(&self, STEPS)
+                      && integer_attribute(&self, STEPS, "NSteps", 0) && times(&self)
+                      && heads(&self) && fixed(&self) && particles(&self)
+                      && allocate_times(&self) && steps(&self);
     const bool closed = self.file >= 0 && H5Fclose(self.file) >= 0;
     (void)H5Pclose(self.parents);
     (void)H5Pclose(self.early);

@@ -159,21 +159,7 @@ static int by_name(const void *a, const void *b)
     return strcmp((*left)->name, (*right)->name);
 }
 
-/* Two runs with one directory: the same values twice, or files of one name. */
-static int report_twins(const batch *self, const batch_run *a, const batch_run *b)
-{
-    if (a->scene == b->scene) {
-        fprintf(stderr, "%s: error: runs %zu and %zu of its sweep are the same (%s)\n",
-                a->scene->file, a->number < b->number ? a->number : b->number,
-                a->number < b->number ? b->number : a->number, a->name);
-        return EXIT_SCENE;
-    }
-    return usage_error(self->given,
-                       "%s and %s would both run into '%s': rename one, or give it "
-                       "another --out",
-                       a->scene->file, b->scene->file, a->name);
-}
-
+/* Two runs with one directory have the same values twice, or files of one name. */
 static int check_names(const batch *self)
 {
     const batch_run **sorted = malloc(self->run_count * sizeof *sorted);
@@ -186,8 +172,19 @@ static int check_names(const batch *self)
     }
     qsort(sorted, self->run_count, sizeof *sorted, by_name);
     for (size_t i = 1; i < self->run_count && code == EXIT_DONE; ++i) {
-        if (strcmp(sorted[i - 1]->name, sorted[i]->name) == 0) {
-            code = report_twins(self, sorted[i - 1], sorted[i]);
+        const batch_run *a = sorted[i - 1], *b = sorted[i];
+        if (strcmp(a->name, b->name) == 0 && a->scene == b->scene) {
+            const size_t first = a->number < b->number ? a->number : b->number;
+            fprintf(stderr,
+                    "%s: error: runs %zu and %zu of its sweep are the same (%s)\n",
+                    a->scene->file, first, a->number + b->number - first, a->name);
+            code = EXIT_SCENE;
+        } else if (strcmp(a->name, b->name) == 0) {
+            code
+                = usage_error(self->given,
+                              "%s and %s would both run into '%s': rename one, or give "
+                              "it another --out",
+                              a->scene->file, b->scene->file, a->name);
         }
     }
     free(sorted);

@@ -135,18 +135,6 @@ static void cell(FILE *out, const char *text, char next)
     fputc(next, out);
 }
 
-static const char *varied_text(const batch_run *run, const char *key)
-{
-    const weft_sweep *sweep = run->scene->sweep;
-    const char *text = "";
-    for (size_t k = 0; k < weft_sweep_keys(sweep); ++k) {
-        if (strcmp(weft_sweep_key(sweep, k), key) == 0) {
-            text = weft_sweep_value(sweep, k, run->number);
-        }
-    }
-    return text;
-}
-
 /* Empty if result.yaml has none. Numbers as in series.csv. */
 static const char *result_text(yaml_document_t *result, const char *key)
 {
@@ -169,7 +157,14 @@ static weft_status write_row(FILE *out, const batch *self, const varied *keys,
     /* results of another scene's run, or of an unfinished one, do not count */
     const bool known = is_over(run->status) && record_result_open(directory, &result);
     for (size_t i = 0; i < keys->count; ++i) {
-        cell(out, varied_text(run, keys->keys[i]), ',');
+        const weft_sweep *sweep = run->scene->sweep;
+        const char *text = "";
+        for (size_t k = 0; k < weft_sweep_keys(sweep); ++k) {
+            if (strcmp(weft_sweep_key(sweep, k), keys->keys[i]) == 0) {
+                text = weft_sweep_value(sweep, k, run->number);
+            }
+        }
+        cell(out, text, ',');
     }
     for (size_t i = 0; i < COLUMNS; ++i) {
         const char *name = columns[i];

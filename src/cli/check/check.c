@@ -213,21 +213,6 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     return beyond;
 }
 
-/* The first hundred runs at most, as each needs a simulation. */
-static void print_beyond(const weft_sweep *sweep)
-{
-    const size_t runs = weft_sweep_runs(sweep), most = runs < 100 ? runs : 100;
-    size_t beyond = 0;
-    for (size_t run = 1; runs > 1 && run <= most; ++run) {
-        beyond += is_beyond(sweep, run);
-    }
-    if (beyond > 0) {
-        printf("  warning    fixed_step is beyond the stable step in %zu of the %s%zu "
-               "runs\n",
-               beyond, most < runs ? "first " : "", most);
-    }
-}
-
 /* Validates all runs of a sweep, and describes the first. */
 static int check_file(const char *file, const arguments *given, yaml_out *out)
 {
@@ -252,8 +237,17 @@ static int check_file(const char *file, const arguments *given, yaml_out *out)
     code = weft_sweep_scene(sweep, 1, &scene, &err) == WEFT_OK
                ? describe(file, scene, given, out)
                : report_error(&err);
-    if (code == EXIT_DONE && out == NULL) {
-        print_beyond(sweep);
+    /* of the first hundred runs at most, as each needs a simulation */
+    const size_t runs = weft_sweep_runs(sweep), most = runs < 100 ? runs : 100;
+    size_t beyond = 0;
+    for (size_t run = 1; code == EXIT_DONE && out == NULL && runs > 1 && run <= most;
+         ++run) {
+        beyond += is_beyond(sweep, run);
+    }
+    if (beyond > 0) {
+        printf("  warning    fixed_step is beyond the stable step in %zu of the %s%zu "
+               "runs\n",
+               beyond, most < runs ? "first " : "", most);
     }
     weft_scene_destroy(scene);
     weft_sweep_destroy(sweep);

@@ -328,23 +328,10 @@ static weft_status open_memory(compare *self, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status conclude(const compare *self, const char *directory, weft_error *err)
-{
-    compare_advice advice;
-    compare_advise(self, &advice);
-    TRY(compare_csv(self, directory, err));
-    TRY(compare_html(self, &advice, directory, err));
-    if (!self->given->quiet && self->progress.mode != PROGRESS_YAML) {
-        compare_print(self, &advice);
-        print_plainly(stdout, "written: %s/compare.csv, %s/compare.html\n", directory,
-                      directory);
-    }
-    return WEFT_OK;
-}
-
 /* Checks for references before it makes the directory. */
 static weft_status compare_into(compare *self, const char *directory, weft_error *err)
 {
+    compare_advice advice;
     TRY(scene_supported(self->scene, err));
     TRY(cloth_create(self->scene, weft_scene_cloth(self->scene), &self->cloth, err));
     const weft_registry *registry = self->given->registry;
@@ -360,7 +347,17 @@ static weft_status compare_into(compare *self, const char *directory, weft_error
     TRY(add_methods(self, err));
     compare_begin(self, directory);
     weft_status status = compare_all(self, err);
-    status = status == WEFT_OK ? conclude(self, directory, err) : status;
+    if (status == WEFT_OK) {
+        compare_advise(self, &advice);
+        status = compare_csv(self, directory, err);
+    }
+    status = status == WEFT_OK ? compare_html(self, &advice, directory, err) : status;
+    if (status == WEFT_OK && !self->given->quiet
+        && self->progress.mode != PROGRESS_YAML) {
+        compare_print(self, &advice);
+        print_plainly(stdout, "written: %s/compare.csv, %s/compare.html\n", directory,
+                      directory);
+    }
     compare_end(self, status == WEFT_OK ? NULL : err->message);
     return status;
 }

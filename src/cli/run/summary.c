@@ -235,44 +235,20 @@ void summary_yaml_end(const summary *self)
 
 /* ---- failures ---------------------------------------------------------------- */
 
-typedef struct bounds {
-    double start, now, any; /* [s] stable steps; 0: none */
-    double omega, damping;  /* [1/s] now */
-} bounds;
-
-static bounds find_bounds(const weft_scene *scene, const weft_comm *comm,
-                          const weft_sim *sim)
+/* From the stable steps at the start, now and in any state [s]; 0: none. */
+static const char *advise_fixed(double h, double start, double now, double any,
+                                sentence *out)
 {
-    const weft_cloth *cloth = weft_sim_cloth(sim);
-    const weft_stiffness any = weft_sim_stiffness(sim, 0.0, NULL);
-    const weft_stiffness now
-        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
-    bounds found = { .now = own_stable_step(scene, &now),
-                     .any = own_stable_step(scene, &any),
-                     .omega = sqrt(now.omega2),
-                     .damping = now.damping };
-    double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
-    if (weft_comm_agree(comm, y == NULL ? WEFT_NO_MEMORY : WEFT_OK, NULL) == WEFT_OK) {
-        weft_cloth_start(cloth, y);
-        const weft_stiffness start = weft_sim_stiffness(sim, 0.0, y);
-        found.start = own_stable_step(scene, &start);
-    }
-    free(y);
-    return found;
-}
-
-static const char *advise_fixed(double h, const bounds *found, sentence *out)
-{
-    if (h > found->start) {
+    if (h > start) {
         say(out,
             "try stepper.fixed_step=%.2g, 0.9 of the stable step at the start, or see "
             "weft check for a method with a larger one",
-            0.9 * found->start);
-    } else if (h > found->now) {
+            0.9 * start);
+    } else if (h > now) {
         say(out,
             "the cloth has grown stiffer than it was at the start: try "
             "stepper.fixed_step=%.2g, which is stable in any state",
-            found->any);
+            any);
     } else {
         say(out,
             "the step was a stable one: look at what drives the cloth (pins, wind, "
@@ -326,19 +302,31 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
     if (failure->status == WEFT_NO_MEMORY) {
         return;
     }
-    const bounds found = find_bounds(scene, comm, sim);
-    if (found.start > 0.0) {
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const weft_stiffness in_any = weft_sim_stiffness(sim, 0.0, NULL);
+    const weft_stiffness present
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    const double now = own_stable_step(scene, &present),
+                 any = own_stable_step(scene, &in_any);
+    double start = 0.0, *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
+    if (weft_comm_agree(comm, y == NULL ? WEFT_NO_MEMORY : WEFT_OK, NULL) == WEFT_OK) {
+        weft_cloth_start(cloth, y);
+        const weft_stiffness first = weft_sim_stiffness(sim, 0.0, y);
+        start = own_stable_step(scene, &first);
+    }
+    free(y);
+    if (start > 0.0) {
         add_line(
             out,
             "stable step of %s %s %.3g s at the start, %.3g s in this state (omega "
             "<= %.3g 1/s, damping <= %.3g 1/s)",
-            weft_scene_plugin(scene), weft_scene_method(scene), found.start, found.now,
-            found.omega, found.damping);
+            weft_scene_plugin(scene), weft_scene_method(scene), start, now,
+            sqrt(present.omega2), present.damping);
     }
     add_line(
         out, "%s",
-        h > 0.0 && found.start > 0.0
-            ? advise_fixed(h, &found, &advice)
+        h > 0.0 && start > 0.0
+            ? advise_fixed(h, start, now, any, &advice)
             : "try looser tolerances, a smaller stepper.min_step or another method, "
               "and look at what drives the cloth there");
 }

@@ -45,20 +45,6 @@ static bool is_explicit(const survey_method *method)
            && (method->type->flags & WEFT_STEPPER_STRUCTURE) == 0;
 }
 
-/* Of order 2 and more: Euler's method is stable on damped cloth, and useless. */
-static const survey_method *cheapest_explicit(const survey *of)
-{
-    const survey_method *best = NULL;
-    for (size_t i = 0; i < of->count; ++i) {
-        const survey_method *one = &of->methods[i];
-        if (is_explicit(one) && one->type->order >= 2
-            && (best == NULL || cost(one) < cost(best))) {
-            best = one;
-        }
-    }
-    return best;
-}
-
 /* NULL: it is not there. */
 static const survey_method *find(const survey *of, const char *plugin, const char *name)
 {
@@ -91,7 +77,16 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
 {
     const double side = sqrt((double)weft_cloth_def_particles(cloth));
     const double width = side * spacing_of(cloth); /* [m] */
-    const survey_method *least = cheapest_explicit(of);
+    const survey_method *least
+        = NULL; /* the cheapest explicit one of order 2 and more:
+                 * Euler's is stable on damped cloth, and useless */
+    for (size_t i = 0; i < of->count; ++i) {
+        const survey_method *one = &of->methods[i];
+        if (is_explicit(one) && one->type->order >= 2
+            && (least == NULL || cost(one) < cost(least))) {
+            least = one;
+        }
+    }
     const survey_method *rkc = find(of, "stiff", "rkc2"); /* measured for RKC_COST */
     stiff_gains out = { 0 };
     double w = 0.0,

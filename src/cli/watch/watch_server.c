@@ -125,18 +125,6 @@ static void put_rows(feed *self, FILE *out)
     }
 }
 
-static void put_frame(feed *self, size_t i, FILE *out)
-{
-    const player_page *page = &self->server->page;
-    const record_frames *frames = page->runs[0].frames;
-    fprintf(out, "id: %zu\ndata: {\"index\":%zu,\"number\":%.0f,\"time\":%.17g,", i, i,
-            frames->numbers[i], frames->times[i]);
-    put_rows(self, out);
-    fputs(",\"block\":\"", out);
-    page_base64(out, page->block, page_block_size(page->planes, page->count));
-    fputs("\"}\n\n", out);
-}
-
 /* Writes the next message; false: there is none now. */
 static bool write_message(feed *self)
 {
@@ -163,7 +151,14 @@ static bool write_message(feed *self)
         return false;
     }
     if (frame) {
-        put_frame(self, i, out);
+        const player_page *page = &server->page;
+        const record_frames *frames = page->runs[0].frames;
+        fprintf(out, "id: %zu\ndata: {\"index\":%zu,\"number\":%.0f,\"time\":%.17g,", i,
+                i, frames->numbers[i], frames->times[i]);
+        put_rows(self, out);
+        fputs(",\"block\":\"", out);
+        page_base64(out, page->block, page_block_size(page->planes, page->count));
+        fputs("\"}\n\n", out);
         self->next = i + 1;
     } else {
         fputs("event: end\ndata: {", out);
