@@ -11,7 +11,10 @@
 #include "cli/survey/survey.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/clock.h"
 
 static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 
@@ -109,7 +112,11 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
         const double stages = RKC_COST * out.rkc->calls / out.rkc->step;
         out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
     }
-    const bool may = find(of, "cvode", "bdf") != NULL
+    if (of->implicit > 0.0) {
+        out.frame = of->frame, out.implicit = of->implicit;
+        out.least = least, out.against = cost(least) * of->frame;
+    }
+    const bool may = cloth->mesh == NULL && find(of, "cvode", "bdf") != NULL
                      && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
         const double bdf = BDF_COST * pow(out.omega / side / BDF_WAVES, BDF_STIFF)
@@ -119,6 +126,36 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
         out.bdf[i] = gain >= WORTH ? cost(out.over) / bdf : 0.0;
     }
     return out;
+}
+
+/* ---- measured -------------------------------------------------------------------- */
+
+#define LEAST_TIME 2e-3 /* [s] of evaluations */
+
+void survey_implicit(const weft_scene *scene, const weft_cloth *cloth, survey *out)
+{
+    const survey_method *ros2 = find(out, "stiff", "ros2");
+    double *dydt = malloc(weft_cloth_dim(cloth) * sizeof *dydt);
+    weft_sim_def def = weft_sim_def_default();
+    weft_sim *sim = NULL;
+    if (ros2 != NULL && dydt != NULL && weft_scene_cloth(scene)->mesh != NULL) {
+        out->frame = 1.0 / weft_scene_run(scene)->fps;
+        def.cloth = cloth;
+        def.method = ros2->type;
+        def.config.fixed_step = out->frame;
+        const bool made = weft_sim_create(&def, &sim, NULL) == WEFT_OK;
+        double calls = 0.0, start = weft__wall_clock(), time = 0.0;
+        for (; made && time < LEAST_TIME; calls += 1.0) {
+            (void)weft_cloth_rhs(cloth, 0.0, weft_sim_state(sim), dydt);
+            time = weft__wall_clock() - start;
+        }
+        start = weft__wall_clock();
+        if (made && weft_sim_step(sim, out->frame, NULL) == WEFT_OK) {
+            out->implicit = (weft__wall_clock() - start) * calls / time;
+        }
+        weft_sim_destroy(sim);
+    }
+    free(dydt);
 }
 
 /* ---- in words ---------------------------------------------------------------- */
@@ -135,7 +172,25 @@ void stiff_say(const stiff_gains *gains, sentence *out)
         gains->zeta >= 1.0          ? "over-damped"
         : gains->zeta >= LEAST_ZETA ? "damped"
                                     : "lightly damped");
+    if (gains->implicit > 0.0) {
+        const double gain = gains->against / gains->implicit;
+        say(out,
+            "; a step of stiff ros2 of %.3g s costs %.2g evaluations at the start "
+            "(measured), %s %s %.2g over that time: ",
+            gains->frame, gains->implicit, gains->least->plugin->id,
+            gains->least->type->name, gains->against);
+        if (gain >= WORTH) {
+            say(out, "where the motion allows such steps implicit methods gain up to ");
+            say_gain(gain, out);
+            say(out, ", a third of it on folds");
+        } else {
+            say(out, "implicit methods do not pay");
+        }
+    }
     if (!(gains->stabilised > 0.0) && !(gains->bdf[0] > 0.0)) {
+        if (gains->implicit > 0.0) {
+            return;
+        }
         say(out, "; explicit methods: %s",
             gains->zeta < LEAST_ZETA
                 ? "too little damping for others to gain"
