@@ -211,9 +211,8 @@ static uint64_t hash_of(const void *own, uint64_t hash)
 static void choose(void *own, weft__isa isa)
 {
     weft__springs *of = own;
-    const bool none = of->mesh->triangles != NULL;
-    of->fast = none ? weft__rows_loops : WEFT_FORM(isa, rows);
-    of->products = none ? weft__products_loops : WEFT_FORM(isa, products);
+    of->fast = WEFT_FORM(isa, rows);
+    of->products = WEFT_FORM(isa, products);
     of->damping = WEFT_FORM(isa, damping);
 }
 

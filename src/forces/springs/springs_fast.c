@@ -433,6 +433,26 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     return all;
 }
 
+/* Weight and air alone, of particles [first, end) of a cloth without springs. */
+static vec bare(const sweep *self, size_t first, size_t end)
+{
+    const size_t n = self->n;
+    const double *state = (PRODUCT ? self->along : self->y) + 3 * n;
+    vec bad = splat(0.0);
+    for (size_t i = first; i < end; i += LANES) {
+        const size_t count = end - i < LANES ? end - i : LANES;
+        const vec w = load(self->inverse_mass + i);
+        const vec3 v = load3_some(state + i, n, count), g = self->gravity;
+        const vec3 a
+            = { g.x + w * (0.0 - self->drag * v.x), g.y + w * (0.0 - self->drag * v.y),
+                g.z + w * (0.0 - self->drag * v.z) };
+        store3_some(self->dydt + i, n, v, count);
+        store3_some(self->dydt + 3 * n + i, n, a, count);
+        bad += trouble(a, v);
+    }
+    return bad;
+}
+
 #if PRODUCT
 #define SWEEP products
 #else
@@ -441,10 +461,18 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
 int NAME(SWEEP, LEVEL)(const void *own, const weft__body *body, const weft__state *at,
                        weft__unit unit, double *dydt, size_t first, size_t end)
 {
+    const weft__springs *of = own;
     sweep self;
     (void)unit;
-    const unsigned all = start(&self, own, body, at);
+    const unsigned all = start(&self, of, body, at);
     self.dydt = dydt;
+    if (of->group_count == 0) {
+        return sum(bare(&self, weft__block(of->mesh, first),
+                        weft__block(of->mesh, end)))
+                       == 0.0
+                   ? 0
+                   : 1;
+    }
     self.detour = stores_delay_loads(&self);
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
         const size_t stop = self.inner - c < TILE ? self.inner : c + TILE;
