@@ -5,7 +5,7 @@
 #include "forces/bending/plate.h"
 #include "forces/lanes.h"
 
-enum { ROOM = WEFT__PLATE_ROOM, ROWS = WEFT__PLATE_ROWS };
+enum { ROOM = WEFT__PLATE_ROOM, ROWS = WEFT__PLATE_ROWS, AHEAD = 192 };
 
 typedef double quad __attribute__((vector_size(8 * ROWS)));
 typedef double quad_anywhere
@@ -71,6 +71,7 @@ INLINE quad3 add_rows(const weft__plate_matrix *of, const double *entry, size_t 
     quad3 even = { .x = { 0.0 } }, odd = even;
     size_t j = of->first[group];
     for (; j + 2 <= end; j += 2) {
+        __builtin_prefetch(entry + ROWS * (j + AHEAD));
         add_column(entry + ROWS * j, near[of->column[j]], &even);
         add_column(entry + ROWS * (j + 1), near[of->column[j + 1]], &odd);
     }
