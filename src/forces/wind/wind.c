@@ -63,90 +63,185 @@ static void cross(const double a[3], const double b[3], double out[3])
 
 /* ---- of triangles ---------------------------------------------------------------- */
 
-/* A triangle in a state, or in a direction of it: N = (x1 - x0) x (x2 - x0) and three
- * times the wind against it. */
+typedef struct point {
+    double x, y, z;
+} point;
+
+/* A triangle in a state, or in a direction of it: edges from corner 0, their cross
+ * product N, and three times the wind against it. */
 typedef struct sail {
-    double normal[3], flow[3];
+    point a, b, normal, flow;
 } sail;
 
-static void edges_of(const weft__mesh *mesh, const uint32_t corner[3], const double *x,
-                     double a[3], double b[3])
+static point at_particle(const double *x, size_t n, size_t i)
 {
-    tangent(x, mesh->particles, corner[0], corner[1], a);
-    tangent(x, mesh->particles, corner[0], corner[2], b);
+    return (point){ x[i], x[n + i], x[2 * n + i] };
 }
 
-/* wind NULL: of a direction. */
-static void flow_of(const weft__mesh *mesh, const uint32_t corner[3], const double *y,
-                    const double *wind, double flow[3])
+static point minus(point a, point b)
 {
-    const size_t n = mesh->particles;
-    for (size_t k = 0; k < 3; ++k) {
-        const double *v = y + (k + 3) * n;
-        flow[k] = (wind != NULL ? 3.0 * wind[k] : 0.0)
-                  - (v[corner[0]] + v[corner[1]] + v[corner[2]]);
-    }
+    return (point){ a.x - b.x, a.y - b.y, a.z - b.z };
 }
 
-/* The sail's push / (drag / 18) along N, N.flow / |N|, and 1 / |N|. */
-static double push_of(const sail *at, double *inverse)
+static point plus(point a, point b)
 {
-    *inverse = 1.0 / sqrt(weft__dot(at->normal, at->normal) + DBL_MIN);
-    return weft__dot(at->normal, at->flow) * *inverse;
+    return (point){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+static void add_point(point *to, point a)
+{
+    to->x += a.x, to->y += a.y, to->z += a.z;
+}
+
+static point scaled(double share, point a)
+{
+    return (point){ share * a.x, share * a.y, share * a.z };
+}
+
+static double dot(point a, point b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static point cross_product(point a, point b)
+{
+    return (point){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                    a.x * b.y - a.y * b.x };
+}
+
+/* wind: 0 of a direction. */
+static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
+                           const double wind[3])
+{
+    const double *v = y + 3 * n;
+    const point x = at_particle(y, n, corner[0]);
+    const point sum
+        = plus(plus(at_particle(v, n, corner[0]), at_particle(v, n, corner[1])),
+               at_particle(v, n, corner[2]));
+    sail to = { .a = minus(at_particle(y, n, corner[1]), x),
+                .b = minus(at_particle(y, n, corner[2]), x),
+                .flow
+                = minus((point){ 3.0 * wind[0], 3.0 * wind[1], 3.0 * wind[2] }, sum) };
+    to.normal = cross_product(to.a, to.b);
+    return to;
+}
+
+/* What a triangle gives to each corner, divided by drag / 18: n N.flow, n = N / |N|. */
+static inline point sail_force(const weft__wind *of, const double *y,
+                               const uint32_t corner[3])
+{
+    const sail now = sail_of(of->mesh->particles, corner, y, of->velocity);
+    const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
+    return scaled(dot(now.normal, now.flow) * inverse, now.normal);
+}
+
+/* The change of that along at->along: n turns by (dN - N (N.dN) / |N|^2) / |N|. */
+static point sail_slope(const weft__wind *of, const weft__state *at,
+                        const uint32_t corner[3])
+{
+    static const double none[3];
+    const size_t n = of->mesh->particles;
+    const sail now = sail_of(n, corner, at->y, of->velocity);
+    const sail by = sail_of(n, corner, at->along, none);
+    const point turn = plus(cross_product(by.a, now.b), cross_product(now.a, by.b));
+    const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
+    const double push = dot(now.normal, now.flow) * inverse;
+    const double rate = (dot(turn, now.flow) + dot(now.normal, by.flow)) * inverse
+                        - push * dot(now.normal, turn) * inverse * inverse;
+    return plus(scaled(rate, now.normal), scaled(push, turn));
 }
 
 /* A third of drag A (n.flow) n, A n = N / 2, of each triangle of particle i, or its
- * change along at->along: with the unit normal N / |N| that turns by
- * (dN - N (N.dN) / |N|^2) / |N|. */
+ * change along at->along. */
 static void sails_force(const weft__wind *of, const weft__state *at, size_t i,
                         double share, double force[3])
 {
-    const weft__mesh *mesh = of->mesh;
-    const weft__triangles *tri = mesh->triangles;
-    const double scale = of->drag / 18.0 * share;
-    memset(force, 0, 3 * sizeof *force);
+    const weft__triangles *tri = of->mesh->triangles;
+    point sum = { 0.0, 0.0, 0.0 };
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t *corner = tri->corner[tri->around[j]];
-        double a[3], b[3], da[3], db[3], turn[3], more[3], dflow[3], inverse;
-        sail now;
-        edges_of(mesh, corner, at->y, a, b);
-        cross(a, b, now.normal);
-        flow_of(mesh, corner, at->y, of->velocity, now.flow);
-        const double push = push_of(&now, &inverse);
-        if (at->along == NULL) {
-            for (size_t k = 0; k < 3; ++k) {
-                force[k] += scale * push * now.normal[k];
-            }
-            continue;
-        }
-        edges_of(mesh, corner, at->along, da, db);
-        flow_of(mesh, corner, at->along, NULL, dflow);
-        cross(da, b, turn);
-        cross(a, db, more);
-        for (size_t k = 0; k < 3; ++k) {
-            turn[k] += more[k];
-        }
-        const double rate
-            = (weft__dot(turn, now.flow) + weft__dot(now.normal, dflow)) * inverse
-              - push * weft__dot(now.normal, turn) * inverse * inverse;
-        for (size_t k = 0; k < 3; ++k) {
-            force[k] += scale * (rate * now.normal[k] + push * turn[k]);
+        sum = plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
+                                          : sail_slope(of, at, corner));
+    }
+    sum = scaled(of->drag / 18.0 * share, sum);
+    force[0] = sum.x, force[1] = sum.y, force[2] = sum.z;
+}
+
+/* The first triangle whose lowest corner is particle i, or follows. */
+static size_t triangle_from(const weft__triangles *tri, size_t i)
+{
+    size_t low = 0, high = tri->count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (tri->corner[middle][0] < i) {
+            low = middle + 1;
+        } else {
+            high = middle;
         }
     }
+    return low;
+}
+
+/* The same of the particles of block b, to their sums; 0 or NaN. Triangles whose lowest
+ * corner is in the block follow one another: each is computed once. Those before them
+ * come first, as they do around each particle. */
+static double add_sails(const weft__wind *of, const double *y, size_t b,
+                        weft__unit unit, double *to)
+{
+    const weft__mesh *mesh = of->mesh;
+    const weft__triangles *tri = mesh->triangles;
+    const size_t n = mesh->particles, first = weft__block(mesh, b);
+    const size_t end = weft__block(mesh, b + 1), begin = triangle_from(tri, first);
+    point sum[WEFT__MESH_BLOCK];
+    double bad = 0.0;
+    for (size_t i = first; i < end; ++i) {
+        sum[i - first] = (point){ 0.0, 0.0, 0.0 };
+        for (size_t j = tri->around_first[i];
+             j < tri->around_first[i + 1] && tri->around[j] < begin; ++j) {
+            add_point(&sum[i - first], sail_force(of, y, tri->corner[tri->around[j]]));
+        }
+    }
+    for (size_t t = begin; t < tri->count && tri->corner[t][0] < end; ++t) {
+        const uint32_t *corner = tri->corner[t];
+        const point force = sail_force(of, y, corner);
+        for (size_t k = 0; k < 3; ++k) {
+            if (corner[k] < end) {
+                add_point(&sum[corner[k] - first], force);
+            }
+        }
+    }
+    for (size_t i = first; i < end; ++i) {
+        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
+        const point all = scaled(of->drag / 18.0 * share, sum[i - first]);
+        to[i] += all.x, to[n + i] += all.y, to[2 * n + i] += all.z;
+        bad += (to[i] + to[n + i] + to[2 * n + i]) * 0.0;
+    }
+    return bad;
+}
+
+static int sails(const weft__wind *of, const weft__state *at, weft__unit unit,
+                 double *to, size_t first, size_t end)
+{
+    double bad = 0.0;
+    for (size_t b = first; b < end; ++b) {
+        bad += add_sails(of, at->y, b, unit, to);
+    }
+    return bad == 0.0 ? 0 : 1;
 }
 
 /* [m^2] A third of the triangles of particle i; y NULL: with stretches up to 1.1. */
 static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
 {
     const weft__triangles *tri = mesh->triangles;
-    double sum = 0.0, a[3], b[3], normal[3];
+    static const double none[3];
+    double sum = 0.0;
     if (y == NULL) {
         return 1.21 * tri->lumped[i];
     }
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
-        edges_of(mesh, tri->corner[tri->around[j]], y, a, b);
-        cross(a, b, normal);
-        sum += weft__length(normal) / 6.0;
+        const uint32_t *corner = tri->corner[tri->around[j]];
+        const point normal = sail_of(mesh->particles, corner, y, none).normal;
+        sum += sqrt(dot(normal, normal)) / 6.0;
     }
     return sum;
 }
@@ -233,8 +328,10 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
                size_t first, size_t end)
 {
     const weft__wind *of = own;
-    const bool plain = unit == WEFT__FORCE || of->mesh->triangles != NULL;
-    weft__add_fn *form = plain ? weft__wind_loops : of->fast;
+    weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : of->fast;
+    if (of->mesh->triangles != NULL) {
+        return of->drag != 0.0 ? sails(of, at, unit, to, first, end) : 0;
+    }
     return of->drag != 0.0 ? form(own, at, unit, to, first, end) : 0;
 }
 
