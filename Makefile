@@ -325,7 +325,7 @@ $(BENCH_LEVELS): bench/levels/level.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-$(BUILD)/bench/force: $(BENCH_LEVELS)
+$(BUILD)/bench/force $(BUILD)/bench/mesh: $(BENCH_LEVELS)
 $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
