@@ -77,17 +77,18 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks);
 uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
 
 /* validate.c: reports every fault of a definition; a field may be an offset in a part.
- * *triangles: as weft__mesh_check returns them, NULL of a grid. */
+ * *triangles: as weft__mesh_check makes them, NULL of a grid. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
                            struct weft__triangles **triangles, bool *no_memory);
 
 /* What it checks of triangles, with faults of their parts to *parts (NULL: to *to).
- * Returns the triangles of a definition whose own arrays have no fault, to be destroyed
- * by the caller, or NULL; *no_memory: not all could be checked. */
+ * Makes the triangles of a definition whose own arrays have no fault, else NULL, to be
+ * destroyed by the caller; only checks with triangles NULL. *no_memory: not all could
+ * be checked. */
 struct weft__mesh_faults;
-struct weft__triangles *weft__mesh_check(const weft_cloth_def *def,
-                                         const struct weft__mesh_faults *parts,
-                                         const weft__faults *to, bool *no_memory);
+void weft__mesh_check(const weft_cloth_def *def, const struct weft__mesh_faults *parts,
+                      const weft__faults *to, struct weft__triangles **triangles,
+                      bool *no_memory);
 
 /* What it checks on a grid without faults. */
 void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to);

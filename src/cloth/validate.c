@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
-#include "mesh/triangles.h"
+#include "mesh/triangles_work.h"
 
 #define MAX_PARTICLES ((size_t)1 << 31)
 
@@ -180,16 +180,30 @@ static bool check_vertices(const weft_cloth_def *def, const char *what, size_t i
 }
 
 /* false: there is no memory for them. */
-static bool check_vertex_masses(const weft_cloth_def *def, const weft__triangles *of,
-                                const weft_allocator *memory, const weft__faults *to)
+static bool check_vertex_masses(const weft_cloth_def *def, const weft_allocator *memory,
+                                const weft__faults *to)
 {
-    double *mass = weft__alloc(memory, def->mesh->vertices, sizeof *mass);
+    const weft_mesh_def *mesh = def->mesh;
+    double *mass = weft__zeroed(memory, mesh->vertices, sizeof *mass), longest;
     bool usable = true;
     if (mass == NULL) {
         return false;
     }
-    weft__triangles_masses(of, def, mass);
-    for (size_t i = 0; i < def->mesh->vertices; ++i) {
+    for (size_t t = 0; t < mesh->triangles; ++t) {
+        const weft_fabric *of
+            = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
+        const double area = 0.5 * fabs(weft__twice_area(mesh, t, &longest));
+        for (size_t k = 0; k < 3; ++k) {
+            mass[mesh->corners[3 * t + k]] += of->density * area / 3.0;
+        }
+    }
+    for (size_t i = 0; i < def->load_count; ++i) {
+        const weft_load *load = &def->loads[i];
+        for (size_t k = 0; k < load->vertex_count; ++k) {
+            mass[load->vertices[k]] += load->mass;
+        }
+    }
+    for (size_t i = 0; i < mesh->vertices; ++i) {
         usable = usable && isfinite(mass[i]) && isfinite(1.0 / mass[i]);
     }
     if (!usable) {
@@ -219,24 +233,23 @@ static bool check_held(const weft_cloth_def *def, const weft__faults *to)
     return good;
 }
 
-weft__triangles *weft__mesh_check(const weft_cloth_def *def,
-                                  const weft__mesh_faults *parts,
-                                  const weft__faults *to, bool *no_memory)
+void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
+                      const weft__faults *to, weft__triangles **triangles,
+                      bool *no_memory)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const weft__mesh_faults all = { keep_fault, (void *)to };
     parts = parts != NULL ? parts : &all;
     check_fabrics(def->mesh, parts);
-    weft__triangles *triangles
-        = weft__triangles_create(def->mesh, &memory, parts, no_memory);
-    if (check_held(def, to) && triangles != NULL) {
-        *no_memory = !check_vertex_masses(def, triangles, &memory, to);
+    const bool valid
+        = weft__triangles_create(triangles, def->mesh, &memory, parts, no_memory);
+    if (check_held(def, to) && valid) {
+        *no_memory = !check_vertex_masses(def, &memory, to);
     }
-    if (triangles != NULL) {
+    if (valid) {
         check_motions(def, to);
         check_forces(def, to);
     }
-    return triangles;
 }
 
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
@@ -248,7 +261,7 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
         return;
     }
     if (def->mesh != NULL) {
-        *triangles = weft__mesh_check(def, NULL, to, no_memory);
+        weft__mesh_check(def, NULL, to, triangles, no_memory);
     } else if (weft__grid_check(def, MAX_PARTICLES, to)) {
         weft__sheet_check(def, to);
     }

@@ -132,11 +132,8 @@ static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
 static void check_sides(weft__work *at)
 {
     for (size_t t = 0; !at->failed && t < at->def->triangles; ++t) {
-        double longest;
         const uint32_t first = root(at->piece, (uint32_t)t);
-        if (at->bad[t] == 0
-            && (weft__twice_area(at->def, t, &longest) > 0.0)
-                   != (weft__twice_area(at->def, first, &longest) > 0.0)) {
+        if (at->bad[t] == 0 && at->clockwise[t] != at->clockwise[first]) {
             weft__mesh_fault(
                 at, WEFT__MESH_TRIANGLE, t,
                 "the triangle of vertices %zu, %zu, %zu is turned over in the rest "
@@ -181,20 +178,28 @@ static void set_keys(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
     double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+    memset(at->place_key, 0, def->places * sizeof *at->place_key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
-        const double *x = &def->rest[2 * (size_t)weft__place_at(def, h / 3, h % 3)];
-        for (size_t k = 0; k < 2; ++k) {
-            low[k] = fmin(low[k], x[k]);
-            high[k] = fmax(high[k], x[k]);
+        at->place_key[weft__place_at(def, 0, h)] = 1;
+    }
+    for (size_t j = 0; j < 2 * def->places; ++j) {
+        if (at->place_key[j / 2] != 0) {
+            low[j % 2] = fmin(low[j % 2], def->rest[j]);
+            high[j % 2] = fmax(high[j % 2], def->rest[j]);
         }
     }
     const double extent = fmax(high[0] - low[0], high[1] - low[1]);
+    for (size_t i = 0; i < def->places; ++i) {
+        const double *x = &def->rest[2 * i];
+        at->place_key[i] = at->place_key[i] == 0
+                               ? 0
+                               : hilbert(along((x[0] - low[0]) / extent),
+                                         along((x[1] - low[1]) / extent));
+    }
     memset(at->key, 0xff, def->vertices * sizeof *at->key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
-        const double *x = &def->rest[2 * (size_t)weft__place_at(def, h / 3, h % 3)];
-        const uint64_t key
-            = hilbert(along((x[0] - low[0]) / extent), along((x[1] - low[1]) / extent));
-        uint64_t *kept = &at->key[weft__vertex_at(def, h / 3, h % 3)];
+        const uint64_t key = at->place_key[weft__place_at(def, 0, h)];
+        uint64_t *kept = &at->key[weft__vertex_at(def, 0, h)];
         *kept = key < *kept ? key : *kept;
     }
 }
@@ -313,8 +318,7 @@ static void add_place(weft__work *at, uint32_t particle, uint32_t given,
 {
     weft__triangles *out = at->out;
     const double *x = &at->def->rest[2 * (size_t)given];
-    double longest;
-    const bool mirrored = weft__twice_area(at->def, triangle, &longest) < 0.0;
+    const bool mirrored = at->clockwise[triangle];
     out->particle[out->places] = particle;
     out->mirrored[out->places] = mirrored;
     out->rest[out->places][0] = mirrored ? -x[0] : x[0];
@@ -448,8 +452,12 @@ static void allocate(weft__work *at)
 {
     const size_t n = at->def->vertices, t = at->def->triangles;
     const size_t most = n > t ? n : t;
-    weft__triangles *out = at->out;
+    weft__triangles *out = at->out = weft__work_take(at, 1, sizeof *out);
+    if (out == NULL) {
+        return;
+    }
     at->key = weft__work_take(at, most, sizeof *at->key);
+    at->place_key = weft__work_take(at, at->def->places, sizeof *at->place_key);
     at->order = weft__work_take(at, most, sizeof *at->order);
     at->other = weft__work_take(at, most, sizeof *at->other);
     out->corner = weft__work_take(at, t, sizeof *out->corner);
@@ -513,33 +521,35 @@ static void fill(weft__work *at)
     }
 }
 
-weft__triangles *weft__triangles_create(const weft_mesh_def *def,
-                                        const weft_allocator *memory,
-                                        const weft__mesh_faults *to, bool *no_memory)
+bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
+                            const weft_allocator *memory, const weft__mesh_faults *to,
+                            bool *no_memory)
 {
     weft__work at = { .def = def, .memory = memory, .to = to };
     weft__triangles_check(&at);
     if (at.bad != NULL) {
         find_pieces(&at);
     }
-    if (!at.failed) {
-        at.out = weft__work_take(&at, 1, sizeof *at.out);
+    if (out != NULL && !at.failed) {
+        allocate(&at);
     }
-    static void (*const steps[])(weft__work *) = { allocate, fill };
-    for (size_t i = 0; !at.failed && i < sizeof steps / sizeof steps[0]; ++i) {
-        steps[i](&at);
+    if (out != NULL && !at.failed) {
+        fill(&at);
     }
-    void *const scratch[]
-        = { at.bad, at.halves, at.first, at.piece, at.key, at.order, at.other };
+    void *const scratch[] = { at.bad, at.clockwise, at.halves, at.first, at.piece,
+                              at.key, at.place_key, at.order,  at.other };
     for (size_t i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {
         weft__free(memory, scratch[i]);
     }
     *no_memory = at.no_memory;
     if (at.failed) {
         weft__triangles_destroy(at.out, memory);
-        return NULL;
+        at.out = NULL;
     }
-    return at.out;
+    if (out != NULL) {
+        *out = at.out;
+    }
+    return !at.failed;
 }
 
 size_t weft__triangles_bytes(const weft__triangles *of, size_t particles)

@@ -68,11 +68,11 @@ typedef struct weft__mesh_faults {
     void *ctx;
 } weft__mesh_faults;
 
-/* Makes triangles of a definition. Reports its faults. NULL: a fault, or no memory,
- * which *no_memory tells. */
-weft__triangles *weft__triangles_create(const weft_mesh_def *def,
-                                        const weft_allocator *memory,
-                                        const weft__mesh_faults *to, bool *no_memory);
+/* Makes triangles of a definition, or only checks it with out NULL. Reports its faults.
+ * False, and *out NULL: a fault, or no memory, which sets *no_memory. */
+bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
+                            const weft_allocator *memory, const weft__mesh_faults *to,
+                            bool *no_memory);
 /* Writes the masses [kg] of particles with their loads. */
 void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,
                             double *mass);

@@ -130,6 +130,7 @@ static bool check_triangle(weft__work *at, size_t t)
     double longest;
     const double area = weft__twice_area(at->def, t, &longest),
                  height = fabs(area) / longest;
+    at->clockwise[t] = area < 0.0;
     if (a == b || b == c || c == a) {
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
                          "a triangle with vertex %zu at two corners",
@@ -151,8 +152,9 @@ static bool check_triangle(weft__work *at, size_t t)
 
 static void check_triangles(weft__work *at)
 {
+    at->clockwise = weft__work_take(at, at->def->triangles, sizeof *at->clockwise);
     at->bad = weft__work_take(at, at->def->triangles, sizeof *at->bad);
-    for (size_t t = 0; at->bad != NULL && t < at->def->triangles; ++t) {
+    for (size_t t = 0; !at->no_memory && t < at->def->triangles; ++t) {
         at->bad[t] = !check_indices(at, t) || !check_triangle(at, t);
     }
 }

@@ -20,11 +20,12 @@ typedef struct weft__work {
     weft__triangles *out;
     bool failed, no_memory;
     /* scratch */
+    bool *clockwise; /* good triangles, in (u, v) */
     uint8_t *bad; /* triangles with faults of their own; NULL: there are no triangles */
     weft__half_edge *halves; /* 3 T, by their lower ends, the higher ones, triangles */
     uint32_t *first;         /* of each lower end, and their number */
     uint32_t *piece;         /* of a triangle: the root of its tree */
-    uint64_t *key;
+    uint64_t *key, *place_key; /* of vertices, or triangles; of places */
     uint32_t *order, *other;
 } weft__work;
 

@@ -233,10 +233,9 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
         scene->obj.def.fabric_count = 1;
     }
     if (reader->report->found->errors == 0 && !reader->report->no_memory) {
-        const weft_allocator memory = weft_allocator_or_malloc(scene->cloth.allocator);
-        weft__triangles *made = weft__mesh_check(
-            &scene->cloth, &(weft__mesh_faults){ find_part, (void *)cloth },
-            &(weft__faults){ find_fault, (void *)cloth }, &reader->report->no_memory);
-        weft__triangles_destroy(made, &memory);
+        weft__mesh_check(&scene->cloth,
+                         &(weft__mesh_faults){ find_part, (void *)cloth },
+                         &(weft__faults){ find_fault, (void *)cloth }, NULL,
+                         &reader->report->no_memory);
     }
 }
