@@ -40,10 +40,10 @@ static uint32_t below(uint32_t count) /* the same numbers in every run */
     return (uint32_t)((state >> 32) * count >> 32);
 }
 
-static void shuffle(uint32_t *order, uint32_t count)
+static void number_all(uint32_t *order, uint32_t count, bool shuffled)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t j = below(i + 1);
+        const uint32_t j = shuffled ? below(i + 1) : i;
         order[i] = order[j];
         order[j] = i;
     }
@@ -80,7 +80,7 @@ static void cut(sheet *of, const uint32_t *number, const uint32_t *turn)
     }
 }
 
-static sheet sheet_create(size_t n)
+static sheet sheet_create(size_t n, bool shuffled)
 {
     sheet of = { .side = n };
     const double h = 1.0 / (double)(n - 1);
@@ -89,8 +89,8 @@ static sheet sheet_create(size_t n)
     of.start = array(3 * n * n, sizeof *of.start);
     of.rest = array(2 * n * n, sizeof *of.rest);
     of.corners = array(3 * (size_t)count, sizeof *of.corners);
-    shuffle(number, (uint32_t)(n * n));
-    shuffle(turn, count);
+    number_all(number, (uint32_t)(n * n), shuffled);
+    number_all(turn, count, shuffled);
     for (size_t i = 0; i < n * n; ++i) {
         for (size_t k = 0; k < 2; ++k) {
             const size_t at = k == 0 ? i % n : i / n;
@@ -207,7 +207,7 @@ static naive naive_create_mesh(const weft_cloth *cloth, bool file, const double 
                  .y = array(2 * n, sizeof *to.y),
                  .dydt = array(2 * n, sizeof *to.dydt) };
     uint32_t *turn = array(m, sizeof *turn);
-    shuffle(turn, (uint32_t)m);
+    number_all(turn, (uint32_t)m, true);
     for (size_t t = 0; t < m; ++t) {
         to.triangle[file ? turn[t] : t] = naive_of(mesh, t, number);
     }
@@ -501,12 +501,14 @@ static void write_files(const sheet *of, const char *obj, const char *scene)
     }
 }
 
-static void measure_load(const sheet *of)
+static void measure_load(size_t side, bool shuffled)
 {
+    sheet of = sheet_create(side, shuffled);
     const char *scene = BUILD_DIR "/bench/mesh.yaml",
                *obj = BUILD_DIR "/bench/mesh.obj";
     double times[3];
-    write_files(of, obj, scene);
+    write_files(&of, obj, scene);
+    sheet_destroy(&of);
     for (size_t i = 0; i < 3; ++i) {
         weft_error err = { 0 };
         weft_scene_def def = weft_scene_def_default();
@@ -518,7 +520,8 @@ static void measure_load(const sheet *of)
         times[i] = now(CLOCK_THREAD_CPUTIME_ID) - start;
         weft_scene_destroy(loaded);
     }
-    printf("load %zux%zu: %.2f s\n", of->side, of->side, bench_median(times, 3));
+    printf("load %zux%zu: %.2f s, %s\n", side, side, bench_median(times, 3),
+           shuffled ? "in random order" : "row by row");
     (void)remove(scene);
     (void)remove(obj);
 }
@@ -530,12 +533,14 @@ int main(int argc, char **argv)
     FILE *csv = bench_csv("mesh", "level,side,forces,ns_per_vertex,two_threads_ns,"
                                   "naive_file_ns,naive_ordered_ns");
     for (size_t i = 0; i < count; ++i) {
-        sheet of = sheet_create(argc > 1 ? (size_t)atoi(argv[i + 1]) : sides[i]);
+        const size_t side = argc > 1 ? (size_t)atoi(argv[i + 1]) : sides[i];
+        sheet of = sheet_create(side, true);
         measure_forces(csv, &of);
         measure_step(&of);
         measure_creation(&of);
-        measure_load(&of);
         sheet_destroy(&of);
+        measure_load(side, true);
+        measure_load(side, false);
     }
     return bench_csv_close(csv);
 }
