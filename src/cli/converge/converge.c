@@ -77,10 +77,7 @@ static int refuse_size(converge *self, const weft_error *why)
 
 static int report_size(size_t size, const weft_error *why)
 {
-    weft_error err = { .status = why->status };
-    (void)snprintf(err.message, sizeof err.message, "size %zu: %.*s", size,
-                   (int)sizeof err.message - 40, why->message);
-    return report_error(&err);
+    return report_status(why->status, "size %zu: %s", size, why->message);
 }
 
 /* The cloths exist before the first run starts, which may take hours. */
@@ -184,17 +181,14 @@ static int run_sizes(converge *self)
             .jobs = self->count,
             .at_once = self->given->jobs > 0 ? self->given->jobs : 1,
             .ended = size_ended };
-    weft_error err = { 0 };
     self->results = process_memory(self->count, sizeof *self->results);
     if (self->results == NULL) {
-        weft_error_set(&err, WEFT_NO_MEMORY, "no memory for the results");
-        return report_error(&err);
+        return report_status(WEFT_NO_MEMORY, "no memory for the results");
     }
     const bool able = process_pool_run(&pool);
     progress_clear(&self->progress);
     if (!able) {
-        weft_error_set(&err, WEFT_SOLVER, "no process for a run: %s", strerror(errno));
-        return report_error(&err);
+        return report_status(WEFT_SOLVER, "no process for a run: %s", strerror(errno));
     }
     converge_print(self, self->given->csv);
     return self->code;

@@ -5,13 +5,7 @@
 #include <string.h>
 
 #include "cli/converge/converge.h"
-
-static const double *place_of(const weft_mesh_def *mesh, size_t corner)
-{
-    const uint32_t *places
-        = mesh->corner_places == NULL ? mesh->corners : mesh->corner_places;
-    return &mesh->rest[2 * (size_t)places[corner]];
-}
+#include "cli/survey/survey.h"
 
 static double twice_area(const double *a, const double *b, const double *c)
 {
@@ -23,8 +17,8 @@ static double edge_of(const weft_mesh_def *mesh)
 {
     double sum = 0.0;
     for (size_t t = 0; t < mesh->triangles; ++t) {
-        sum += fabs(twice_area(place_of(mesh, 3 * t), place_of(mesh, 3 * t + 1),
-                               place_of(mesh, 3 * t + 2)));
+        const rest_triangle at = rest_triangle_of(mesh, t);
+        sum += 2.0 * rest_area(&at);
     }
     return sqrt(2.0 / sqrt(3.0) * sum / (double)mesh->triangles);
 }
@@ -36,8 +30,9 @@ static void find_place(const weft_mesh_def *mesh, const double x[2],
 {
     double most = -INFINITY;
     for (size_t t = 0; t < mesh->triangles; ++t) {
-        const double *a = place_of(mesh, 3 * t), *b = place_of(mesh, 3 * t + 1),
-                     *c = place_of(mesh, 3 * t + 2), area = twice_area(a, b, c);
+        const rest_triangle at = rest_triangle_of(mesh, t);
+        const double *a = at.corners[0], *b = at.corners[1], *c = at.corners[2],
+                     area = twice_area(a, b, c);
         const double share[] = { twice_area(x, b, c) / area, twice_area(a, x, c) / area,
                                  twice_area(a, b, x) / area };
         const double least = fmin(share[0], fmin(share[1], share[2]));
@@ -62,7 +57,8 @@ static void find_vertex(const converge *self, const weft_mesh_def *mesh, size_t 
         while (from->corners[corner] != vertex) {
             ++corner;
         }
-        find_place(mesh, place_of(from, corner), out);
+        const rest_triangle at = rest_triangle_of(from, corner / 3);
+        find_place(mesh, at.corners[corner % 3], out);
     }
 }
 

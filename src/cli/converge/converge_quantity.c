@@ -33,25 +33,20 @@ static bool read_line(const char *text, char end, size_t count, size_t *place)
     return number && line < count;
 }
 
-/* The vertex that has a number. */
-static bool read_vertex(const weft_mesh_def *mesh, const char *text, size_t *vertex)
-{
-    size_t number, v = 0;
-    if (!option_count(text, '\0', &number)) {
-        return false;
-    }
-    while (v < mesh->vertices && (mesh->names == NULL ? v : mesh->names[v]) != number) {
-        ++v;
-    }
-    *vertex = v;
-    return v < mesh->vertices;
-}
-
-/* The tip of a single row is its last particle. */
+/* A particle, the tip of a single row being its last; of a mesh the vertex that has a
+ * number. */
 static bool read_particle(const converge *self, const char *name, size_t place[2])
 {
-    if (self->mesh) {
-        return read_vertex(weft_scene_cloth(self->scene)->mesh, name, &place[0]);
+    const weft_mesh_def *mesh = weft_scene_cloth(self->scene)->mesh;
+    size_t number;
+    if (mesh != NULL) {
+        size_t v = option_count(name, '\0', &number) ? 0 : mesh->vertices;
+        while (v < mesh->vertices
+               && (mesh->names == NULL ? v : mesh->names[v]) != number) {
+            ++v;
+        }
+        place[0] = v;
+        return v < mesh->vertices;
     }
     const refine_axis *axis = self->grid.axis;
     const char *particle = name;
@@ -76,17 +71,15 @@ static int unknown_quantity(const converge *self, const record_series *series,
     for (size_t i = 0; i < PLACES && !self->mesh; ++i) {
         weft__guess_try(&guess, typed, places[i].name);
     }
+    const weft_cloth_def *cloth = weft_scene_cloth(self->scene);
+    sentence nor = { "" };
     if (self->mesh) {
-        return usage_error(self->given,
-                           "--at %s is no column of series.csv and no vertex of %zu%s",
-                           typed, weft_scene_cloth(self->scene)->mesh->vertices,
-                           weft__guess_text(&guess, near, sizeof near));
+        say(&nor, "vertex of %zu", cloth->mesh->vertices);
+    } else {
+        say(&nor, "particle of %zu x %zu", cloth->rows, cloth->cols);
     }
-    return usage_error(self->given,
-                       "--at %s is no column of series.csv and no particle of %zu x "
-                       "%zu%s",
-                       typed, self->grid.from->rows, self->grid.from->cols,
-                       weft__guess_text(&guess, near, sizeof near));
+    return usage_error(self->given, "--at %s is no column of series.csv and no %s%s",
+                       typed, nor.text, weft__guess_text(&guess, near, sizeof near));
 }
 
 /* "tip" stands for "tip.x", "tip.y" and "tip.z". False: nothing has that name. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cli/converge/refine.h"
+/* refine.c -- the same grid with another number of particles. */
+#include "cli/converge/converge.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,20 +80,19 @@ static void scale_lengths(refinement *self, size_t k)
 weft_status refine_to(refinement *self, size_t size, weft_error *err)
 {
     const weft_cloth_def *from = self->from;
-    weft_status status = WEFT_OK;
     if (!scale_counts(self, size)) {
         return weft_error_set(err, WEFT_INVALID,
                               "%zu does not keep the ratio of rows to columns", size);
     }
-    for (size_t i = 0; i < from->pin_count && status == WEFT_OK; ++i) {
+    for (size_t i = 0; i < from->pin_count; ++i) {
         weft_pin *pin = &self->pins[i];
         *pin = from->pins[i];
-        status = scale_place(self, &pin->rows, &pin->cols, "pins", i, err);
+        TRY(scale_place(self, &pin->rows, &pin->cols, "pins", i, err));
     }
-    for (size_t i = 0; i < from->load_count && status == WEFT_OK; ++i) {
+    for (size_t i = 0; i < from->load_count; ++i) {
         weft_load *load = &self->loads[i];
         *load = from->loads[i];
-        status = scale_place(self, &load->rows, &load->cols, "loads", i, err);
+        TRY(scale_place(self, &load->rows, &load->cols, "loads", i, err));
     }
     self->cloth = *from;
     self->cloth.rows = self->axis[0].refined;
@@ -101,9 +101,8 @@ weft_status refine_to(refinement *self, size_t size, weft_error *err)
     self->cloth.loads = self->loads;
     scale_lengths(self, 0);
     scale_lengths(self, 1);
-    return status == WEFT_OK && self->fabric != NULL
-               ? weft_fabric_apply(self->fabric, &self->cloth, err)
-               : status;
+    return self->fabric != NULL ? weft_fabric_apply(self->fabric, &self->cloth, err)
+                                : WEFT_OK;
 }
 
 weft_status refine_begin(refinement *self, const weft_scene *scene, weft_error *err)

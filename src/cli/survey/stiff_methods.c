@@ -80,9 +80,9 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
 {
     const double side = sqrt((double)weft_cloth_def_particles(cloth));
     const double width = side * spacing_of(cloth); /* [m] */
-    const survey_method *least
-        = NULL; /* the cheapest explicit one of order 2 and more:
-                 * Euler's is stable on damped cloth, and useless */
+    const survey_method *least = NULL;
+    /* the cheapest of order 2 and more: Euler's is stable on damped cloth, and useless
+     */
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *one = &of->methods[i];
         if (is_explicit(one) && one->type->order >= 2
