@@ -7,22 +7,18 @@
 #include "cli/human.h"
 #include "record/page.h"
 
-/* Not "", "dir/", "..", nor ".yaml": their files would be hidden, or odd. */
-static bool names_file(const char *name, size_t length)
-{
-    while (length > 0 && name[length - 1] == '.') {
-        --length;
-    }
-    return length > 0 && name[length - 1] != '/';
-}
-
 static int new_verb(const arguments *given)
 {
     const char *name = given->operands[0];
     const char *dot = strrchr(name, '.');
     char path[RECORD_PATH];
     const bool whole = dot != NULL && strcmp(dot, ".yaml") == 0;
-    if (!names_file(name, whole ? (size_t)(dot - name) : strlen(name))) {
+    size_t named = whole ? (size_t)(dot - name) : strlen(name);
+    while (named > 0 && name[named - 1] == '.') {
+        --named;
+    }
+    /* not "", "dir/", "..", nor ".yaml": their files would be hidden, or odd */
+    if (named == 0 || name[named - 1] == '/') {
         return usage_error(given,
                            "'%s' names no file; a name is like first or "
                            "dir/first.yaml",

@@ -3,11 +3,11 @@
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/suggest.h"
 #include "cli/cli.h"
 #include "cli/human.h"
-#include "cli/run/progress.h"
 
 #define OPTION_AT(member) (256 + (int)offsetof(arguments, member))
 #define TEXT(member)      required_argument, NULL, OPTION_AT(member)
@@ -120,13 +120,17 @@ static int unknown_option(const arguments *given, const struct option *table,
     return usage_error(given, "unknown option %s%s", typed, near);
 }
 
-/* auto or NULL: terminal if stderr is one, else lines. */
+/* auto or NULL: terminal if stderr is one that can return to the start of a line, else
+ * lines. */
 static int choose_progress(arguments *given)
 {
     static const char *const names[]
         = { "auto", "lines", "terminal", "yaml", "none", NULL };
+    const char *kind = getenv("TERM");
+    const bool redraws
+        = isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
     const progress_mode modes[]
-        = { progress_can_redraw() ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
+        = { redraws ? PROGRESS_TERMINAL : PROGRESS_LINES, PROGRESS_LINES,
             PROGRESS_TERMINAL, PROGRESS_YAML, PROGRESS_NONE };
     size_t i = 0;
     if (given->progress != NULL

@@ -87,20 +87,6 @@ static size_t thinned(size_t side, size_t stride)
     return (side - 1 + stride - 1) / stride + 1;
 }
 
-static void choose_stride(player_page *self)
-{
-    const size_t rows = self->faces->rows, cols = self->faces->cols;
-    const size_t side = rows > cols ? rows : cols;
-    const double wanted = fmin(frames_expected(self), FRAMES_WANTED);
-    self->stride = (side - 1) / SIDE_MAX;
-    do {
-        ++self->stride;
-        self->shown_rows = thinned(rows, self->stride);
-        self->shown_cols = thinned(cols, self->stride);
-        self->count = self->shown_rows * self->shown_cols;
-    } while (self->count > COUNT_LEAST && frames_that_fit(self) < wanted);
-}
-
 static size_t kept(size_t i, size_t stride, size_t side)
 {
     return i * stride < side ? i * stride : side - 1;
@@ -112,7 +98,15 @@ static weft_status choose_particles(player_page *self, weft_error *err)
     self->stride = 1;
     self->count = of->particles;
     if (of->cols > 0) {
-        choose_stride(self);
+        const size_t side = of->rows > of->cols ? of->rows : of->cols;
+        const double wanted = fmin(frames_expected(self), FRAMES_WANTED);
+        self->stride = (side - 1) / SIDE_MAX;
+        do {
+            ++self->stride;
+            self->shown_rows = thinned(of->rows, self->stride);
+            self->shown_cols = thinned(of->cols, self->stride);
+            self->count = self->shown_rows * self->shown_cols;
+        } while (self->count > COUNT_LEAST && frames_that_fit(self) < wanted);
     }
     self->particles = calloc(self->count, sizeof *self->particles);
     self->values = calloc(self->count, sizeof *self->values);

@@ -39,17 +39,6 @@ static bool is_meant(const stepper_method *m, const char *word)
                && weft_stepper_is(m->type, word + id + 1));
 }
 
-/* NULL: all. */
-static bool is_listed(const stepper_method *m, const char *list)
-{
-    char word[NAME_MOST];
-    bool found = list == NULL;
-    while (!found && next_word(&list, word)) {
-        found = is_meant(m, word);
-    }
-    return found;
-}
-
 /* The first word of a list that is no method, and the nearest name; false: all are. */
 static bool unknown_word(const weft_registry *registry, const char *list,
                          char word[NAME_MOST], weft__guess *near)
@@ -116,9 +105,14 @@ static weft_status add_methods(compare *self, weft_error *err)
     self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
     for (size_t i = 0; method_at(self->given->registry, i, &m); ++i) {
+        const char *list = self->given->methods; /* NULL: all */
+        char word[NAME_MOST];
+        bool listed = list == NULL;
+        while (!listed && next_word(&list, word)) {
+            listed = is_meant(&m, word);
+        }
         if (m.type == weft_scene_method_type(self->scene)
-            || (is_listed(&m, self->given->methods)
-                && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
+            || (listed && (m.type->flags & WEFT_STEPPER_BUTCHER) == 0)) {
             TRY(add_method(self, &m, err));
         }
     }

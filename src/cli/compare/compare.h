@@ -110,7 +110,7 @@ typedef struct compare {
 
 double compare_time(const compare *self, size_t frame); /* [s] */
 const compare_point *compare_as_is(const compare *self);
-double compare_decade(size_t k); /* 10^-k */
+extern const double compare_decades[]; /* 10^-k */
 /* Whether a method solves linear systems, so that its RHS calls are not its cost. */
 bool compare_is_implicit(const compare_method *method);
 /* Whether its tolerance of velocities is COMPARE_VELOCITY times that of positions. */

@@ -87,7 +87,7 @@ void compare_advise(const compare *self, compare_advice *out)
     out->count = 0;
     for (size_t k = 1; k <= COMPARE_DECADES; ++k) {
         compare_rank rank;
-        const double accuracy = compare_decade(k);
+        const double accuracy = compare_decades[k];
         if (accuracy < COMPARE_NEAR * self->apart) {
             break;
         }

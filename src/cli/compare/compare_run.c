@@ -46,12 +46,8 @@ const compare_point *compare_as_is(const compare *self)
     return self->shared->methods[self->count].points;
 }
 
-double compare_decade(size_t k)
-{
-    static const double decades[]
-        = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
-    return decades[k];
-}
+const double compare_decades[]
+    = { 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10 };
 
 static weft_stepper_config adaptive(const compare *self, const stepper_method *by,
                                     double tolerance)
@@ -289,7 +285,7 @@ static void set_rung(const compare *self, const compare_method *method, size_t r
         *config = adaptive(self, &method->by, 1e-6);
         config->fixed_step = point->setting = ldexp(method->step, -(int)rung);
     } else {
-        point->setting = compare_decade(COMPARE_FIRST + rung);
+        point->setting = compare_decades[COMPARE_FIRST + rung];
         *config = adaptive(self, &method->by, point->setting);
     }
 }

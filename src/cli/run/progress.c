@@ -4,7 +4,6 @@
 #include "cli/run/progress.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -16,12 +15,6 @@
 #define TERMINAL_PERIOD 0.2 /* [s] */
 #define YAML_PERIOD     0.1 /* [s] */
 #define NEW_WEIGHT      0.3 /* of the newest in smoothed rates */
-
-bool progress_can_redraw(void)
-{
-    const char *kind = getenv("TERM");
-    return isatty(STDERR_FILENO) == 1 && kind != NULL && strcmp(kind, "dumb") != 0;
-}
 
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
                     const weft_run_def *run)

@@ -18,9 +18,6 @@ typedef struct progress {
     const weft_run_def *run;
 } progress;
 
-/* Whether stderr is a terminal that can return to the start of a line. */
-bool progress_can_redraw(void);
-
 void progress_begin(progress *show, progress_mode mode, const weft_sim *sim,
                     const weft_run_def *run);
 /* After frame `frame` or a step behind it: prints if it is due. */

@@ -191,15 +191,11 @@ static weft_status open_tables(run *self, bool again, weft_error *err)
 static weft_status check_sums(run *self, bool equal, weft_error *err)
 {
     const record_checkpoint *from = self->from;
-    if (!is_intact(&self->series.table, &from->series)) {
-        return name_damage(self, "series.csv", err);
-    }
-    if (!equal) {
-        return name_damage(self, "run.vtkhdf", err);
-    }
-    return is_intact(&self->shapes, &from->shapes)
-               ? WEFT_OK
-               : name_damage(self, "shapes.csv", err);
+    const char *damaged = !is_intact(&self->series.table, &from->series) ? "series.csv"
+                          : !equal                                       ? "run.vtkhdf"
+                          : !is_intact(&self->shapes, &from->shapes)     ? "shapes.csv"
+                                                                         : NULL;
+    return damaged == NULL ? WEFT_OK : name_damage(self, damaged, err);
 }
 
 /* Opens the records of the checkpoint and checks all of them; writes nothing. */

@@ -388,32 +388,25 @@ static weft_status start(watch_server *self, weft_error *err)
     return WEFT_OK;
 }
 
-/* `began`: when the last round of the network did [s]. What moved in it is later, even
- * if this process had to wait for a processor. Who sends a signal waits for nothing but
- * the last message to browsers that take it. */
-static bool is_finished(const watch_server *self, double began)
-{
-    const bool told = interrupt_signal() != 0;
-    return self->over
-           && ((self->fed == 0 && (told || began > self->served + FAREWELL))
-               || began > self->moved + FAREWELL
-               || began > self->ended + (told ? LAST : SLOWEST));
-}
-
 weft_status watch_serve(const watch_def *def, weft_error *err)
 {
     watch_server self = { .def = def };
-    const weft_status status = start(&self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    double began;
-    do {
+    bool finished = false;
+    TRY(start(&self, err));
+    while (!finished) {
         look(&self);
         wake_all(&self);
-        began = weft__wall_clock();
+        const double began = weft__wall_clock();
         (void)MHD_run_wait(self.daemon, WAIT);
-    } while (!is_finished(&self, began));
+        /* What moved in this round is later than it began, even if this process had to
+         * wait for a processor. Who sends a signal waits for nothing but the last
+         * message to browsers that take it. */
+        const bool told = interrupt_signal() != 0;
+        finished = self.over
+                   && ((self.fed == 0 && (told || began > self.served + FAREWELL))
+                       || began > self.moved + FAREWELL
+                       || began > self.ended + (told ? LAST : SLOWEST));
+    }
     wake_all(&self);
     MHD_stop_daemon(self.daemon);
     player_page_close(&self.page);
