@@ -16,7 +16,7 @@ typedef struct source {
 
 /* A saved simulation on its way into another. */
 typedef struct restored {
-    weft__save_fields fields;
+    weft__save_head head;
     unsigned char *front;
     size_t front_words;
     uint64_t *holds;
@@ -44,40 +44,43 @@ static weft_status get_words(const source *from, size_t at, void *to, size_t wor
     return from->get(from->ctx, (uint64_t)at * WEFT__WORD, to, words * WEFT__WORD, err);
 }
 
-/* Whether the bytes are those of a simulation. */
-static weft_status check_format(const unsigned char *head, weft_error *err)
+static weft__save_head head_at(const unsigned char *from)
 {
-    if (memcmp(head, WEFT__SAVE_MAGIC, WEFT__WORD) != 0) {
-        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
-    }
-    return word(head, AT_VERSION) == WEFT__SAVE_VERSION
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_INVALID,
-                                "a simulation saved in format %llu, and this is %d",
-                                (unsigned long long)word(head, AT_VERSION),
-                                WEFT__SAVE_VERSION);
+    weft__save_head out;
+    weft__words_get(&out, from, SAVE_HEAD);
+    memcpy(out.magic, from, sizeof out.magic); /* texts are no words */
+    memcpy(out.name, from + offsetof(weft__save_head, name), sizeof out.name);
+    return out;
 }
 
-/* Whether their places are those of this one; out: how many shapes there is room for.
- */
-static weft_status check_size(const weft_sim *sim, const unsigned char *head,
+/* Whether the bytes are those of a simulation, and their places those of this one; out:
+ * how many shapes there is room for. */
+static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
                               size_t size, size_t *shapes, weft_error *err)
 {
-    const size_t rows = sim->cloth->mesh.band.rows,
-                 cols = weft__width_of(&sim->cloth->mesh);
-    if (word(head, AT_ROWS) != rows || word(head, AT_COLS) != cols) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "saved of %llu x %llu particles, and these are %zu x %zu",
-                              (unsigned long long)word(head, AT_ROWS),
-                              (unsigned long long)word(head, AT_COLS), rows, cols);
-    }
-    if (word(head, AT_QUADRATURES) != sim->config.quadratures) {
-        return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
-                              sim->ledger.on ? "without" : "with");
-    }
+    const weft__save_head mine = weft__save_head_of(sim);
     const size_t words = size / WEFT__WORD;
     const size_t least
         = weft__save_front(sim, 0) + WEFT__SAVE_PLANES * weft__save_particles(sim);
+    if (memcmp(head->magic, mine.magic, sizeof mine.magic) != 0) {
+        return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
+    }
+    if (head->version != mine.version) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "a simulation saved in format %llu, and this is %d",
+                              (unsigned long long)head->version, WEFT__SAVE_VERSION);
+    }
+    if (head->rows != mine.rows || head->cols != mine.cols) {
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "saved of %llu x %llu particles, and these are %llu x %llu",
+            (unsigned long long)head->rows, (unsigned long long)head->cols,
+            (unsigned long long)mine.rows, (unsigned long long)mine.cols);
+    }
+    if (head->quadratures != mine.quadratures) {
+        return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
+                              sim->ledger.on ? "without" : "with");
+    }
     *shapes = words < least ? 0 : (words - least) / SHAPE_WORDS;
     return size == (least + *shapes * SHAPE_WORDS) * WEFT__WORD ? WEFT_OK
                                                                 : damaged(err);
@@ -121,9 +124,9 @@ static weft_status read_saved(const weft_sim *sim, const source *from, restored 
     if (from->size >= sizeof head) { /* else it has no magic */
         status = get_words(from, 0, head, SAVE_HEAD, err);
     }
-    status = status == WEFT_OK ? check_format(head, err) : status;
+    to->head = head_at(head);
     status = status == WEFT_OK
-                 ? check_size(sim, head, from->size, &to->shape_count, err)
+                 ? check_head(sim, &to->head, from->size, &to->shape_count, err)
                  : status;
     to->front_words = weft__save_front(sim, to->shape_count);
     status = status == WEFT_OK ? make_room(sim, to, err) : status;
@@ -153,26 +156,24 @@ static weft_status check_sum(const weft_sim *sim, const restored *from, weft_err
 static weft_status check_definition(const weft_sim *sim, const restored *from,
                                     weft_error *err)
 {
-    char name[WEFT__SAVE_NAME];
-    const char *other = (const char *)from->front + AT_NAME * WEFT__WORD;
+    const weft__save_head mine = weft__save_head_of(sim), *head = &from->head;
     const unsigned char *shapes = front_shapes(sim, from);
-    weft__save_name(sim, name);
     if (word(shapes, 0) != from->shape_count) {
         return damaged(err);
     }
-    if (memcmp(name, other, sizeof name) != 0) {
+    if (memcmp(mine.name, head->name, sizeof mine.name) != 0) {
         return weft_error_set(err, WEFT_INVALID,
-                              "saved under method '%.63s', and this is '%.63s'", other,
-                              name);
+                              "saved under method '%.63s', and this is '%.63s'",
+                              head->name, mine.name);
     }
-    if (word(from->front, AT_CLOTH) != sim->cloth_hash
+    if (head->cloth != mine.cloth
         || (from->shape_count > 0
             && word(shapes, 1) != weft__contact_hash(&sim->cloth->contact))) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of another cloth (springs, masses, pins, forces "
                               "or contact differ)");
     }
-    return word(from->front, AT_SETTINGS) == sim->settings
+    return head->settings == mine.settings
                ? WEFT_OK
                : weft_error_set(err, WEFT_INVALID,
                                 "saved under other settings of the stepper or the "
@@ -201,7 +202,7 @@ static bool read_shapes(const weft_sim *sim, restored *to)
 /* What is wrong; NULL: nothing. Forged bytes may have a correct checksum. */
 static const char *fault_of(const weft_sim *sim, restored *of)
 {
-    const weft__save_fields *saved = &of->fields;
+    const weft__save_fields *saved = &of->head.fields;
     const size_t dim = weft_cloth_dim(sim->cloth);
     const double works[]
         = { saved->energy_start, saved->limit_work, saved->outside_work };
@@ -231,7 +232,7 @@ static weft_status check_gaps(const weft_sim *sim, const restored *from,
     as_saved.contact.shape_count = from->shape_count;
     for (size_t i = 0; i < as_saved.mesh.particles; ++i) {
         const weft__breach breach
-            = weft__particle_breach(&as_saved, from->fields.t, from->y, i);
+            = weft__particle_breach(&as_saved, from->head.fields.t, from->y, i);
         if (breach.found && from->holds[i] == WEFT__FREE) {
             return weft__breach_error(&as_saved, &breach, "was saved", err);
         }
@@ -282,8 +283,8 @@ static void exchange(weft_sim *sim, restored *with)
 /* Of checked bytes; the arrays are there. */
 static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
 {
+    to->head = head_at(to->front);
     weft_status status = check_definition(sim, to, err);
-    weft__words_get(&to->fields, to->front + AT_FIELDS * WEFT__WORD, FIELDS);
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
     const char *fault = status == WEFT_OK ? fault_of(sim, to) : NULL;
@@ -312,9 +313,9 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
     }
     if (status == WEFT_OK) {
         exchange(sim, &to);
-        status = weft__sim_renew(sim, &to.fields, err);
+        status = weft__sim_renew(sim, &to.head.fields, err);
         if (status == WEFT_OK) {
-            take_fields(sim, &to.fields);
+            take_fields(sim, &to.head.fields);
             weft_stepper_ode_changed(sim->def.method, sim->stepper);
         } else {
             exchange(sim, &to);

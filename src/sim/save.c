@@ -78,13 +78,18 @@ size_t weft_sim_save_size(const weft_sim *sim)
            * WEFT__WORD;
 }
 
-void weft__save_name(const weft_sim *sim, char name[WEFT__SAVE_NAME])
+weft__save_head weft__save_head_of(const weft_sim *sim)
 {
-    const size_t size = WEFT__SAVE_NAME - 1;
-    const char *full = sim->def.method->name;
-    const size_t length = strlen(full) < size ? strlen(full) : size;
-    memset(name, 0, size + 1);
-    memcpy(name, full, length);
+    weft__save_head out = { .version = WEFT__SAVE_VERSION,
+                            .rows = sim->cloth->mesh.band.rows,
+                            .cols = weft__width_of(&sim->cloth->mesh),
+                            .quadratures = sim->config.quadratures,
+                            .cloth = sim->cloth_hash,
+                            .settings = sim->settings,
+                            .fields = fields_of(sim) };
+    memcpy(out.magic, WEFT__SAVE_MAGIC, sizeof out.magic);
+    (void)snprintf(out.name, sizeof out.name, "%s", sim->def.method->name);
+    return out;
 }
 
 static uint64_t add_words(uint64_t sum, const void *words, size_t count)
@@ -119,20 +124,6 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
 
 /* ---- to bytes -------------------------------------------------------------------- */
 
-static void put_head(const weft_sim *sim, unsigned char *to)
-{
-    char name[WEFT__SAVE_NAME];
-    weft__save_name(sim, name);
-    memcpy(to, WEFT__SAVE_MAGIC, WEFT__WORD);
-    weft__word_put(to + AT_VERSION * WEFT__WORD, WEFT__SAVE_VERSION);
-    weft__word_put(to + AT_ROWS * WEFT__WORD, sim->cloth->mesh.band.rows);
-    weft__word_put(to + AT_COLS * WEFT__WORD, weft__width_of(&sim->cloth->mesh));
-    weft__word_put(to + AT_QUADRATURES * WEFT__WORD, sim->config.quadratures);
-    weft__word_put(to + AT_CLOTH * WEFT__WORD, sim->cloth_hash);
-    weft__word_put(to + AT_SETTINGS * WEFT__WORD, sim->settings);
-    memcpy(to + AT_NAME * WEFT__WORD, name, sizeof name);
-}
-
 static void put_shapes(const weft_cloth *cloth, unsigned char *to)
 {
     weft__word_put(to, cloth->contact.shape_count);
@@ -151,10 +142,11 @@ static void put_shapes(const weft_cloth *cloth, unsigned char *to)
 /* All but the checksum. */
 static void put_front(const weft_sim *sim, unsigned char *to)
 {
-    const weft__save_fields now = fields_of(sim);
+    const weft__save_head head = weft__save_head_of(sim);
     const size_t quadratures = sim->config.quadratures;
-    put_head(sim, to);
-    weft__words_put(to + AT_FIELDS * WEFT__WORD, &now, FIELDS);
+    weft__words_put(to, &head, SAVE_HEAD);
+    memcpy(to, head.magic, sizeof head.magic); /* texts are no words */
+    memcpy(to + offsetof(weft__save_head, name), head.name, sizeof head.name);
     to += SAVE_HEAD * WEFT__WORD;
     weft__words_put(to, sim->y + weft_cloth_dim(sim->cloth), quadratures);
     put_shapes(sim->cloth, to + quadratures * WEFT__WORD);

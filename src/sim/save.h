@@ -30,19 +30,14 @@ typedef struct weft__save_fields {
     double event_since; /* [s] */
 } weft__save_fields;
 
-/* Places of words. */
-enum {
-    AT_VERSION = 1,
-    AT_ROWS,
-    AT_COLS,
-    AT_QUADRATURES,
-    AT_CLOTH,
-    AT_SETTINGS,
-    AT_NAME,
-    AT_FIELDS = AT_NAME + WEFT__SAVE_NAME / WEFT__WORD,
-    FIELDS = sizeof(weft__save_fields) / WEFT__WORD,
-    SAVE_HEAD = AT_FIELDS + FIELDS /* where the quadratures are */
-};
+/* The front as far as it has one length. */
+typedef struct weft__save_head {
+    char magic[WEFT__WORD];
+    uint64_t version, rows, cols, quadratures, cloth, settings;
+    char name[WEFT__SAVE_NAME]; /* cut to the room, then zeros */
+    weft__save_fields fields;
+} weft__save_head;
+enum { SAVE_HEAD = sizeof(weft__save_head) / WEFT__WORD };
 
 /* What weft_shape has behind `kind`. */
 enum {
@@ -63,8 +58,8 @@ static inline size_t weft__save_particles(const weft_sim *sim)
     return weft__whole_particles(&sim->cloth->mesh);
 }
 
-/* The name of the method, cut to the room, then zeros. */
-void weft__save_name(const weft_sim *sim, char name[WEFT__SAVE_NAME]);
+/* That of a simulation. */
+weft__save_head weft__save_head_of(const weft_sim *sim);
 
 /* The checksum, on band 0: of `words` words of the front and of all rows of y and
  * holds, whose particles are those here. Collective. */
