@@ -21,11 +21,12 @@ static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pai
     if (near->particle[0] == NULL || near->waits == NULL) {
         return false;
     }
-    for (size_t k = 1; k < 4; ++k) {
-        near->particle[k] = near->particle[k - 1] + all;
+    for (size_t k = 0; k < 4; ++k) {
+        near->particle[k] = near->particle[0] + k * all;
+        of->numbers[k] = near->waits + k * all;
     }
-    near->mass = near->waits + all, near->rest = near->mass + all;
-    of->distances = near->rest + all;
+    near->mass = of->numbers[1], near->rest = of->numbers[2];
+    of->distances = of->numbers[3];
     return true;
 }
 
@@ -82,11 +83,6 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
     free_groups(memory, &of->before);
 }
 
-static void copy_numbers(double *to, const double *from, size_t count)
-{
-    memcpy(to, from, count * sizeof *to);
-}
-
 void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
@@ -101,11 +97,9 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
         for (size_t k = 0; k < 4; ++k) {
             memcpy(to->near.particle[k] + to->count, from->near.particle[k] + first,
                    count * sizeof(int32_t));
+            memcpy(to->numbers[k] + to->count, from->numbers[k] + first,
+                   count * sizeof(double));
         }
-        copy_numbers(to->near.waits + to->count, from->near.waits + first, count);
-        copy_numbers(to->near.mass + to->count, from->near.mass + first, count);
-        copy_numbers(to->near.rest + to->count, from->near.rest + first, count);
-        copy_numbers(to->distances + to->count, from->distances + first, count);
         to->count += count;
     }
 }

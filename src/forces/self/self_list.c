@@ -180,11 +180,6 @@ double weft__self_drift(weft__self_list *list, const double *from, const double 
 
 /* ---- making ---------------------------------------------------------------------- */
 
-typedef struct making {
-    weft__self_list *list;
-    const double *y;
-} making;
-
 /* [m] Between the boxes about two tiles. */
 static double box_distance(const weft__drift *a, const weft__drift *b)
 {
@@ -199,8 +194,7 @@ static double box_distance(const weft__drift *a, const weft__drift *b)
 /* What is left of `clear`: tiles[0] has displacements, tiles[1] places. */
 static void age_part(void *ctx, size_t part)
 {
-    const making *of = ctx;
-    weft__self_list *list = of->list;
+    weft__self_list *list = ctx;
     const weft__self_chunk *at = &list->chunks[part];
     const double least = list->own->law.thickness + LEAST * list->skin;
     for (size_t i = at->first; i < at->end; ++i) {
@@ -235,8 +229,7 @@ static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
 
 static void fill_part(void *ctx, size_t part)
 {
-    const making *of = ctx;
-    weft__self_list *list = of->list;
+    weft__self_list *list = ctx;
     const size_t tiles = weft__tile_count(list->own->mesh);
     for (size_t i = part; i < tiles; i += list->chunk_count) {
         if (list->marks[i] != 0) {
@@ -245,24 +238,15 @@ static void fill_part(void *ctx, size_t part)
     }
 }
 
-/* Sets what a pair has by its particles. */
-static void weigh_pair(const weft__self_law *law, weft__pair_kind kind, weft__near *in,
-                       size_t i)
-{
-    const weft__pair pair = weft__near_pair(kind, in, i);
-    in->mass[i] = weft__pair_mass(law->own, &pair);
-    in->rest[i] = weft__pair_rest(law, &pair);
-}
-
 /* Measures the pairs of a bin from `first` on, which may be new, and drops those at
  * `clear`. Pinned pairs do not push. */
-static void measure_pairs(const making *of, weft__pair_kind kind, weft__self_pairs *in,
-                          size_t first, double clear, bool new, weft__self_group *to)
+static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
+                          weft__self_pairs *in, size_t first, double clear, bool new,
+                          weft__self_group *to)
 {
-    const weft__self_list *list = of->list;
     const weft__self_law law = weft__self_law_of(list->own);
     const size_t all = in->count;
-    list->own->waits(list->own, kind, &in->near, first, all, of->y, list->skin,
+    list->own->waits(list->own, kind, &in->near, first, all, list->y, list->skin,
                      in->distances);
     in->count = first;
     for (size_t i = first; i < all; ++i) {
@@ -275,7 +259,9 @@ static void measure_pairs(const making *of, weft__pair_kind kind, weft__self_pai
             weft__self_pairs_move(in, i, at);
         }
         if (new) {
-            weigh_pair(&law, kind, &in->near, at);
+            const weft__pair pair = weft__near_pair(kind, &in->near, at);
+            in->near.mass[at] = weft__pair_mass(list->own, &pair);
+            in->near.rest[at] = weft__pair_rest(&law, &pair);
         }
         if (!(in->near.mass[at] > 0.0)) {
             in->near.waits[at] = INFINITY;
@@ -288,10 +274,9 @@ static void measure_pairs(const making *of, weft__pair_kind kind, weft__self_pai
 
 /* Of two tiles whose pairs are the last ones, after those of the group before; from:
  * another group that has had them, or NULL. */
-static void add_group(const making *of, weft__self_chunk *in, size_t tiles,
+static void add_group(const weft__self_list *list, weft__self_chunk *in, size_t tiles,
                       const weft__self_group *from)
 {
-    const weft__self_list *list = of->list;
     weft__self_groups *now = &in->now;
     weft__self_group *to = &now->at[now->count];
     weft__span *span = &now->spans[now->count];
@@ -306,7 +291,7 @@ static void add_group(const making *of, weft__self_chunk *in, size_t tiles,
         weft__self_pairs *at = &in->bins[kind].now;
         const size_t first = weft__self_first(now, now->count, kind);
         if (stale) {
-            measure_pairs(of, (weft__pair_kind)kind, at, first, list->clear[tiles],
+            measure_pairs(list, (weft__pair_kind)kind, at, first, list->clear[tiles],
                           from == NULL, to);
         }
         any = any || at->count > first;
@@ -316,10 +301,9 @@ static void add_group(const making *of, weft__self_chunk *in, size_t tiles,
 }
 
 /* Lists the pairs of two tiles, which are in group `old` or, if it is NULL, in none. */
-static void list_pairs(const making *of, weft__self_chunk *in, size_t tiles,
+static void list_pairs(weft__self_list *list, weft__self_chunk *in, size_t tiles,
                        const weft__self_group *old)
 {
-    weft__self_list *list = of->list;
     double *clear = &list->clear[tiles];
     weft__self_group kept = { .loss = 0.0 };
     const bool seek = *clear == UNKNOWN;
@@ -333,14 +317,13 @@ static void list_pairs(const making *of, weft__self_chunk *in, size_t tiles,
         weft__self_chunk_copy(in, (size_t)(old - in->before.at));
     }
     if (!weft__self_chunk_full(in)) {
-        add_group(of, in, tiles, seek || old == NULL ? NULL : &kept);
+        add_group(list, in, tiles, seek || old == NULL ? NULL : &kept);
     }
 }
 
 static void make_part(void *ctx, size_t part)
 {
-    const making *of = ctx;
-    weft__self_list *list = of->list;
+    weft__self_list *list = ctx;
     weft__self_chunk *in = &list->chunks[part];
     weft__self_chunk_begin(in);
     const weft__self_group *old = in->before.at,
@@ -348,7 +331,7 @@ static void make_part(void *ctx, size_t part)
     for (size_t i = in->first; i < in->end && !in->full; ++i) {
         const bool listed = old < end && old->tiles == i;
         if (list->clear[i] < weft__self_watched(list)) {
-            list_pairs(of, in, i, listed ? old : NULL);
+            list_pairs(list, in, i, listed ? old : NULL);
         }
         old += listed;
     }
@@ -389,13 +372,13 @@ static void end_making(weft__self_list *list)
 /* Of a list that is valid tiles[0] has the displacements since. */
 static void make(weft__self_list *list, const double *y)
 {
-    making of = { list, y };
     const weft__self *own = list->own;
     bool seek = false;
+    list->y = y;
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, 1);
-    weft__pool_run(list->pool, age_part, &of, list->chunk_count);
+    weft__pool_run(list->pool, age_part, list, list->chunk_count);
     memset(list->marks, 0, weft__tile_count(own->mesh));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
@@ -406,9 +389,9 @@ static void make(weft__self_list *list, const double *y)
     if (seek) {
         list->tree = weft__tree_of(own->mesh, y);
         weft__tree_begin(&list->tree, list->knots);
-        weft__pool_run(list->pool, fill_part, &of, list->chunk_count);
+        weft__pool_run(list->pool, fill_part, list, list->chunk_count);
     }
-    weft__pool_run(list->pool, make_part, &of, list->chunk_count);
+    weft__pool_run(list->pool, make_part, list, list->chunk_count);
     memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
     list->pin_changes = own->mesh->pin_changes;
     end_making(list);

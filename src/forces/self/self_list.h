@@ -70,7 +70,8 @@ typedef struct weft__self_groups {
 typedef struct weft__self_pairs {
     size_t count;
     weft__near near;
-    double *distances; /* [m] */
+    double *distances;  /* [m] */
+    double *numbers[4]; /* the distances and those of near */
 } weft__self_pairs;
 
 /* Those of a kind, and their pushes. */
@@ -95,6 +96,7 @@ struct weft__self_list {
     weft_allocator memory;
     weft__quadtree tree;
     weft__knot *knots;     /* of any state */
+    const double *y;       /* while it is made */
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles */
     weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
@@ -144,11 +146,8 @@ static inline void weft__self_pairs_move(weft__self_pairs *in, size_t from, size
 {
     for (size_t k = 0; k < 4; ++k) {
         in->near.particle[k][to] = in->near.particle[k][from];
+        in->numbers[k][to] = in->numbers[k][from];
     }
-    in->near.waits[to] = in->near.waits[from];
-    in->near.mass[to] = in->near.mass[from];
-    in->near.rest[to] = in->near.rest[from];
-    in->distances[to] = in->distances[from];
 }
 
 /* ---- self_list.c ----------------------------------------------------------------- */
