@@ -84,15 +84,6 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
                                         "not possible for a cloth in bands: %s", why);
 }
 
-weft_status weft__bands_exclude(const weft_comm *comm, const char *function,
-                                weft_error *err)
-{
-    return comm == NULL
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_UNSUPPORTED,
-                                "%s: not possible for a cloth in bands", function);
-}
-
 /* ---- decisions ------------------------------------------------------------------- */
 
 bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes)
@@ -112,8 +103,7 @@ bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes
     return first > 0.0;
 }
 
-weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
-                              weft_error *err)
+weft_status weft_comm_agree(const weft_comm *comm, weft_status status, weft_error *err)
 {
     weft_error why = { .status = status };
     if (comm == NULL) {
@@ -128,19 +118,9 @@ weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
     return why.status;
 }
 
-weft_status weft_comm_agree(const weft_comm *comm, weft_status status, weft_error *err)
-{
-    return weft__bands_agree(comm, status, err);
-}
-
 double weft__bands_max(const weft_comm *comm, double mine)
 {
     return comm == NULL ? mine : comm->max(comm->self, mine);
-}
-
-bool weft__bands_all(const weft_comm *comm, bool mine)
-{
-    return weft__bands_max(comm, mine ? 0.0 : 1.0) == 0.0;
 }
 
 /* ---- blocks ---------------------------------------------------------------------- */

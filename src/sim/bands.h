@@ -4,7 +4,7 @@
  * forces are collective; with comm NULL the cloth is whole and they are local.
  *
  * Every band makes the same calls in the same order, so nothing between two of them may
- * return early on one band alone: weft__bands_agree before that. */
+ * return early on one band alone: weft_comm_agree before that. */
 #ifndef WEFT_SIM_BANDS_H
 #define WEFT_SIM_BANDS_H
 
@@ -19,18 +19,8 @@ weft_status weft__bands_comm_check(const weft_comm *comm, weft_error *err);
  * band cannot do. Local. */
 weft_status weft__bands_check(const weft_sim_def *def, weft_error *err);
 
-/* WEFT_UNSUPPORTED for a function that a simulation in bands does not have. Local. */
-weft_status weft__bands_exclude(const weft_comm *comm, const char *function,
-                                weft_error *err);
-
-/* WEFT_OK if it is so on all bands; else the status and error of the first that fails.
- */
-weft_status weft__bands_agree(const weft_comm *comm, weft_status status,
-                              weft_error *err);
-
-/* The largest number >= 0; whether all have it so. */
+/* The largest number >= 0. */
 double weft__bands_max(const weft_comm *comm, double mine);
-bool weft__bands_all(const weft_comm *comm, bool mine);
 
 /* The data of the first band that has any, to all; false if none has. */
 bool weft__bands_first(const weft_comm *comm, bool has, void *data, size_t bytes);

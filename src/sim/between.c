@@ -237,11 +237,6 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
-void weft__between_free(weft_sim *sim)
-{
-    weft__free(&sim->memory, sim->between.start);
-}
-
 void weft__between_begin(weft_sim *sim)
 {
     weft__between *of = &sim->between;

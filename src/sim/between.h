@@ -22,7 +22,6 @@ typedef struct weft__between {
 
 /* Room for a definition that asks for it. */
 weft_status weft__between_init(weft_sim *sim, weft_error *err);
-void weft__between_free(weft_sim *sim);
 
 /* Before a step. */
 void weft__between_begin(weft_sim *sim);

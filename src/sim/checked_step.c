@@ -66,7 +66,8 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
         return status;
     }
     const weft__path path = { t0, sim->t, sim->start, sim->y };
-    if (!weft__bands_all(sim->def.comm, weft__path_clear(&sim->forces, &path))) {
+    const bool clear = weft__path_clear(&sim->forces, &path);
+    if (weft__bands_max(sim->def.comm, clear ? 0.0 : 1.0) > 0.0) {
         sim->refused = weft__path_breach(&sim->forces, &path);
         sim->refused.particle
             = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);

@@ -60,11 +60,6 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
     return WEFT_OK;
 }
 
-void weft__limit_free(weft__limit *limit, const weft_allocator *memory)
-{
-    weft__free(memory, limit->x);
-}
-
 /* The effect of the last sweep, in the product of the projections. */
 typedef struct limit_progress {
     double back;   /* (z - x_(k+1), x_(k+1) - x_k) */

@@ -23,7 +23,6 @@ typedef struct weft__limit {
 weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
                              const weft_cloth *cloth, const weft_allocator *memory,
                              weft_error *err);
-void weft__limit_free(weft__limit *limit, const weft_allocator *memory);
 
 /* Corrects y[6 N] after a step of size h [s]. Returns whether it changed anything. */
 bool weft__limit_apply(weft__limit *limit, double h, double *y);

@@ -150,7 +150,7 @@ static weft_status check_sum(const weft_sim *sim, const restored *from, weft_err
         = weft__save_sum(&sim->forces, from->y, from->holds, from->front, last);
     const bool right
         = sum == word(from->front, last) || !weft__bands_is_first(sim->def.comm);
-    return weft__bands_agree(sim->def.comm, right ? WEFT_OK : damaged(err), err);
+    return weft_comm_agree(sim->def.comm, right ? WEFT_OK : damaged(err), err);
 }
 
 static weft_status check_definition(const weft_sim *sim, const restored *from,
@@ -306,10 +306,10 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
     ++sim->callbacks;
     weft_status status = read_saved(sim, &from, &to, err);
     --sim->callbacks;
-    status = weft__bands_agree(comm, status, err);
+    status = weft_comm_agree(comm, status, err);
     status = status == WEFT_OK ? check_sum(sim, &to, err) : status;
     if (status == WEFT_OK) {
-        status = weft__bands_agree(comm, read_fields(sim, &to, err), err);
+        status = weft_comm_agree(comm, read_fields(sim, &to, err), err);
     }
     if (status == WEFT_OK) {
         exchange(sim, &to);

@@ -40,7 +40,7 @@ weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
 {
     void *fresh = NULL;
     const weft_status mine = weft__sim_stepper(sim, counted->next_step, &fresh, err);
-    const weft_status status = weft__bands_agree(sim->def.comm, mine, err);
+    const weft_status status = weft_comm_agree(sim->def.comm, mine, err);
     if (status != WEFT_OK) {
         sim->def.method->destroy(fresh);
     } else {
@@ -206,7 +206,7 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
                      first ? words * WEFT__WORD : 0, err);
     status = put_planes(sim, to, status, err);
     --sim->callbacks;
-    return weft__bands_agree(sim->def.comm, status, err);
+    return weft_comm_agree(sim->def.comm, status, err);
 }
 
 weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
@@ -236,7 +236,7 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
         = to.front == NULL || to.holds == NULL || to.plane == NULL
               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to save a simulation")
               : WEFT_OK;
-    status = weft__bands_agree(sim->def.comm, status, err);
+    status = weft_comm_agree(sim->def.comm, status, err);
     status = status == WEFT_OK ? put_all(sim, &to, err) : status;
     weft__free(memory, to.front);
     weft__free(memory, to.holds);
@@ -278,6 +278,6 @@ weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *e
                : weft_error_set(err, WEFT_INVALID,
                                 "a saved simulation needs %zu bytes, not %zu", least,
                                 bytes == NULL ? 0 : size);
-    status = weft__bands_agree(sim->def.comm, status, err);
+    status = weft_comm_agree(sim->def.comm, status, err);
     return status == WEFT_OK ? weft_sim_save_parts(sim, put_whole, &to, err) : status;
 }

@@ -172,10 +172,10 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
     if (status != WEFT_OK) {
         return status; /* nobody can be told */
     }
-    status = weft__bands_agree(def->comm, prepare(def, &sim, err), err);
+    status = weft_comm_agree(def->comm, prepare(def, &sim, err), err);
     if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
-        status = weft__bands_agree(def->comm, status, err);
+        status = weft_comm_agree(def->comm, status, err);
     }
     if (status != WEFT_OK) {
         weft_sim_destroy(sim);
@@ -195,14 +195,14 @@ void weft_sim_destroy(weft_sim *sim)
     if (sim != NULL) {
         sim->def.method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
-        weft__limit_free(&sim->limit, &sim->memory);
-        weft__structure_free(sim);
-        weft__between_free(sim);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
-        weft__free(&memory, sim->added);
-        weft__free(&memory, sim->y);
-        weft__free(&memory, sim->start);
+        void *const own[]
+            = { sim->limit.x, sim->runs, sim->masses, sim->links,        sim->ties,
+                sim->added,   sim->y,    sim->start,  sim->between.start };
+        for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
+            weft__free(&memory, own[i]);
+        }
         weft__free(&memory, sim);
     }
 }

@@ -9,8 +9,9 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                  weft_error *err)
 {
     const weft_status outside = weft__sim_outside(sim, function, err);
-    return outside == WEFT_OK ? weft__bands_exclude(sim->def.comm, function, err)
-                              : outside;
+    return outside == WEFT_OK && sim->def.comm != NULL ? weft_error_set(
+               err, WEFT_UNSUPPORTED, "%s: not possible for a cloth in bands", function)
+                                                       : outside;
 }
 
 static void set_planes(const weft_cloth *cloth, const double *xyz, double *planes)

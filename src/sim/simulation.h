@@ -63,7 +63,6 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
  * shapes have changed. */
 weft_status weft__structure_init(weft_sim *sim, weft_error *err);
 void weft__structure_update(weft_sim *sim);
-void weft__structure_free(weft_sim *sim);
 
 /* WEFT_INVALID for a function that is called from within a callback: every call of the
  * embedder raises sim->callbacks until it returns. */

@@ -115,11 +115,3 @@ void weft__structure_update(weft_sim *sim)
     }
     sim->structure.block_planes = weft__sim_checks(sim) ? WEFT_BLOCK_PLANES : 0;
 }
-
-void weft__structure_free(weft_sim *sim)
-{
-    weft__free(&sim->memory, sim->runs);
-    weft__free(&sim->memory, sim->masses);
-    weft__free(&sim->memory, sim->links);
-    weft__free(&sim->memory, sim->ties);
-}
