@@ -8,14 +8,6 @@
 #include "forces/contact/contact_bounds.h"
 #include "forces/contact/contact_law.h"
 
-double weft__touch_energy(const weft__contact *own, const weft__touch *touch)
-{
-    const weft_contact_def *law = &own->law;
-    const double z = touch->gap * (1.0 / law->thickness), s = 1.0 - z;
-    const double e = 0.5 * law->stopping_speed * law->stopping_speed * touch->share;
-    return z > 0.0 ? e * law_power(s, law->exponent) * s * s / z : (double)INFINITY;
-}
-
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
 {
@@ -27,14 +19,14 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
     touch->drag = law_drag(law, friction, of.most, of.under);
 }
 
-/* Of a particle at x with velocity v, whose gap is there. */
-static void find_speeds(const weft__pose *pose, const double x[3], const double v[3],
+/* Of a particle at r from the shape with velocity v, whose gap is there. */
+static void find_speeds(const weft__pose *pose, const double r[3], const double v[3],
                         weft__touch *touch)
 {
     const double *g = touch->gradient;
     double moving[3];
     touch->steepness = touch->joined ? weft__length(g) : 1.0;
-    weft__surface_velocity(pose, x, touch->surface);
+    law_surface(pose, r, touch->surface);
     for (size_t k = 0; k < 3; ++k) {
         touch->normal[k] = g[k] * (1.0 / touch->steepness);
         moving[k] = v[k] - touch->surface[k];
@@ -49,16 +41,19 @@ static bool find_touch(weft__touches *at, size_t i)
 {
     const size_t n = at->own->mesh->particles;
     const double *z = at->y + i;
-    const double x[3] = { z[0], z[n], z[2 * n] };
+    const double *p = at->pose.at, r[3] = { z[0] - p[0], z[n] - p[1], z[2 * n] - p[2] };
     const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
     weft__touch *touch = &at->touch;
-    touch->gap = weft__shape_gap(&at->pose, x, touch->gradient, &touch->joined);
-    if (touch->gap >= at->own->law.thickness) {
+    law_spot spot;
+    law_spot_of(&at->pose, at->pose.kind, r, &spot);
+    if (spot.gap >= at->own->law.thickness) {
         return false;
     }
+    touch->gap = spot.gap, touch->joined = spot.joined != 0;
+    memcpy(touch->gradient, spot.gradient, sizeof spot.gradient);
     at->i = i;
     touch->share = 1.0;
-    find_speeds(&at->pose, x, v, touch);
+    find_speeds(&at->pose, r, v, touch);
     weft__touch_forces(&at->own->law, at->pose.friction, touch);
     return true;
 }
@@ -148,9 +143,12 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__contact *of = own;
+    const weft_contact_def *law = &of->law;
+    const double e = 0.5 * law->stopping_speed * law->stopping_speed;
     for (weft__touches all = of_block(of, at, b); weft__each_touch(&all);) {
-        sum->energy.contact
-            += of->mesh->mass[all.i] * weft__touch_energy(of, &all.touch);
+        const double z = all.touch.gap * (1.0 / law->thickness), s = 1.0 - z;
+        const double u = e * law_power(s, law->exponent) * s * s / z;
+        sum->energy.contact += of->mesh->mass[all.i] * (z > 0.0 ? u : (double)INFINITY);
     }
 }
 

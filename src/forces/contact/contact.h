@@ -74,9 +74,6 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
 weft__add_fn weft__contact_change;
 int weft__contact_blocks(const void *own, const weft__state *at, double *blocks);
 
-/* U / m [J/kg]; infinite where the gap is not > 0. */
-double weft__touch_energy(const weft__contact *own, const weft__touch *touch);
-
 /* ---- measures -------------------------------------------------------------------- */
 
 /* The smaller gap; NaN is smaller than a number. */

@@ -81,17 +81,6 @@ weft__pose weft__pose_of(const weft__shape *shape, double t)
     return pose;
 }
 
-double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
-                       bool *joined)
-{
-    const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
-    law_spot at;
-    law_spot_of(pose, pose->kind, r, &at);
-    memcpy(gradient, at.gradient, sizeof at.gradient);
-    *joined = at.joined != 0;
-    return at.gap;
-}
-
 /* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
 static void box_turn(const weft__pose *pose, const double r[3], const double g[3],
                      const double dx[3], double turn[3])
@@ -152,14 +141,8 @@ void weft__shape_turn(const weft__pose *pose, const double x[3],
 
 double weft__gap_at(const weft__pose *pose, const double x[3])
 {
-    double gradient[3];
-    bool joined;
-    return weft__shape_gap(pose, x, gradient, &joined);
-}
-
-void weft__surface_velocity(const weft__pose *pose, const double x[3],
-                            double velocity[3])
-{
     const double r[3] = { x[0] - pose->at[0], x[1] - pose->at[1], x[2] - pose->at[2] };
-    law_surface(pose, r, velocity);
+    law_spot at;
+    law_spot_of(pose, pose->kind, r, &at);
+    return at.gap;
 }

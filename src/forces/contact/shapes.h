@@ -48,20 +48,11 @@ weft__shape weft__shape_of(const weft_shape *def, double friction);
 
 weft__pose weft__pose_of(const weft__shape *shape, double t);
 
-/* [m]; *joined: at the ends of a capsule and the edges of a box, where |gradient| is
- * not 1. */
-double weft__shape_gap(const weft__pose *pose, const double x[3], double gradient[3],
-                       bool *joined);
-
 /* [1/m] times dx: the change of the gradient, which is that at x, by a move dx. */
 void weft__shape_turn(const weft__pose *pose, const double x[3],
                       const double gradient[3], const double dx[3], double turn[3]);
 
-/* [m] the gap alone */
+/* [m] */
 double weft__gap_at(const weft__pose *pose, const double x[3]);
-
-/* [m/s] of the surface at x. */
-void weft__surface_velocity(const weft__pose *pose, const double x[3],
-                            double velocity[3]);
 
 #endif

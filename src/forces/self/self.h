@@ -71,9 +71,6 @@ typedef struct weft__stride {
  */
 bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *gap);
 
-/* [m] No two particles move by more against each other. */
-double weft__stride_length(const weft__stride *of);
-
 /* The bounds of displacements. */
 typedef struct weft__drift {
     double low[3], high[3]; /* [m] */

@@ -103,12 +103,16 @@ static void look(weft__self_list *list, stride_search *of)
         }
         return;
     }
-    const double length = weft__stride_length(stride);
+    const size_t velocities = 3 * list->own->mesh->particles;
     const double moved = weft__extent(list->own, stride->y0, stride->y1);
+    double extent[EXTENTS] = { moved, 0.0, moved };
+    for (size_t k = 3; k < EXTENTS && stride->h > 0.0; ++k) {
+        extent[k] = weft__extent(list->own, NULL,
+                                 (k == 3 ? stride->y0 : stride->y1) + velocities);
+    }
     weft__quadtree tree = weft__tree_of(list->own->mesh, stride->y0);
     weft__tree_fill(&tree, list->knots);
-    (void)weft__each_pair(&tree, 0.5 * (length + moved) * (1.0 + WEFT__SELF_ROUNDOFF),
-                          look_at, of);
+    (void)weft__each_pair(&tree, reach(stride, extent), look_at, of);
 }
 
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,

@@ -131,12 +131,6 @@ void weft__self_list_destroy(weft__self_list *list)
     weft__free(&memory, list);
 }
 
-void weft__self_list_set_skin(weft__self_list *list, double skin)
-{
-    list->skin = skin;
-    list->valid = false;
-}
-
 /* ---- displacements --------------------------------------------------------------- */
 
 enum { DRIFT_PART = 32 }; /* tiles */

@@ -17,10 +17,6 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
                                         const weft_allocator *memory);
 void weft__self_list_destroy(weft__self_list *list); /* NULL is allowed */
 
-/* For tests: the skin [m], how far beyond the thickness pairs are listed; a quarter of
- * the smaller spacing at first. */
-void weft__self_list_set_skin(weft__self_list *list, double skin);
-
 /* Makes room for the pairs that were too many since the last call: a list grows here
  * alone, between steps, and is done without until then. */
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
@@ -103,7 +99,7 @@ struct weft__self_list {
     uint32_t (*between)[2];
     double *clear; /* [m] of each pair of tiles */
     size_t between_count;
-    double skin; /* [m] beyond the thickness */
+    double skin; /* [m] beyond the thickness pairs are listed */
     size_t group_count;
     double extent; /* [m] of the last displacement */
     bool valid;    /* whole, about `place` */

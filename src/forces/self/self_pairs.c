@@ -265,14 +265,3 @@ double weft__extent(const weft__self *own, const double *from, const double *to)
     const double extent = weft__drift_extent(&all, &all);
     return isfinite(extent) ? extent : (double)INFINITY;
 }
-
-double weft__stride_length(const weft__stride *of)
-{
-    const size_t n = of->own->mesh->particles;
-    const double moved = weft__extent(of->own, of->y0, of->y1);
-    return of->h == 0.0
-               ? moved
-               : fmax(moved, of->h
-                                 * fmax(weft__extent(of->own, NULL, of->y0 + 3 * n),
-                                        weft__extent(of->own, NULL, of->y1 + 3 * n)));
-}
