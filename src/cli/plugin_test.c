@@ -17,9 +17,8 @@
 #include "record/child_process.h"
 
 enum {
-    SECONDS
-    = 60,     /* of a processor, or of idleness; the longest check of ours takes 2 */
-    SLOW = 5, /* [s] until a check is named while it runs */
+    SECONDS = 60,   /* of a processor, or of idleness; the longest check takes 2 */
+    SLOW = 5,       /* [s] until a check is named while it runs */
     HANGS_MOST = 2, /* of a method, whose other checks are then skipped */
     PRINTED_MOST = 1 << 20,
     CHECKS_MOST = 64

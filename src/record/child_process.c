@@ -52,9 +52,8 @@ _Noreturn static void run_child(const process_def *def, size_t job, pid_t parent
 
 bool process_start(const process_def *def, size_t job, process *out)
 {
-    (void)signal(SIGCHLD,
-                 SIG_DFL); /* a shell may ignore it: waitpid returns no status then */
-    (void)fflush(NULL);    /* else the child would flush the same again */
+    (void)signal(SIGCHLD, SIG_DFL); /* ignored, waitpid would return no status */
+    (void)fflush(NULL);             /* else the child would flush the same again */
     const double now = weft__wall_clock();
     const pid_t self = getpid();
     *out = (process){ .pid = fork(),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "record/faces.h"
+#include "record/frames.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -5,7 +5,77 @@
 #ifndef WEFT_RECORD_FRAMES_H
 #define WEFT_RECORD_FRAMES_H
 
-#include "record/faces.h"
+#include "record/record.h"
+
+/* ---- faces.c: what frames, pages and exports draw between particles: the cells of a
+ * grid, or triangles ---- */
+
+typedef struct record_faces {
+    size_t particles;
+    size_t rows, cols; /* of a grid, for which this is all; 0: triangles */
+    size_t triangles, places;
+    uint32_t *corners, *corner_places; /* 3 of each triangle: particles, places */
+    double *uv;                        /* [m] of each place in the rest shape */
+    int64_t *names;                    /* of particles in files; NULL: 0, 1, ... */
+} record_faces;
+
+static inline record_faces record_grid(size_t rows, size_t cols)
+{
+    return (record_faces){ .particles = rows * cols, .rows = rows, .cols = cols };
+}
+
+/* Of a cloth, of a band those of the whole. Free it, also after an error. */
+weft_status record_faces_of(const weft_cloth *cloth, record_faces *out,
+                            weft_error *err);
+void record_faces_free(record_faces *of);
+
+/* Whether two of them are the same but for the rest shape. */
+bool record_faces_same(const record_faces *a, const record_faces *b);
+/* Sets and returns the error of two runs of which they are not. */
+weft_status record_faces_differ(const char *a_directory, const record_faces *a,
+                                const char *b_directory, const record_faces *b,
+                                weft_status status, weft_error *err);
+/* "16 x 24 particles" or "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex
+ * 17": to text[RECORD_FACES_TEXT], which both return. */
+enum { RECORD_FACES_TEXT = 64 };
+const char *record_faces_text(const record_faces *of, char text[RECORD_FACES_TEXT]);
+const char *record_particle_text(const record_faces *of, size_t i,
+                                 char text[RECORD_FACES_TEXT]);
+
+/* 0 of a chain, which is drawn as a line through all particles. */
+static inline size_t record_face_count(const record_faces *of)
+{
+    return of->cols > 0 ? (of->rows - 1) * (of->cols - 1) : of->triangles;
+}
+
+/* How many corners each face has. */
+static inline size_t record_face_sides(const record_faces *of)
+{
+    return of->cols > 0 ? 4 : 3;
+}
+
+static inline size_t record_name(const record_faces *of, size_t i)
+{
+    return of->names != NULL ? (size_t)of->names[i] : i;
+}
+
+/* The corners of face f, around it, the same way round in every format. */
+static inline void record_face(const record_faces *of, size_t f, size_t corners[4])
+{
+    if (of->cols > 1) {
+        const size_t a = f / (of->cols - 1) * of->cols + f % (of->cols - 1);
+        corners[0] = a;
+        corners[1] = a + of->cols;
+        corners[2] = a + of->cols + 1;
+        corners[3] = a + 1;
+        return;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        corners[k] = of->corners[3 * f + k];
+    }
+}
+
+/* ---- the frames ---- */
 
 typedef struct record_frames {
     record_faces faces;

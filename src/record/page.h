@@ -88,9 +88,8 @@ typedef struct player_page {
     const record_faces *faces; /* of run 0 */
     size_t chosen, shown;      /* frames: to choose from, left after thinning */
     size_t step;               /* between two that are left */
-    size_t stride, shown_rows, shown_cols,
-        count;         /* particles shown; of triangles all */
-    size_t *particles; /* their indices */
+    size_t stride, shown_rows, shown_cols;
+    size_t count, *particles; /* shown, of triangles all; their indices */
     bool present[PLAYER_FIELDS];
     size_t planes;          /* x, y, z and the fields that are present */
     double *field, *values; /* 3 N as read, one plane as shown */

@@ -13,12 +13,10 @@ typedef struct record_vtkhdf record_vtkhdf;
 typedef struct record_vtkhdf_def {
     const char *directory;
     const weft_cloth *cloth; /* of the simulation; outlives it */
-    const weft_cloth *whole; /* in bands, on rank 0: the whole cloth, until the first
-                                frame is there; else NULL */
+    const weft_cloth *whole; /* in bands, on rank 0, until the first frame; else NULL */
     const weft_comm *comm;   /* in bands: all functions are collective. NULL: alone */
     const weft_record_def *record;
-    size_t
-        last; /* last frame of the run: room is made for all of them, if there is any */
+    size_t last; /* frame of the run: room is made for all, if there is any */
     const record_series *series; /* open; outlives it. Its rows become field data */
 } record_vtkhdf_def;
 

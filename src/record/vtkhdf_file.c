@@ -10,7 +10,7 @@
 
 #include "base/bytes.h"
 #include "base/file.h"
-#include "record/faces.h"
+#include "record/frames.h"
 
 #define ROOT  "/VTKHDF/"
 #define STEPS "/VTKHDF/Steps/"

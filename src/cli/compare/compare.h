@@ -54,8 +54,7 @@ typedef struct compare_point {
     double energy;   /* largest difference in a frame, part of the energy at play */
     uint64_t calls, steps, rejected;
     uint64_t work; /* in RHS calls, linear systems included: compare_work */
-    double
-        time; /* [s] the run's own; of explicit methods calls * call_time, if known */
+    double time;   /* [s] the run's own; if explicit, calls * call_time if known */
     char why[200]; /* FAILED */
 } compare_point;
 

@@ -18,11 +18,10 @@
 #include "cli/watch/watch.h"
 #include "record/page.h"
 
-#define LOOK 0.1 /* [s] between two looks at the files */
-#define FAREWELL                                                                       \
-    3.0 /* [s] after the run: for new requests, and browsers that take nothing */
-#define SLOWEST 30.0 /* [s] after the run, for those that take something */
-#define LAST    0.5  /* [s] after a signal */
+#define LOOK     0.1  /* [s] between two looks at the files */
+#define FAREWELL 3.0  /* [s] after the run: for new requests, and idle browsers */
+#define SLOWEST  30.0 /* [s] after the run, for those that take something */
+#define LAST     0.5  /* [s] after a signal */
 enum {
     WAIT = 50,       /* [ms] for the network */
     CLIENTS = 32,    /* connections */

@@ -4,7 +4,7 @@
 #ifndef WEFT_RECORD_EXPORT_EXPORT_H
 #define WEFT_RECORD_EXPORT_EXPORT_H
 
-#include "record/faces.h"
+#include "record/frames.h"
 
 /* The particles of one frame. Vectors are x y z of particle 0, x y z of particle 1, ...
  */
