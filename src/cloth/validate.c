@@ -95,14 +95,6 @@ static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
     return missing == NULL;
 }
 
-static void check_pins(const weft_cloth_def *def, const weft__faults *to)
-{
-    for (size_t i = 0; i < def->pin_count; ++i) {
-        weft__ranges_check(def, to, "pin", i, def->pins[i].rows, def->pins[i].cols);
-    }
-    check_motions(def, to);
-}
-
 static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
@@ -115,7 +107,10 @@ static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 void weft__sheet_check(const weft_cloth_def *def, const weft__faults *to)
 {
     check_mass(def, to);
-    check_pins(def, to);
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        weft__ranges_check(def, to, "pin", i, def->pins[i].rows, def->pins[i].cols);
+    }
+    check_motions(def, to);
     check_forces(def, to);
 }
 

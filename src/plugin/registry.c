@@ -222,15 +222,6 @@ static weft_status call_entry(void *handle, const char *id, const weft_plugin **
     return WEFT_OK;
 }
 
-static weft_status load_open(weft_registry *registry, void *handle, const char *id,
-                             const char *file, weft_error *err)
-{
-    const weft_plugin *plugin = NULL;
-    const weft_status status = call_entry(handle, id, &plugin, err);
-    return status == WEFT_OK ? add_entry(registry, plugin, id, handle, file, err)
-                             : status;
-}
-
 /* Whether a file may be loaded. dlopen reports a missing one. */
 static weft_status check_file(const weft_registry *registry, const char *file,
                               const char *id, weft_error *err)
@@ -280,7 +271,10 @@ weft_status weft_registry_load(weft_registry *registry, const char *file,
                                 reason == NULL ? "it cannot be opened"
                                                : without_name(reason, file));
     } else if (status == WEFT_OK) {
-        status = load_open(registry, handle, id, file, &why);
+        const weft_plugin *plugin = NULL;
+        status = call_entry(handle, id, &plugin, &why);
+        status = status == WEFT_OK ? add_entry(registry, plugin, id, handle, file, &why)
+                                   : status;
     }
     if (status != WEFT_OK) {
         if (handle != NULL) {
@@ -309,23 +303,20 @@ static const char *next_directory(const char *list, char *directory, size_t size
     return NULL;
 }
 
-typedef struct place_list {
-    char text[512];
-} place_list;
-
 /* The search path in words, with the reason at each directory that cannot be read. */
-static place_list searched(const weft_registry *registry)
+static const char *searched(const weft_registry *registry, char *out, size_t size)
 {
-    place_list out = { "an empty search path; set WEFT_PLUGIN_PATH or "
-                       "weft_registry_def.path" };
     char directory[2048], inside[2048 + 2];
     size_t used = 0;
     const char *list = registry->path;
-    while (used < sizeof out.text
+    (void)snprintf(out, size, "%s",
+                   "an empty search path; set WEFT_PLUGIN_PATH or "
+                   "weft_registry_def.path");
+    while (used < size
            && (list = next_directory(list, directory, sizeof directory)) != NULL) {
         (void)snprintf(inside, sizeof inside, "%s/.", directory);
         const bool readable = access(inside, R_OK | X_OK) == 0 || errno == ENOENT;
-        used += (size_t)snprintf(out.text + used, sizeof out.text - used, "%s%s%s%s%s",
+        used += (size_t)snprintf(out + used, size - used, "%s%s%s%s%s",
                                  used > 0 ? ":" : "", directory, readable ? "" : " (",
                                  readable ? "" : strerror(errno), readable ? "" : ")");
     }
@@ -335,7 +326,7 @@ static place_list searched(const weft_registry *registry)
 weft_status weft_registry_locate(const weft_registry *registry, const char *id,
                                  char *file, size_t size, weft_error *err)
 {
-    char directory[2048];
+    char directory[2048], text[512];
     struct stat status;
     const char *list = strchr(id, '/') == NULL ? registry->path : "";
     while ((list = next_directory(list, directory, sizeof directory)) != NULL) {
@@ -346,7 +337,7 @@ weft_status weft_registry_locate(const weft_registry *registry, const char *id,
     }
     return weft_error_set(err, WEFT_BAD_PLUGIN,
                           "plugin '%s' not found: no weft-%s.so in %s", id, id,
-                          searched(registry).text);
+                          searched(registry, text, sizeof text));
 }
 
 weft_status weft_registry_find(weft_registry *registry, const char *id,
@@ -425,10 +416,11 @@ weft_status weft_registry_load_all(weft_registry *registry,
                                    void *ctx, weft_error *err)
 {
     loading self = { registry, refused, ctx };
+    char text[512];
     each_file(registry, load_one, &self);
     if (registry->count == 0) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
-                              searched(registry).text);
+                              searched(registry, text, sizeof text));
     }
     return WEFT_OK;
 }

@@ -29,12 +29,6 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
-static double least_step(const weft_sim *sim)
-{
-    const double fixed = sim->config.fixed_step;
-    return fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
-}
-
 /* Whether a step that failed did so for a stage in a shape. */
 static bool failed_in_shape(const weft_sim *sim, weft_status status)
 {
@@ -125,6 +119,7 @@ static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
     const double t0 = sim->t, fixed = sim->config.fixed_step;
+    const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
     char text[WEFT__BREACH_TEXT];
     if (sim->forces.self != NULL
         && weft__self_list_grow(sim->forces.self, why) != WEFT_OK) {
@@ -141,7 +136,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         const double tried = status == WEFT_OK ? sim->refused.t - t0 : end - t0;
         const double h = 0.5 * (fixed > 0.0 ? fmin(fixed, tried) : tried);
         const bool adapted = status != WEFT_OK && fixed == 0.0; /* as far as it could */
-        if (adapted || !(h >= least_step(sim)) || !(t0 + h > t0)) {
+        if (adapted || !(h >= least) || !(t0 + h > t0)) {
             return give_up(sim, why);
         }
         ++sim->vetoed;

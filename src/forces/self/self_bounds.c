@@ -10,8 +10,16 @@
 #define LAYERS_SHARE 2.6
 #define LAYERS_PHI   0.39
 
+/* Of a pair: S, D, T, those in the planes xx, yy, zz, xy, xz, yz, and b_i. */
+typedef struct matrices {
+    double stiffness, damping, drag; /* [N/m], [kg/s] twice */
+    double turn;                     /* [N/m] of its force about the other foot */
+    double nn[6], normal[3], arm[4];
+} matrices;
+
 typedef struct pair_sums {
     const weft__self *own;
+    void (*add)(struct pair_sums *self, const weft__pair *pair, const matrices *of);
     weft__self_law law;
     const double *y;
     size_t first, end;
@@ -23,25 +31,29 @@ typedef struct pair_sums {
     double bad;
 } pair_sums;
 
-/* Of a pair: S, D, T and those in the planes xx, yy, zz, xy, xz, yz. */
-typedef struct matrices {
-    double stiffness, damping, drag; /* [N/m], [kg/s] twice */
-    double nn[6];
-} matrices;
-
-static matrices matrices_of(const weft_contact_def *law, const weft__touch *touch)
+static bool visit(void *ctx, const weft__pair *pair)
 {
-    const double *n = touch->normal, u = law->damping * touch->speed;
-    return (matrices){
-        .stiffness = touch->stiffness * touch->factor,
-        .damping = law->damping * touch->push * touch->factor / sqrt(1.0 + u * u),
-        .drag = touch->drag,
-        .nn = { n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[0] * n[2],
-                n[1] * n[2] },
-    };
+    pair_sums *self = ctx;
+    const weft_contact_def *law = &self->own->law;
+    weft__touch touch;
+    matrices of;
+    if (weft__pair_meets(&self->law, pair, self->y, of.arm, &touch)) {
+        const double *n = touch.normal, u = law->damping * touch.speed;
+        of.stiffness = touch.stiffness * touch.factor;
+        of.damping = law->damping * touch.push * touch.factor / sqrt(1.0 + u * u);
+        of.drag = touch.drag;
+        of.turn = touch.push * touch.factor / touch.gap;
+        for (size_t k = 0; k < 3; ++k) {
+            of.normal[k] = n[k], of.nn[k] = n[k] * n[k];
+        }
+        of.nn[3] = n[0] * n[1], of.nn[4] = n[0] * n[2], of.nn[5] = n[1] * n[2];
+        self->add(self, pair, &of);
+    }
+    return true;
 }
 
-static bool seek(pair_sums *self, weft__pair_fn *visit)
+/* Adds all pairs. */
+static bool seek(pair_sums *self)
 {
     const weft__self *own = self->own;
     const weft__quadtree tree = weft__tree_of(own->mesh, self->y);
@@ -51,33 +63,25 @@ static bool seek(pair_sums *self, weft__pair_fn *visit)
            && weft__each_pair(&tree, own->law.thickness, visit, self);
 }
 
-static bool grip_pair(void *ctx, const weft__pair *pair)
+static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
-    pair_sums *self = ctx;
-    double arm[4];
-    weft__touch touch;
-    if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
-        return true;
-    }
     const double mu = self->own->law.friction;
-    const matrices of = matrices_of(&self->own->law, &touch);
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         if (i < self->first || i >= self->end) {
             continue;
         }
         weft__grip *to = &self->grips[i - self->first];
-        const double by = 2.0 * fabs(arm[k]) * self->own->mesh->inverse_mass[i];
+        const double by = 2.0 * fabs(of->arm[k]) * self->own->mesh->inverse_mass[i];
         for (size_t j = 0; j < 6; ++j) {
-            to->press[j] += by * of.stiffness * of.nn[j];
-            to->damp[j] += by * of.damping * of.nn[j];
-            to->slide[j] += by * of.drag * ((j < 3 ? 1.0 : 0.0) - of.nn[j]);
+            to->press[j] += by * of->stiffness * of->nn[j];
+            to->damp[j] += by * of->damping * of->nn[j];
+            to->slide[j] += by * of->drag * ((j < 3 ? 1.0 : 0.0) - of->nn[j]);
         }
-        to->stiff += by * 0.5 * mu * of.stiffness;
-        to->drag += by * 0.5 * mu * of.damping;
-        to->turn += by * touch.push * touch.factor / touch.gap;
+        to->stiff += by * 0.5 * mu * of->stiffness;
+        to->drag += by * 0.5 * mu * of->damping;
+        to->turn += by * of->turn;
     }
-    return true;
 }
 
 static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grips)
@@ -97,84 +101,73 @@ void weft__self_grip(const void *own, const weft__state *at, size_t first, size_
                      weft__grip *grips)
 {
     const weft__self *of = own;
-    pair_sums self = {
-        .own = own, .y = at->y, .first = first, .end = first + count, .grips = grips
-    };
+    pair_sums self = { .own = own,
+                       .add = grip_pair,
+                       .y = at->y,
+                       .first = first,
+                       .end = first + count,
+                       .grips = grips };
     if (of->law.self && at->y == NULL) {
         grip_any_pairs(of, count, grips);
     } else {
-        (void)seek(&self, grip_pair);
+        (void)seek(&self);
     }
 }
 
-static bool multiply_pair(void *ctx, const weft__pair *pair)
+static void multiply_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
-    pair_sums *self = ctx;
-    const size_t n = self->own->mesh->particles;
-    double arm[4], feet[3] = { 0.0 };
-    weft__touch touch;
-    if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
-        return true;
-    }
-    const matrices of = matrices_of(&self->own->law, &touch);
-    const size_t count = weft__pair_particles(pair);
+    const size_t n = self->own->mesh->particles, count = weft__pair_particles(pair);
+    double feet[3] = { 0.0 };
     for (size_t k = 0; k < 3 * count; ++k) {
-        feet[k % 3] += arm[k / 3] * self->x[k % 3 * n + pair->particle[k / 3]];
+        feet[k % 3] += of->arm[k / 3] * self->x[k % 3 * n + pair->particle[k / 3]];
     }
-    const double in = weft__dot(feet, touch.normal);
-    const double along = self->a * of.stiffness + self->b * (of.damping - of.drag);
+    const double in = weft__dot(feet, of->normal);
+    const double along = self->a * of->stiffness + self->b * (of->damping - of->drag);
     for (size_t k = 0; k < 3 * count; ++k) {
         const size_t j = k % 3;
         self->out[j * n + pair->particle[k / 3]]
-            += arm[k / 3]
-               * (along * in * touch.normal[j] + self->b * of.drag * feet[j]);
+            += of->arm[k / 3]
+               * (along * in * of->normal[j] + self->b * of->drag * feet[j]);
     }
-    return true;
 }
 
 void weft__self_multiply(const void *own, const weft__state *at, double a, double b,
                          const double *x, double *out)
 {
-    pair_sums self = { .own = own, .y = at->y, .a = a, .b = b, .x = x, .out = out };
-    (void)seek(&self, multiply_pair);
+    pair_sums self = {
+        .own = own, .add = multiply_pair, .y = at->y, .a = a, .b = b, .x = x, .out = out
+    };
+    (void)seek(&self);
 }
 
-static bool block_pair(void *ctx, const weft__pair *pair)
+static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
     static const size_t planes[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
-    pair_sums *self = ctx;
     const size_t n = self->own->mesh->particles;
-    double arm[4];
-    weft__touch touch;
-    if (!weft__pair_meets(&self->law, pair, self->y, arm, &touch)) {
-        return true;
-    }
-    const matrices of = matrices_of(&self->own->law, &touch);
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
-        const double by = self->own->mesh->pin[i] == 0 ? 2.0 * fabs(arm[k]) : 0.0;
+        const double by = self->own->mesh->pin[i] == 0 ? 2.0 * fabs(of->arm[k]) : 0.0;
         double *to = self->blocks + i;
         for (size_t j = 0; j < 9; ++j, to += n) {
-            *to += by * of.stiffness * of.nn[planes[j / 3][j % 3]];
+            *to += by * of->stiffness * of->nn[planes[j / 3][j % 3]];
             self->bad += *to * 0.0;
         }
         for (size_t j = 0; j < 9; ++j) {
-            const double nn = of.nn[planes[j / 3][j % 3]];
+            const double nn = of->nn[planes[j / 3][j % 3]];
             if (j / 3 <= j % 3) {
                 *to += by
-                       * ((of.damping - of.drag) * nn
-                          + (j / 3 == j % 3 ? of.drag : 0.0));
+                       * ((of->damping - of->drag) * nn
+                          + (j / 3 == j % 3 ? of->drag : 0.0));
                 self->bad += *to * 0.0;
                 to += n;
             }
         }
     }
-    return true;
 }
 
 int weft__self_blocks(const void *own, const weft__state *at, double *blocks)
 {
     const weft__self *of = own;
-    pair_sums self = { .own = own, .y = at->y, .blocks = blocks };
-    return !of->law.self || (seek(&self, block_pair) && self.bad == 0.0) ? 0 : 1;
+    pair_sums self = { .own = own, .add = block_pair, .y = at->y, .blocks = blocks };
+    return !of->law.self || (seek(&self) && self.bad == 0.0) ? 0 : 1;
 }
