@@ -360,6 +360,8 @@ START_TEST(mistakes_stand_at_their_line)
           "scene.yaml:8:7: error: hole 1 crosses or touches hole 0" },
         { SQUARE "holes:\n    - [[0.5, 0], [0.6, 0.2], [0.4, 0.2]]",
           "error: hole 0 crosses or touches the outline" },
+        { SQUARE "holes:\n    - {disc: 1.0e-4, at: [0.5, 0.5]}",
+          "scene.yaml:7:7: error: a disc of 0.0001 m is 0.00628 spacings around" },
         { SQUARE "lines:\n    - [[2, 0], [3, 1]]",
           "scene.yaml:7:7: error: this line has no part of its own inside the piece" },
         { "outline: [[0, 0], [.nan, 0], [1, 1]]\n    spacing: 0.1",
@@ -394,6 +396,21 @@ START_TEST(all_mistakes_are_reported_at_once)
         "spacing: -1");
     (void)bad_scene(&def);
     ck_assert_uint_eq(found.errors, 5);
+}
+END_TEST
+
+/* Lines that meet at small angles must not fill the corner with points without end. */
+START_TEST(small_angles_between_lines_end)
+{
+    weft_scene *scene = good_cut(
+        SQUARE
+        "lines: [[[0.2, 0.2], [0.9, 0.21]], [[0.2, 0.2], [0.9, 0.2199]], [[0.2, "
+        "0.2], [0.9, 0.2298]], [[0.1, 0.205], [0.8, 0.2085]], [[0.3, 0.1], [0.31, "
+        "0.9]]]");
+    ck_assert_uint_le(mesh_of(scene)->vertices, 2000);
+    ck_assert_double_eq_tol(area_of(mesh_of(scene)), 1.0, 1e-12);
+    ck_assert_ptr_nonnull(strstr(all_found(), "warning: the mesh has an angle of "));
+    weft_scene_destroy(scene);
 }
 END_TEST
 
@@ -703,6 +720,7 @@ TEST_SUITE(cut)
     tcase_add_test(meshes, lines_and_holes_are_groups);
     tcase_add_test(errors, mistakes_stand_at_their_line);
     tcase_add_test(errors, all_mistakes_are_reported_at_once);
+    tcase_add_test(errors, small_angles_between_lines_end);
     tcase_add_test(errors, sharp_corners_are_warned_of);
     tcase_add_test(errors, a_reader_without_a_mesher_says_so);
     tcase_add_test(runs, a_run_keeps_its_mesh_and_repeats_from_it);

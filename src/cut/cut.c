@@ -39,7 +39,6 @@ static bool add_line(cutter *self, size_t line)
         = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
     const double count = fmax(1.0, rint(length / self->cut->spacing));
     uint32_t from = self->point[end[0]];
-    self->shape.floor = fmin(self->shape.floor, 0.25 * length / count);
     self->first[line] = (uint32_t)self->shape.parts;
     for (double i = 1.0; i <= count; i += 1.0) {
         const double s = i / count,
@@ -66,7 +65,7 @@ static bool add_lines(cutter *self)
         high[i % 2] = fmax(high[i % 2], cut->points[i]);
     }
     net_begin(&self->shape.net, low, high, cut->spacing, cut->seed);
-    self->shape.floor = 0.25 * cut->spacing;
+    self->shape.spacing = cut->spacing;
     bool good = true;
     for (size_t i = 0; i < cut->point_count && good; ++i) {
         self->point[i] = net_add(&self->shape.net, place(self, (uint32_t)i));
@@ -170,8 +169,12 @@ static bool add_row(cutter *self, int64_t row, double from, double to)
             = { (double)i * h + shift
                     + JITTER * h * (2.0 * net_random(self->cut->seed, number, 0) - 1.0),
                 v + JITTER * h * (2.0 * net_random(self->cut->seed, number, 1) - 1.0) };
-        if (is_clear(self, at) && net_add(&self->shape.net, at) == NET_NONE) {
-            return false;
+        if (is_clear(self, at)) {
+            const uint32_t point = net_add(&self->shape.net, at);
+            if (point == NET_NONE) {
+                return false;
+            }
+            self->shape.net.size[point] = h;
         }
     }
     return true;
@@ -254,6 +257,7 @@ static weft_status triangulate(cutter *self, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the mesh of a cut");
     }
     net_restore(net);
+    self->shape.most = 2 * net->points + 10000;
     shape_smooth(net);
     shape_refine(&self->shape);
     return WEFT_OK;

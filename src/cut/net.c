@@ -37,28 +37,31 @@ static void *grown(cut_net *self, void *array, size_t *room, size_t count, size_
     return more == NULL ? array : more;
 }
 
+/* A point outside of the box, such as the centre of a circle, is put on its rim. */
 static void to_grid(const cut_net *self, uint32_t point, const double at[2],
                     int32_t out[2])
 {
     for (unsigned k = 0; k < 2; ++k) {
         const double noise = net_random(self->seed, point, k) - 0.5;
-        out[k]
-            = (int32_t)rint((at[k] - self->zero[k]) / self->unit + noise * self->noise);
+        const double x = (at[k] - self->zero[k]) / self->unit + noise * self->noise;
+        out[k] = (int32_t)rint(fmin(4.0 * QUARTER, fmax(0.0, x)));
     }
 }
 
 uint32_t net_add(cut_net *self, const double at[2])
 {
     const size_t i = self->points;
-    size_t room[] = { self->point_room, self->point_room };
+    size_t room[] = { self->point_room, self->point_room, self->point_room };
     self->at = grown(self, self->at, &room[0], i, sizeof *self->at);
     self->grid = grown(self, self->grid, &room[1], i, sizeof *self->grid);
+    self->size = grown(self, self->size, &room[2], i, sizeof *self->size);
     self->of = grown(self, self->of, &self->point_room, i, sizeof *self->of);
     if (self->no_memory) {
         return NET_NONE;
     }
     memcpy(self->at[i], at, sizeof *self->at);
     to_grid(self, (uint32_t)i, at, self->grid[i]);
+    self->size[i] = INFINITY;
     self->of[i] = NET_NONE;
     return (uint32_t)self->points++;
 }
@@ -73,7 +76,7 @@ void net_begin(cut_net *self, const double low[2], const double high[2], double 
 {
     const double across = fmax(high[0] - low[0], high[1] - low[1]);
     *self = (cut_net){ .unit = across / (2.0 * QUARTER), .seed = seed };
-    self->noise = 2e-4 * spacing / self->unit;
+    self->noise = 2e-5 * spacing / self->unit;
     for (unsigned k = 0; k < 2; ++k) {
         self->zero[k] = 0.5 * (low[k] + high[k]) - across;
     }
@@ -88,6 +91,7 @@ void net_end(cut_net *self)
 {
     free(self->at);
     free(self->grid);
+    free(self->size);
     free(self->of);
     free(self->triangle);
     free(self->stack);

@@ -22,7 +22,8 @@ typedef struct cut_net {
     size_t points, point_room, triangles, triangle_room;
     double (*at)[2];    /* (u, v) of a point; the first four are a box around all */
     int32_t (*grid)[2]; /* the same in integers, moved a little and at random */
-    uint32_t *of;       /* a triangle of each point */
+    double *size; /* [m] of triangles at a point, of the caller; INFINITY at first */
+    uint32_t *of; /* a triangle of each point */
     net_triangle *triangle;
     uint32_t *stack; /* edges to look at: 3 triangle + k */
     size_t stacked, stack_room;

@@ -10,8 +10,13 @@
 
 enum { ROUNDS = 24, SWEEPS = 40, POLISH = 6 };
 
-#define SMALL        0.5095 /* tan(27 degrees): smaller angles are refined */
-#define POLISH_BELOW 0.7    /* tan(35 degrees) */
+#define SMALL 0.5095 /* tan(27 degrees): smaller angles are refined */
+/* [sizes] Sizes grow from point to point, so that points end; edges and halves of parts
+ * that are shorter are not divided. */
+#define GROWTH       1.5
+#define LEAST_EDGE   0.25
+#define LEAST_HALF   0.12
+#define POLISH_BELOW 0.7 /* tan(35 degrees) */
 
 static double squared(const double a[2], const double b[2])
 {
@@ -106,7 +111,7 @@ static void polish(cut_net *net, uint32_t point)
 
 /* ---- further points ------------------------------------------------------------ */
 
-bool shape_add_part(cut_shape *self, shape_part part)
+static bool add_part(cut_shape *self, shape_part part)
 {
     if (self->parts == self->part_room) {
         const size_t room = self->parts + self->parts / 2 + 64;
@@ -122,6 +127,15 @@ bool shape_add_part(cut_shape *self, shape_part part)
     return true;
 }
 
+bool shape_add_part(cut_shape *self, shape_part part)
+{
+    double *size = self->net.size;
+    const double length = sqrt(squared(self->net.at[part.from], self->net.at[part.to]));
+    size[part.from] = fmin(size[part.from], length);
+    size[part.to] = fmin(size[part.to], length);
+    return add_part(self, part);
+}
+
 static bool divide_part(cut_shape *self, uint32_t edge)
 {
     cut_net *net = &self->net;
@@ -129,14 +143,16 @@ static bool divide_part(cut_shape *self, uint32_t edge)
     const shape_part whole = self->part[mark - 1];
     const double *a = net->at[whole.from], *b = net->at[whole.to];
     const double middle[] = { 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]) };
-    if (squared(a, b) < 4.0 * self->floor * self->floor) {
+    const double size = fmin(net->size[whole.from], net->size[whole.to]);
+    if (squared(a, b) < 4.0 * LEAST_HALF * LEAST_HALF * size * size) {
         return false;
     }
     const uint32_t point = net_add(net, middle);
     const shape_part behind = { point, whole.to, whole.line, whole.next };
-    if (point == NET_NONE || !shape_add_part(self, behind)) {
+    if (point == NET_NONE || !add_part(self, behind)) {
         return false;
     }
+    net->size[point] = fmin(self->spacing, GROWTH * size);
     if (!net_split(net, edge, whole.from, mark, (uint32_t)self->parts)) {
         net_drop(net);
         --self->parts;
@@ -168,14 +184,19 @@ static bool improve(cut_shape *self, uint32_t t)
     }
     const double *a = net->at[at->corner[(k + 1) % 3]],
                  *b = net->at[at->corner[(k + 2) % 3]];
+    const double size = fmin(net->size[at->corner[0]],
+                             fmin(net->size[at->corner[1]], net->size[at->corner[2]]));
     if ((at->mark[(k + 1) % 3] != 0 && at->mark[(k + 2) % 3] != 0)
-        || squared(a, b) < self->floor * self->floor) {
+        || squared(a, b) < LEAST_EDGE * LEAST_EDGE * size * size) {
         return false;
     }
     centre_of(net, at, centre);
     const uint32_t point = net_add(net, centre);
     const uint32_t edge = point == NET_NONE ? NET_NONE : net_insert(net, t);
     const bool added = point != NET_NONE && net->of[point] != NET_NONE;
+    if (added) {
+        net->size[point] = fmin(self->spacing, GROWTH * size);
+    }
     if (point != NET_NONE && !added) {
         net_drop(net);
     }
@@ -185,7 +206,9 @@ static bool improve(cut_shape *self, uint32_t t)
 static bool sweep(cut_shape *self)
 {
     bool changed = false;
-    for (size_t t = 0; t < self->net.triangles && !self->net.no_memory; ++t) {
+    for (size_t t = 0; t < self->net.triangles && self->net.points < self->most
+                       && !self->net.no_memory;
+         ++t) {
         changed = improve(self, (uint32_t)t) || changed;
     }
     return changed;

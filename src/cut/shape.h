@@ -16,7 +16,8 @@ typedef struct cut_shape {
     cut_net net;
     shape_part *part;
     size_t parts, part_room;
-    double floor; /* [m] shorter edges are not divided */
+    double spacing; /* [m] the largest size */
+    size_t most;    /* points, with those that are added */
 } cut_shape;
 
 /* Tangent of the smallest angle of a triangle, and its corner. */
@@ -28,7 +29,7 @@ void shape_smooth(cut_net *net);
 /* Adds points where an angle is small, then moves some. */
 void shape_refine(cut_shape *self);
 
-/* Adds a part; false: no memory. */
+/* Adds a part, whose points have its length as their size at most. false: no memory. */
 bool shape_add_part(cut_shape *self, shape_part part);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "scene/read.h"
 
-#define NEAR  1e-6   /* [spacings] what is nearer touches */
+#define NEAR  1e-3   /* [spacings] what is nearer touches */
 #define SHARP 0.4663 /* tan(25 degrees): sharper corners are warned of */
 
 /* From point a to b of a path, the paths being those of a list. */
@@ -217,6 +217,13 @@ static bool meets(line_maker *self, uint32_t end, const path_part *on)
         self->same[p > q ? p : q] = p > q ? q : p;
     } else {
         add_node(self, on, end, s);
+        if (on->number <= self->cut->holes.count) { /* the border stays straight */
+            const double *from = at(self, on->a), *to = at(self, on->b);
+            for (size_t k = 0; k < 2; ++k) {
+                self->out->points[2 * (size_t)end + k]
+                    = from[k] + s * (to[k] - from[k]);
+            }
+        }
     }
     return true;
 }

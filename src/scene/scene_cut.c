@@ -14,7 +14,7 @@
 /* [vertices] Larger cuts are refused. */
 #define MOST_VERTICES (4.0 * 1024 * 1024)
 /* [spacings] A longer side is refused: places are compared on a grid of integers. */
-#define MOST_ACROSS 65536.0
+#define MOST_ACROSS 8192.0
 #define MOST_POINTS 100000 /* of all paths: each is compared with many others */
 #define LEAST_ANGLE 25.0   /* [degrees] smaller ones are warned of */
 
@@ -89,9 +89,9 @@ static void take_disc(weft__reader *reader, double spacing, weft__cut_path *path
 {
     const double around = 6.283185307179586 * path->radius / spacing;
     const double count = fmax(8.0, rint(around));
-    if (!(around < MOST_POINTS)) {
+    if (!(around >= 0.1 && around < MOST_POINTS)) {
         weft__report_error(reader->report, path->node->at,
-                           "a disc of %g m is %.3g spacings around, of at most %d",
+                           "a disc of %g m is %.3g spacings around, of 0.1 to %d",
                            path->radius, around, MOST_POINTS);
         return;
     }
