@@ -20,7 +20,7 @@ human human_time(double seconds)
     } all[] = { { 86400.0, "d" }, { 3600.0, "h" }, { 60.0, "min" }, { 1.0, "s" },
                 { 1e-3, "ms" },   { 1e-6, "us" },  { 1e-9, "ns" } };
     enum { SECONDS = 3, LAST = 6 };
-    human out;
+    human out = { "" };
     size_t i = SECONDS;
     if (seconds >= 59.95) {
         seconds = fmax(seconds, 60.0);
@@ -44,7 +44,7 @@ human human_time(double seconds)
 human human_count(uint64_t count)
 {
     char digits[24];
-    human out;
+    human out = { "" };
     const int length = snprintf(digits, sizeof digits, "%" PRIu64, count);
     char *to = out.text;
     for (int i = 0; i < length; ++i) {

@@ -142,7 +142,7 @@ weft_status record_outdir_lock(const char *directory, double patience, int *lock
     if (*lock < 0) {
         return record_failed(directory, err);
     }
-    for (double waited = 0.0; waited <= patience; waited += pause) {
+    for (int tries = 1 + (int)(patience / pause); tries > 0; --tries) {
         if (flock(*lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) {
             return WEFT_OK;
         }
