@@ -102,6 +102,11 @@ try:
 except weft.SceneError:
     pass
 del view
+mesh = weft.Mesh([[0, 0], [1, 0], [0, 1]], None, [[0, 1, 2]], fabrics={"a": [0]}, groups={"b": [0]})
+denim = {"preset": "11oz-black-denim"}
+cloth = {"mesh": mesh, "fabric": denim, "fabrics": {"a": denim}, "pins": [{"group": "b"}, {"vertices": [2]}]}
+weft.load({"weft": 1, "cloth": cloth, "stepper": {"plugin": "verlet", "method": "euler", "fixed_step": 1e-4},
+           "run": {"duration": 1.0}}).step()
 gc.collect()
 """
 

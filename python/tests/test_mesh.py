@@ -75,6 +75,17 @@ def test_arrays_and_the_file_that_is_written_make_the_same_bits(tmp_path):
     assert run.positions.shape == (3, 25, 3)
 
 
+def test_a_batch_takes_arrays_and_keeps_them_with_each_run(tmp_path):
+    scene = {**hung(sheet()), "sweep": {"cloth.fabric.density": [0.3, 0.5]}}
+    table = weft.batch(scene, tmp_path / "batch")
+    assert list(table["status"]) == ["done", "done"]
+    runs = [weft.open(tmp_path / "batch" / name) for name in table["directory"]]
+    for run, density in zip(runs, (0.3, 0.5)):
+        made = hashes(weft.load(hung(sheet()), {"cloth.fabric.density": density}))
+        assert list(run.series["hash"]) == made
+        assert hashes(weft.load(run.directory / "scene.yaml")) == made
+
+
 def test_a_seam_shares_vertices_but_not_places(tmp_path):
     rest, start, triangles, places = two_panels()
     by_places = Mesh(rest, start, triangles, places=places, groups={"top": [0, 9]})
@@ -173,6 +184,8 @@ START = np.c_[UV, np.zeros(4)]
     (IndexError, r"triangles\[0\]\[0\] is -1", (UV, START, TRIANGLES - 1)),
     (TypeError, "triangles consists of integers, not of float64", (UV, START, TRIANGLES * 1.0)),
     (TypeError, "start consists of real numbers, not of complex128", (UV, START * 1j, TRIANGLES)),
+    (ValueError, "rest has masked elements", (np.ma.masked_greater(UV, 0.01), START, TRIANGLES)),
+    (ValueError, "start has rows of different lengths", (UV, [[0, 0, 0], [1, 2]], TRIANGLES)),
     (ValueError, "vertex 3 is in no triangle", (UV, START, TRIANGLES[:1])),
 ])
 def test_wrong_arrays_are_refused_in_a_sentence(error, words, arguments):
@@ -184,6 +197,8 @@ def test_wrong_arrays_are_refused_in_a_sentence(error, words, arguments):
     (IndexError, r"places\[0\]\[0\] is 9, but there are 4 places", {"places": TRIANGLES + 9}),
     (IndexError, r"group 'a'\[0\] is 4, but there are 4 vertices", {"groups": {"a": [4]}}),
     (ValueError, "one word without blanks", {"groups": {"a b": [1]}}),
+    (TypeError, "groups are {NAME: vertices}, not a list", {"groups": [1]}),
+    (TypeError, "fabrics are {NAME: triangles} or a list of names, not a int", {"fabrics": 3}),
     (ValueError, r"fabrics has \(1,\) names, but there are 2", {"fabrics": ["a"]}),
     (ValueError, r"fabric 'a' has \(3,\) flags, but there are 2", {"fabrics": {"a": np.ones(3, bool)}}),
 ])
@@ -212,6 +227,8 @@ def test_meshes_that_are_no_cloth_are_refused_when_loaded(words, rest, triangles
      {"loads": [{"inside": {"shape": "sphere", "at": [9, 9, 9], "radius": 1.0}, "mass": 1}]}),
     (weft.SceneError, "the mesh has no usemtl 'hem'", {"fabrics": {"hem": DENIM}}),
     (weft.SceneError, "'at' needs a grid", {"pins": [{"at": "top"}]}),
+    (ValueError, "inside: a shape is a mapping, not 3", {"pins": [{"inside": 3}]}),
+    (ValueError, "inside: a shape is a plane .* not {'shape': 'cone'}", {"pins": [{"inside": {"shape": "cone"}}]}),
     (weft.SceneError, "needs a grid: a mesh of triangles has a fabric", {"density": 0.1}),
 ])
 def test_mistakes_of_a_scene_are_those_of_a_file(error, words, cloth):
@@ -282,12 +299,12 @@ def test_a_meshio_mesh_has_groups_and_fabrics_of_gmsh():
     given = meshio.Mesh(points, [("line", [[1, 2], [2, 3]]), ("triangle", triangles + 1), ("vertex", [[0], [16]])],
                         point_data={"uv": np.concatenate([[[0.0, 0.0]], uv])},
                         cell_data={"gmsh:physical": [np.array([5, 5]), np.repeat([1, 2], 9), np.array([9, 9])]},
-                        field_data={"hem": np.array([2, 2]), "top": np.array([5, 1]), "end": np.array([9, 0])})
+                        field_data={"the hem": np.array([2, 2]), "top": np.array([5, 1]), "end": np.array([9, 0])})
     with pytest.warns(weft.SceneWarning, match="vertex 0 is in no triangle and is dropped"):
         mesh = Mesh.of(given)
     assert (mesh.rest == uv).all() and (mesh.start == bent(uv)).all() and (mesh.triangles == triangles).all()
     assert mesh.groups["top"].tolist() == [0, 1, 2] and mesh.groups["end"].tolist() == [15]
-    assert mesh.fabric_names == ["hem"] and mesh.fabric_of.tolist() == [0] * 9 + [1] * 9
+    assert mesh.fabric_names == ["the_hem"] and mesh.fabric_of.tolist() == [0] * 9 + [1] * 9
     assert hashes(weft.load(hung(mesh)))
     with pytest.raises(ValueError, match="1 cells 'quad'"):
         Mesh.of(meshio.Mesh(uv, [("quad", [[0, 1, 5, 4]])]))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import warnings
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Union
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 
 from weft.library import Array, PathLike, SceneWarning
-from weft.mesh import Mesh
+from weft.mesh import Mesh, as_word
 
 _SMOOTHINGS = 12
 _DOUBLINGS = 4
@@ -357,10 +356,6 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
 
 # ---- the garment ----------------------------------------------------------------------
 
-def _word(name: str) -> str:
-    return re.sub(r"[\s\x00#\\]+", "_", name) or "_"
-
-
 def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: float) -> dict[str, _Meshed]:
     parts = {(name, k): max(1, int(np.ceil(_length(panel, k) / spacing - 1e-9)))
              for name, panel in panels.items() for k in range(len(panel.edges))}
@@ -458,7 +453,7 @@ def _load(content: Any, spacing: float, relax: int) -> Mesh:
             if panels[name].labels[k]:
                 _add(groups, panels[name].labels[k], vertex[base[name] + along])
     corners = np.concatenate(places)
-    fabrics = {_word(name): np.arange(sum(sizes[:k]), sum(sizes[:k + 1])) for k, name in enumerate(order)}
+    fabrics = {as_word(name): np.arange(sum(sizes[:k]), sum(sizes[:k + 1])) for k, name in enumerate(order)}
     mesh = Mesh(np.concatenate(rest), x, vertex[corners], places=corners, fabrics=fabrics, groups=groups)
     if mesh.smallest_angle < _SMALL_ANGLE:
         warnings.warn("triangles of the panels have angles down to %.1f degrees" % mesh.smallest_angle, SceneWarning,
@@ -468,4 +463,4 @@ def _load(content: Any, spacing: float, relax: int) -> Mesh:
 
 
 def _add(groups: dict[str, Any], name: str, vertices: Any) -> None:
-    groups[_word(name)] = np.union1d(groups.get(_word(name), np.empty(0, dtype=np.intp)), vertices)
+    groups[as_word(name)] = np.union1d(groups.get(as_word(name), np.empty(0, dtype=np.intp)), vertices)

@@ -21,9 +21,18 @@ _FLAT = 1e-6  # of its extent: a surface that leaves its plane by less is flat
 
 # ---- arrays ---------------------------------------------------------------------------
 
+def _array(value: Any, name: str) -> Any:
+    if np.ma.is_masked(value):
+        raise ValueError("%s has masked elements" % name)
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise ValueError("%s has rows of different lengths" % name) from None
+
+
 def _numbers(value: Any, name: str, columns: int) -> Array:
     """A copy (n, columns) of finite numbers. Zeros lose their sign, as in an OBJ file."""
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.ndim != 2 or array.shape[1] != columns:
         raise ValueError("%s has the shape %s, not (n, %d)" % (name, array.shape, columns))
     found = np.array(real(array, name, array.shape)) + 0.0
@@ -39,7 +48,7 @@ def _first_of(count: int) -> str:
 
 def _integers(value: Any, name: str, limit: int, of: str) -> np.ndarray[Any, np.dtype[np.intp]]:
     """A copy of indices below a limit, of which there are so many."""
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.size > 0 and array.dtype.kind not in "iu":
         raise TypeError("%s consists of integers, not of %s" % (name, array.dtype.name))
     bad = np.argwhere((array < 0) | (array >= limit))
@@ -51,7 +60,7 @@ def _integers(value: Any, name: str, limit: int, of: str) -> np.ndarray[Any, np.
 
 
 def _corners(value: Any, name: str, rows: Optional[int], limit: int, of: str) -> Indices:
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] != (array.shape[0] if rows is None else rows):
         raise ValueError("%s has the shape %s, not (%s, 3)" % (name, array.shape, "T" if rows is None else rows))
     return _integers(array, name, limit, of).astype(np.uint32)
@@ -59,7 +68,7 @@ def _corners(value: Any, name: str, rows: Optional[int], limit: int, of: str) ->
 
 def _members(value: Any, name: str, count: int, of: str) -> np.ndarray[Any, np.dtype[np.intp]]:
     """Indices, each once and in order, from a list of them or from `count` flags."""
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.dtype.kind == "b":
         if array.shape != (count,):
             raise ValueError("%s has %s flags, but there are %d %s" % (name, array.shape, count, of))
@@ -67,6 +76,11 @@ def _members(value: Any, name: str, count: int, of: str) -> np.ndarray[Any, np.d
     if array.ndim != 1:
         raise ValueError("%s has the shape %s, not (n,)" % (name, array.shape))
     return np.unique(_integers(array, name, count, of))
+
+
+def as_word(name: str) -> str:
+    """A name with _ for what an OBJ file cannot hold in one."""
+    return re.sub(r"[\s\x00#\\]+", "_", name) or "_"
 
 
 def _word(name: Any, what: str) -> str:
@@ -119,8 +133,9 @@ class Mesh:
 
     def __init__(self, rest: Any, start: Any, triangles: Any, *, places: Any = None, fabrics: Any = None,
                  groups: Optional[Mapping[str, Any]] = None) -> None:
-        shape = np.shape(rest)
-        uv = _numbers(np.reshape(rest, (-1, 2)) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
+        rest = _array(rest, "rest")
+        shape = rest.shape
+        uv = _numbers(rest.reshape(-1, 2) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
         if start is None:
             if len(shape) == 3 or places is not None:
                 raise ValueError("start is None, but rest is not by vertices")
@@ -158,6 +173,8 @@ class Mesh:
         self.fabric_of: Indices
         """(T,), 0: no name; k: the fabric k - 1 of fabric_names"""
         self.fabric_names, self.fabric_of = self._fabrics(fabrics)
+        if not isinstance(groups, (Mapping, type(None))):
+            raise TypeError("groups are {NAME: vertices}, not a %s" % type(groups).__name__)
         self.groups: dict[str, Any] = {
             _word(name, "a group"): _read_only(_members(of, "group '%s'" % name, count, "vertices"))
             for name, of in (groups or {}).items()}
@@ -169,6 +186,8 @@ class Mesh:
         of = np.zeros(len(self.triangles), dtype=np.uint32)
         if fabrics is None:
             return [], of
+        if not isinstance(fabrics, Iterable):
+            raise TypeError("fabrics are {NAME: triangles} or a list of names, not a %s" % type(fabrics).__name__)
         if not isinstance(fabrics, Mapping):
             array = np.asarray(fabrics if isinstance(fabrics, np.ndarray) and fabrics.dtype.kind == "U"
                                else [name or "" for name in fabrics], dtype=np.str_)
@@ -308,11 +327,11 @@ def flat_coordinates(points: Any) -> Array:
 
 def _cells_of(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:
     """Triangles, fabrics by triangles and groups by vertices."""
-    names = {(int(tag[1]), int(tag[0])): str(name) for name, tag in getattr(mesh, "field_data", {}).items()
+    names = {(int(tag[1]), int(tag[0])): as_word(str(name)) for name, tag in getattr(mesh, "field_data", {}).items()
              if np.shape(tag) == (2,)}
     tags = getattr(mesh, "cell_data", {}).get("gmsh:physical", [None] * len(mesh.cells))
     triangles, kinds = [], []
-    groups: dict[str, list[Any]] = {name: [of] for name, of in (getattr(mesh, "point_sets", None) or {}).items()}
+    groups: dict[str, list[Any]] = {as_word(name): [of] for name, of in (getattr(mesh, "point_sets", None) or {}).items()}
     for block, tag in zip(mesh.cells, tags):
         data = np.asarray(block.data)
         dimension = {"triangle": 2, "vertex": 0}.get(block.type, 1 if block.type.startswith("line") else 3)
@@ -395,6 +414,8 @@ def _override(node: Any, path: str, value: Any) -> Any:
 
 def _gap(shape: Mapping[str, Any], x: Array) -> Array:
     """[m] Distances of points (N, 3) to a shape of a scene: weft_shape of include/weft/cloth.h."""
+    if not isinstance(shape, Mapping):
+        raise ValueError("inside: a shape is a mapping, not %r" % (shape,))
     kind, end = shape.get("shape"), "from" if shape.get("shape") == "capsule" else "at"
     needs = {"plane": ("at", "normal"), "sphere": ("at", "radius"), "capsule": ("from", "to", "radius"),
              "box": ("at", "half", "rounding")}.get(str(kind))
@@ -483,7 +504,7 @@ class MeshScene:
         key = next(key for key in _WHERE if key in item)
         value, start = item[key], self.mesh.start
         if key == "group":
-            return self.mesh.groups[value]
+            return self.mesh.groups[str(value)]
         if key == "vertices":
             return self._vertices(value, name + ".vertices")
         if key == "near":
