@@ -170,7 +170,7 @@ typedef struct weft_mesh_def {
     size_t fabric_count;
     weft_seam seams;
     bool arc; /* lengths of edges follow the cloth's arc: no locking on coarse meshes,
-                 some 2.5 times the cost */
+                 some 4 times the cost */
 } weft_mesh_def;
 
 /* No triangles, seams that bend. Set the rest. */

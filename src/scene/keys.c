@@ -339,7 +339,7 @@ static const weft__key cloth_keys[] = {
     { "membrane", WEFT__EITHER, .names = membrane_names, .fallback = "chord",
       IN_SCENE(obj.def.arc),
       .meaning = "of a mesh: arc measures edges along the cloth's arc, which does not "
-                 "lock on coarse meshes and costs some 2.5 times as much" },
+                 "lock on coarse meshes and costs some 4 times as much" },
     { "pins", WEFT__ITEMS, ITEMS(weft_cloth_def, pins, pin_count, weft__read_pin),
       .section = &pin_section, .absent = "none",
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "

@@ -21,14 +21,16 @@ void weft__arc_row(const weft__membrane *own, const double *x, size_t edge, doub
 {
     const weft__slopes *rows = &own->arc.rows;
     const size_t n = own->mesh->particles, first = rows->first[edge];
-    double sum[3] = { 0.0, 0.0, 0.0 };
+    double sums[2][3] = { { 0.0 } };
     for (size_t j = first; j < rows->first[edge + 1]; ++j) {
         const double *at = x + rows->particle[j], *from = x + rows->particle[first];
         for (size_t k = 0; k < 3; ++k) {
-            sum[k] += rows->share[j] * (at[k * n] - from[k * n]);
+            sums[(j - first) % 2][k] += rows->share[j] * (at[k * n] - from[k * n]);
         }
     }
-    memcpy(h, sum, sizeof sum);
+    for (size_t k = 0; k < 3; ++k) {
+        h[k] = sums[0][k] + sums[1][k];
+    }
 }
 
 void weft__arc_square(const weft__membrane *own, const double *y, size_t edge,
@@ -104,7 +106,7 @@ static void add_pull(const weft__membrane *own, const weft__state *at, size_t t,
 void weft__arc_force(const weft__membrane *own, const weft__state *at, size_t i,
                      double force[3])
 {
-    double sum[3] = { 0.0, 0.0, 0.0 };
+    double sums[2][3] = { { 0.0 } };
     for (size_t j = own->arc.begin[i]; j < own->arc.begin[i + 1]; ++j) {
         const weft__arc_part *part = &own->arc.part[j];
         const size_t e = part->item / 2;
@@ -123,11 +125,14 @@ void weft__arc_force(const weft__membrane *own, const weft__state *at, size_t i,
         const double ds = end ? change.ends : change.all;
         double(*x)[3] = end ? of.d : of.h;
         for (size_t k = 0; k < 3; ++k) {
-            sum[k] -= part->share
-                      * (at->along != NULL ? ds * x[0][k] + s * x[2][k] : s * x[0][k]);
+            sums[(j - own->arc.begin[i]) % 2][k]
+                -= part->share
+                   * (at->along != NULL ? ds * x[0][k] + s * x[2][k] : s * x[0][k]);
         }
     }
-    memcpy(force, sum, sizeof sum);
+    for (size_t k = 0; k < 3; ++k) {
+        force[k] = sums[0][k] + sums[1][k];
+    }
 }
 
 double weft__arc_particles(const weft__membrane *own, const weft__state *at,

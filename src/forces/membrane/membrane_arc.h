@@ -7,7 +7,8 @@
  *     F = -share (S h) on its parts,           S = sum of K (q + damping dq/dt + z)
  *     F = +(E d) and -(E d) at its ends,       E = sum of K z
  *
- * beside the forces of membrane.h. The barrier knows chords alone. The fast form takes
+ * beside the forces of membrane.h. Parts are summed by turns in two sums. The barrier
+ * knows chords alone. The fast form takes
  * groups of particles of a block, with copies of what is near them. */
 #ifndef WEFT_FORCES_MEMBRANE_ARC_H
 #define WEFT_FORCES_MEMBRANE_ARC_H

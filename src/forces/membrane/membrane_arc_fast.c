@@ -17,6 +17,7 @@ typedef struct arc_local {
     double pull[2 * WEFT__ARC_EDGES]; /* S and E */
 } arc_local;
 
+#define ALL(a)    ((record){ (a), (a), (a), (a) })
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
 INLINE void copy(const double *from, size_t n, const uint32_t *near, size_t count,
@@ -35,12 +36,17 @@ INLINE void bow(const weft__arc *of, const weft__arc_edge *edge, const record *x
     const uint16_t *near = of->row + edge[0].row;
     const double *share = of->share + edge[0].row;
     const size_t parts = edge[1].row - edge[0].row;
-    record sum = { 0.0, 0.0, 0.0, 0.0 }, from = x[parts > 0 ? near[0] : 0];
-    for (size_t j = 0; j < parts; ++j) {
-        const double by = share[j];
-        sum += (record){ by, by, by, by } * (x[near[j]] - from);
+    const record from = x[parts > 0 ? near[0] : 0];
+    record sums[2] = { { 0.0, 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0 } };
+    size_t j = 0;
+    for (; j + 2 <= parts; j += 2) {
+        sums[0] += ALL(share[j]) * (x[near[j]] - from);
+        sums[1] += ALL(share[j + 1]) * (x[near[j + 1]] - from);
     }
-    out[0] = sum;
+    if (j < parts) {
+        sums[0] += ALL(share[j]) * (x[near[j]] - from);
+    }
+    out[0] = sums[0] + sums[1];
     out[1] = x[edge->end[1]] - x[edge->end[0]];
 }
 
@@ -88,12 +94,18 @@ INLINE double add(const weft__membrane *own, weft__unit unit,
     double bad = 0.0;
     for (size_t i = group[0].particle; i < group[1].particle; ++i) {
         const double by = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[i];
-        record sum = { 0.0, 0.0, 0.0, 0.0 };
-        for (size_t j = own->arc.begin[i]; j < own->arc.begin[i + 1]; ++j) {
-            const double share = own->arc.part[j].share;
-            sum -= (record){ share, share, share, share }
-                   * item[own->arc.part[j].local];
+        const weft__arc_part *part = own->arc.part + own->arc.begin[i];
+        const size_t parts = own->arc.begin[i + 1] - own->arc.begin[i];
+        record sums[2] = { { 0.0, 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0 } };
+        size_t j = 0;
+        for (; j + 2 <= parts; j += 2) {
+            sums[0] -= ALL(part[j].share) * item[part[j].local];
+            sums[1] -= ALL(part[j + 1].share) * item[part[j + 1].local];
         }
+        if (j < parts) {
+            sums[0] -= ALL(part[j].share) * item[part[j].local];
+        }
+        const record sum = sums[0] + sums[1];
         for (size_t k = 0; k < 3; ++k) {
             to[k * n + i] += by * sum[k];
             bad += to[k * n + i] * 0.0;
