@@ -436,6 +436,50 @@ START_TEST(a_reader_without_a_mesher_says_so)
 }
 END_TEST
 
+static size_t calls, fail_at, live;
+
+static void *failing_resize(void *ctx, void *block, size_t size)
+{
+    (void)ctx;
+    if (size == 0) {
+        --live;
+        free(block);
+        return NULL;
+    }
+    if (++calls == fail_at) {
+        return NULL;
+    }
+    live += block == NULL;
+    return realloc(block, size);
+}
+
+/* Of the reader: a line that crosses, a refined cut, groups. */
+START_TEST(every_failing_allocation_is_an_error)
+{
+    const weft_allocator memory = { failing_resize, NULL };
+    weft_scene_def def
+        = with_cut(SQUARE "holes: [{disc: 0.2, at: [0.5, 0.5]}]\n    lines: "
+                          "[[[-1, 0.1], [2, 0.9]], [[0.1, 0], [0, 1]]]\n  "
+                          "pins: [{group: line0}]");
+    def.allocator = &memory;
+    weft_scene_destroy(good_scene(&def));
+    const size_t all = calls;
+    size_t spared = 0;
+    ck_assert_uint_gt(all, 40);
+    for (fail_at = 1; fail_at <= all; ++fail_at) {
+        weft_scene *scene = NULL;
+        weft_error err = { 0 };
+        calls = 0;
+        const weft_status status = weft_scene_load(&def, &scene, &found, &err);
+        ck_assert(status == WEFT_OK || status == WEFT_NO_MEMORY);
+        spared += status == WEFT_OK;
+        weft_scene_destroy(scene);
+        ck_assert_uint_eq(live, 0);
+    }
+    ck_assert_uint_eq(spared, 1); /* a text that does not become smaller */
+}
+END_TEST
+
 /* ---- runs ---------------------------------------------------------------------- */
 
 static const char ring_scene[]
@@ -723,6 +767,7 @@ TEST_SUITE(cut)
     tcase_add_test(errors, small_angles_between_lines_end);
     tcase_add_test(errors, sharp_corners_are_warned_of);
     tcase_add_test(errors, a_reader_without_a_mesher_says_so);
+    tcase_add_test(errors, every_failing_allocation_is_an_error);
     tcase_add_test(runs, a_run_keeps_its_mesh_and_repeats_from_it);
     tcase_add_test(runs, a_garment_is_the_same_cloth);
     tcase_add_test(runs, a_garment_survives_another_program);

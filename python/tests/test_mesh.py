@@ -163,6 +163,14 @@ def test_contact_with_shapes_is_allowed_and_sees_the_mesh():
         weft.load(scene)
 
 
+def test_a_cut_is_meshed_by_the_program():
+    scene = hung(sheet(), pins=[{"group": "outline"}])
+    del scene["cloth"]["mesh"]
+    scene["cloth"]["cut"] = {"outline": {"disc": 0.05}, "spacing": 0.02}
+    with pytest.raises(weft.SceneError, match="cut needs the mesher of the program weft.*--garment"):
+        weft.load(scene)
+
+
 # ---- refusals --------------------------------------------------------------------------
 
 UV, TRIANGLES = square(2)
