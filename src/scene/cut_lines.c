@@ -68,12 +68,9 @@ static double distance(const line_maker *self, const path_part *to, const double
 static const char *name_of(const line_maker *self, uint32_t number, char out[32])
 {
     const size_t holes = self->cut->holes.count;
-    (void)snprintf(out, 32,
-                   number == 0       ? "the outline"
-                   : number <= holes ? "hole %zu"
-                                     : "line %zu",
+    (void)snprintf(out, 32, "%s %zu", number <= holes ? "hole" : "line",
                    number <= holes ? (size_t)number - 1 : number - 1 - holes);
-    return out;
+    return number == 0 ? "the outline" : out;
 }
 
 /* The place in the scene of a point of a path. */

@@ -233,16 +233,18 @@ static void put_groups(writer *to, weft__reader *reader, const weft__cut *cut,
     size_t e = 0;
     for (size_t p = 0; p < paths; ++p) {
         const size_t line = p - 1 - cut->holes.count, first = e;
-        put(to,
-            p == 0                  ? "g outline\n"
-            : p <= cut->holes.count ? "g hole%zu\n"
-                                    : "g line%zu\n",
-            p <= cut->holes.count ? p - 1 : line);
+        if (p == 0) {
+            put(to, "g outline\n");
+        } else if (p <= cut->holes.count) {
+            put(to, "g hole%zu\n", p - 1);
+        } else {
+            put(to, "g line%zu\n", line);
+        }
         for (; e < mesh->edges && lines->path[mesh->edge[3 * e + 2]] == p; ++e) {
             put(to, "p %" PRIu32 " %" PRIu32 "\n", mesh->edge[3 * e] + 1,
                 mesh->edge[3 * e + 1] + 1);
         }
-        if (e == first) {
+        if (e == first && p > cut->holes.count) {
             weft__report_error(reader->report, cut->lines.list[line].node->at,
                                "this line has no part of its own inside the piece");
         }

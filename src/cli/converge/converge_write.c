@@ -82,13 +82,15 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
     double cells[CELLS];
     char text[48];
     fill_row(self, of, i, cells);
+    if (self->mesh) {
+        (void)snprintf(text, sizeof text, "%zu", particles);
+    } else {
+        (void)snprintf(text, sizeof text, csv ? "%zu,%zu" : "%zu x %zu", rows, cols);
+    }
     if (csv) {
         record_csv_quoted(stdout, self->quantities[of].name);
-        printf(self->mesh ? ",%zu,%zu" : ",%zu,%zu,%zu", self->sizes[i].size,
-               self->mesh ? particles : rows, cols);
+        printf(",%zu,%s", self->sizes[i].size, text);
     } else {
-        (void)snprintf(text, sizeof text, self->mesh ? "%zu" : "%zu x %zu",
-                       self->mesh ? particles : rows, cols);
         printf("%13s", text);
     }
     for (size_t k = 0; k < CELLS; ++k) {
