@@ -37,41 +37,9 @@ static void choose(void *own, weft__isa isa)
     ((weft__wind *)own)->fast = WEFT_FORM(isa, wind);
 }
 
-/* x(hi) - x(lo), of the planes x. */
-static void tangent(const double *x, size_t n, size_t lo, size_t hi, double t[3])
-{
-    for (size_t k = 0; k < 3; ++k) {
-        t[k] = x[k * n + hi] - x[k * n + lo];
-    }
-}
-
-/* Of the column and the row of particle i. */
-static void tangents(const weft__mesh *mesh, const double *x, size_t i, double a[3],
-                     double b[3])
-{
-    const size_t n = mesh->particles, cols = mesh->cols, r = i / cols, c = i % cols;
-    tangent(x, n, c > 0 ? i - 1 : i, c + 1 < cols ? i + 1 : i, a);
-    tangent(x, n, r > 0 ? i - cols : i, r + 1 < mesh->rows ? i + cols : i, b);
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* ---- of triangles ---------------------------------------------------------------- */
-
 typedef struct point {
     double x, y, z;
 } point;
-
-/* A triangle in a state, or in a direction of it: edges from corner 0, their cross
- * product N, and three times the wind against it. */
-typedef struct sail {
-    point a, b, normal, flow;
-} sail;
 
 static point at_particle(const double *x, size_t n, size_t i)
 {
@@ -103,11 +71,26 @@ static double dot(point a, point b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-static point cross_product(point a, point b)
+static point cross(point a, point b)
 {
     return (point){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
                     a.x * b.y - a.y * b.x };
 }
+
+/* Adds to particle i of three planes; 0 or NaN. */
+static double add_to(double *to, size_t n, size_t i, point force)
+{
+    to[i] += force.x, to[n + i] += force.y, to[2 * n + i] += force.z;
+    return (to[i] + to[n + i] + to[2 * n + i]) * 0.0;
+}
+
+/* ---- of triangles ---------------------------------------------------------------- */
+
+/* A triangle in a state, or in a direction of it: edges from corner 0, their cross
+ * product N, and three times the wind against it. */
+typedef struct sail {
+    point a, b, normal, flow;
+} sail;
 
 /* wind: 0 of a direction. */
 static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
@@ -122,7 +105,7 @@ static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
                 .b = minus(at_particle(y, n, corner[2]), x),
                 .flow
                 = minus((point){ 3.0 * wind[0], 3.0 * wind[1], 3.0 * wind[2] }, sum) };
-    to.normal = cross_product(to.a, to.b);
+    to.normal = cross(to.a, to.b);
     return to;
 }
 
@@ -143,7 +126,7 @@ static point sail_slope(const weft__wind *of, const weft__state *at,
     const size_t n = of->mesh->particles;
     const sail now = sail_of(n, corner, at->y, of->velocity);
     const sail by = sail_of(n, corner, at->along, none);
-    const point turn = plus(cross_product(by.a, now.b), cross_product(now.a, by.b));
+    const point turn = plus(cross(by.a, now.b), cross(now.a, by.b));
     const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
     const double push = dot(now.normal, now.flow) * inverse;
     const double rate = (dot(turn, now.flow) + dot(now.normal, by.flow)) * inverse
@@ -153,8 +136,8 @@ static point sail_slope(const weft__wind *of, const weft__state *at,
 
 /* A third of drag A (n.flow) n, A n = N / 2, of each triangle of particle i, or its
  * change along at->along. */
-static void sails_force(const weft__wind *of, const weft__state *at, size_t i,
-                        double share, double force[3])
+static point sails_force(const weft__wind *of, const weft__state *at, size_t i,
+                         double share)
 {
     const weft__triangles *tri = of->mesh->triangles;
     point sum = { 0.0, 0.0, 0.0 };
@@ -163,8 +146,7 @@ static void sails_force(const weft__wind *of, const weft__state *at, size_t i,
         sum = plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
                                           : sail_slope(of, at, corner));
     }
-    sum = scaled(of->drag / 18.0 * share, sum);
-    force[0] = sum.x, force[1] = sum.y, force[2] = sum.z;
+    return scaled(of->drag / 18.0 * share, sum);
 }
 
 /* The first triangle whose lowest corner is particle i, or follows. */
@@ -212,9 +194,7 @@ static double add_sails(const weft__wind *of, const double *y, size_t b,
     }
     for (size_t i = first; i < end; ++i) {
         const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        const point all = scaled(of->drag / 18.0 * share, sum[i - first]);
-        to[i] += all.x, to[n + i] += all.y, to[2 * n + i] += all.z;
-        bad += (to[i] + to[n + i] + to[2 * n + i]) * 0.0;
+        bad += add_to(to, n, i, scaled(of->drag / 18.0 * share, sum[i - first]));
     }
     return bad;
 }
@@ -248,63 +228,63 @@ static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
 
 /* ---- of a grid ------------------------------------------------------------------- */
 
-static void grid_force(const weft__wind *of, const weft__state *at, size_t i,
-                       double share, double force[3])
+/* Of the column and the row of particle i. */
+static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a,
+                     point *b)
 {
-    const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles;
-    double a[3], b[3], normal[3], flow[3];
-    tangents(mesh, at->y, i, a, b);
-    cross(a, b, normal);
-    for (size_t k = 0; k < 3; ++k) {
-        flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
-    }
-    const double push = of->drag * weft__area(mesh, i) * share * weft__dot(normal, flow)
-                        / (weft__dot(normal, normal) + DBL_MIN);
-    for (size_t k = 0; k < 3; ++k) {
-        force[k] = push * normal[k];
-    }
+    const size_t n = mesh->particles, cols = mesh->cols, r = i / cols, c = i % cols;
+    const size_t left = c > 0 ? i - 1 : i, up = r > 0 ? i - cols : i;
+    const size_t right = c + 1 < cols ? i + 1 : i;
+    const size_t down = r + 1 < mesh->rows ? i + cols : i;
+    *a = minus(at_particle(x, n, right), at_particle(x, n, left));
+    *b = minus(at_particle(x, n, down), at_particle(x, n, up));
+}
+
+/* The wind against particle i. */
+static point flow_at(const weft__wind *of, const double *y, size_t i)
+{
+    const size_t n = of->mesh->particles;
+    return minus(at_particle(of->velocity, 1, 0), at_particle(y + 3 * n, n, i));
+}
+
+static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
+                        double share)
+{
+    point a, b;
+    tangents(of->mesh, at->y, i, &a, &b);
+    const point normal = cross(a, b);
+    const double push = of->drag * weft__area(of->mesh, i) * share
+                        * dot(normal, flow_at(of, at->y, i))
+                        / (dot(normal, normal) + DBL_MIN);
+    return scaled(push, normal);
 }
 
 /* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
  * is drag area ((dN.flow - N.dv - 2 (N.flow) (N.dN) / (N.N)) N + (N.flow) dN) / (N.N).
  */
-static void grid_slope(const weft__wind *of, const weft__state *at, size_t i,
-                       double slope[3])
+static point grid_slope(const weft__wind *of, const weft__state *at, size_t i)
 {
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->particles;
-    double a[3], b[3], da[3], db[3], normal[3], turn[3], more[3], flow[3], dv[3];
-    tangents(mesh, at->y, i, a, b);
-    tangents(mesh, at->along, i, da, db);
-    cross(a, b, normal);
-    cross(da, b, turn);
-    cross(a, db, more);
-    for (size_t k = 0; k < 3; ++k) {
-        turn[k] += more[k];
-        dv[k] = at->along[(k + 3) * n + i];
-        flow[k] = of->velocity[k] - at->y[(k + 3) * n + i];
-    }
+    point a, b, da, db;
+    tangents(mesh, at->y, i, &a, &b);
+    tangents(mesh, at->along, i, &da, &db);
+    const point normal = cross(a, b), turn = plus(cross(da, b), cross(a, db));
+    const point flow = flow_at(of, at->y, i), dv = at_particle(at->along + 3 * n, n, i);
     const double drag = of->drag * mesh->inverse_mass[i] * weft__area(mesh, i);
-    const double inverse = 1.0 / (weft__dot(normal, normal) + DBL_MIN);
-    const double push = weft__dot(normal, flow) * inverse;
-    const double rate = (weft__dot(turn, flow) - weft__dot(normal, dv)) * inverse
-                        - 2.0 * push * weft__dot(normal, turn) * inverse;
-    for (size_t k = 0; k < 3; ++k) {
-        slope[k] = drag * (rate * normal[k] + push * turn[k]);
-    }
+    const double inverse = 1.0 / (dot(normal, normal) + DBL_MIN);
+    const double push = dot(normal, flow) * inverse;
+    const double rate = (dot(turn, flow) - dot(normal, dv)) * inverse
+                        - 2.0 * push * dot(normal, turn) * inverse;
+    return scaled(drag, plus(scaled(rate, normal), scaled(push, turn)));
 }
 
-static void wind_force(const weft__wind *of, const weft__state *at, size_t i,
-                       double share, double force[3])
+static point wind_force(const weft__wind *of, const weft__state *at, size_t i,
+                        double share)
 {
-    if (of->mesh->triangles != NULL) {
-        sails_force(of, at, i, share, force);
-    } else if (at->along != NULL) {
-        grid_slope(of, at, i, force);
-    } else {
-        grid_force(of, at, i, share, force);
-    }
+    return of->mesh->triangles != NULL ? sails_force(of, at, i, share)
+           : at->along != NULL         ? grid_slope(of, at, i)
+                                       : grid_force(of, at, i, share);
 }
 
 int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
@@ -313,13 +293,10 @@ int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->particles, last = weft__block(mesh, end);
-    double bad = 0.0, force[3];
+    double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
-        wind_force(of, at, i, unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i], force);
-        for (size_t k = 0; k < 3; ++k) {
-            to[k * n + i] += force[k];
-            bad += to[k * n + i] * 0.0;
-        }
+        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
+        bad += add_to(to, n, i, wind_force(of, at, i, share));
     }
     return bad == 0.0 ? 0 : 1;
 }
@@ -340,14 +317,10 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
 {
     const weft__wind *of = own;
     const size_t n = of->mesh->particles, last = weft__block(of->mesh, end);
-    double bad = 0.0, slope[3];
+    double bad = 0.0;
     (void)unit;
     for (size_t i = weft__block(of->mesh, first); of->drag != 0.0 && i < last; ++i) {
-        wind_force(of, at, i, of->mesh->inverse_mass[i], slope);
-        for (size_t k = 0; k < 3; ++k) {
-            to[k * n + i] += slope[k];
-            bad += slope[k] * 0.0;
-        }
+        bad += add_to(to, n, i, wind_force(of, at, i, of->mesh->inverse_mass[i]));
     }
     return bad == 0.0 ? 0 : 1;
 }
@@ -357,12 +330,9 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const weft__wind *of = own;
     const size_t n = of->mesh->particles, end = weft__block(of->mesh, b + 1);
     for (size_t i = weft__block(of->mesh, b); of->drag != 0.0 && i < end; ++i) {
-        const double *z = at->y + i;
-        const double v[3] = { z[3 * n], z[4 * n], z[5 * n] };
-        double force[3];
         if (of->mesh->pin[i] == 0) {
-            wind_force(of, at, i, 1.0, force);
-            sum->power[WEFT_POWER_WIND] += weft__dot(force, v);
+            sum->power[WEFT_POWER_WIND]
+                += dot(wind_force(of, at, i, 1.0), at_particle(at->y + 3 * n, n, i));
         }
     }
 }
