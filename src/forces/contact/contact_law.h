@@ -153,8 +153,9 @@ LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num 
     }
     const num way[3] = { r[1][0] - r[0][0], r[1][1] - r[0][1], r[1][2] - r[0][2] };
     const num reach = gap[0] + gap[1];
-    return (gap[1] > 0.0) & (ROOT(law_dot(way, way)) < reach)
-           & (of->h * (ROOT(square) + of->between) < reach);
+    const truth outside = gap[1] > 0.0, straight = ROOT(law_dot(way, way)) < reach;
+    const truth slow = of->h * (ROOT(square) + of->between) < reach;
+    return outside & straight & slow;
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
