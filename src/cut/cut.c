@@ -1,279 +1,529 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* cut.c -- from lines to a mesh: points on the lines and inside, triangles between
- * them, and the order of both. */
+/* cut.c -- from lines to a mesh. Points inside, first on rows, go to where triangles
+ * are even: to the mean of the centroids around them, weighted by area (L. Chen, M.
+ * Holst, Comput. Methods Appl. Mech. Engrg. 200, 2011), between Delaunay
+ * triangulations. A line without its edge is halved. Where an angle stays small, the
+ * centre of the triangle's circle is added, or a line that it is too near to is halved
+ * (J. Ruppert, J. Algorithms 18, 1995). */
 #include "cut/cut.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cut/shape.h"
+#include "cut/delaunay.h"
 
-#define ROW     0.8660254037844386 /* [spacings] from row to row of equal triangles */
-#define JITTER  0.25               /* [spacings] of the first points inside */
-#define CLEAR   0.65 /* [spacings] around points on lines that has no point inside */
+#define ROW    0.8660254037844386 /* [spacings] from row to row of equal triangles */
+#define JITTER 0.1                /* [spacings] of the first points inside */
+#define CLEAR  0.65   /* [spacings] around points on lines that has no point inside */
+#define SMALL  0.5095 /* tan(27 degrees): smaller angles are refined */
+/* [sizes] Sizes grow from point to point, so that points end; shorter edges and halves
+ * of parts may have small angles. */
+#define GROWTH     1.5
+#define LEAST_EDGE 0.25
+#define LEAST_HALF 0.12
+#define FLAT                                                                           \
+    1e-5 /* of the longest edge: what lower triangle of line points is none            \
+          */
+#define NOISE   1e-7 /* [spacings] so that no four points lie on one circle */
 #define DEGREES 57.29577951308232
+
+enum { ROUNDS = 16, LARGE = 200000, ROUNDS_LARGE = 3, REFINED = 40, MOST_ROUNDS = 200 };
+
+typedef struct cut_point {
+    double at[2]; /* [m] */
+    double size;  /* [m] of the triangles around it */
+    bool fixed;   /* on a line */
+} cut_point;
+
+/* Part of a line, an edge of the mesh. */
+typedef struct part {
+    uint32_t from, to, line, next; /* next: behind it; CUT_NONE: the last */
+    bool found;                    /* in the last triangulation */
+} part;
+
+/* The points of a part, the lower one first. */
+typedef struct ends {
+    uint32_t low, high, part;
+} ends;
 
 typedef struct cutter {
     const weft_cut *cut;
-    cut_shape shape;
-    uint32_t *point;         /* of the net, for a point of the cut */
-    uint32_t *first;         /* part of a line */
-    uint32_t *bucket, *next; /* points on lines by their place */
-    size_t buckets;
+    cut_point *point;
+    size_t points, point_room;
+    part *parts;
+    size_t part_count, part_room;
+    uint32_t *first; /* part of a line */
+    ends *ends;      /* of all parts, sorted */
+    uint32_t *corner;
+    size_t triangles; /* inside, counterclockwise */
     uint32_t *number; /* of a point in the mesh */
+    bool no_memory;
 } cutter;
 
-static const double *place(const cutter *self, uint32_t point)
+/* ---- points and parts ---------------------------------------------------------- */
+
+static void *grown(cutter *self, void *array, size_t *room, size_t count, size_t size)
 {
-    return &self->cut->points[2 * (size_t)point];
+    if (count < *room || self->no_memory) {
+        return array;
+    }
+    void *more = realloc(array, (count + count / 2 + 64) * size);
+    self->no_memory = more == NULL;
+    *room = more == NULL ? *room : count + count / 2 + 64;
+    return more == NULL ? array : more;
 }
 
-/* ---- points on lines ----------------------------------------------------------- */
+static uint32_t add_point(cutter *self, double u, double v, double size, bool fixed)
+{
+    const size_t i = self->points;
+    self->point = grown(self, self->point, &self->point_room, i, sizeof *self->point);
+    if (self->no_memory) {
+        return 0;
+    }
+    self->point[i] = (cut_point){ { u, v }, fmin(size, self->cut->spacing), fixed };
+    return (uint32_t)self->points++;
+}
 
-static bool add_line(cutter *self, size_t line)
+static void add_part(cutter *self, part one)
+{
+    self->parts = grown(self, self->parts, &self->part_room, self->part_count,
+                        sizeof *self->parts);
+    if (!self->no_memory) {
+        self->parts[self->part_count++] = one;
+    }
+}
+
+static double squared(const double a[2], const double b[2])
+{
+    return (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
+}
+
+static double twice_area(const double a[2], const double b[2], const double c[2])
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/* Points of the cut have their numbers there. */
+static void add_line(cutter *self, size_t line)
 {
     const uint32_t *end = &self->cut->lines[2 * line];
-    const double *a = place(self, end[0]), *b = place(self, end[1]);
-    const double length
-        = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+    const double a[] = { self->point[end[0]].at[0], self->point[end[0]].at[1] };
+    const double b[] = { self->point[end[1]].at[0], self->point[end[1]].at[1] };
+    const double length = sqrt(squared(a, b));
     const double count = fmax(1.0, rint(length / self->cut->spacing));
-    uint32_t from = self->point[end[0]];
-    self->first[line] = (uint32_t)self->shape.parts;
-    for (double i = 1.0; i <= count; i += 1.0) {
-        const double s = i / count,
-                     at[] = { a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]) };
+    uint32_t from = end[0];
+    for (size_t k = 0; k < 2; ++k) {
+        self->point[end[k]].size = fmin(self->point[end[k]].size, length / count);
+    }
+    self->first[line] = (uint32_t)self->part_count;
+    for (double i = 1.0; i <= count && !self->no_memory; i += 1.0) {
+        const double s = i / count;
+        const bool last = i == count;
         const uint32_t to
-            = i == count ? self->point[end[1]] : net_add(&self->shape.net, at);
-        const uint32_t behind = i == count ? NET_NONE : (uint32_t)self->shape.parts + 1;
-        if (to == NET_NONE
-            || !shape_add_part(&self->shape,
-                               (shape_part){ from, to, (uint32_t)line, behind })) {
-            return false;
-        }
+            = last ? end[1]
+                   : add_point(self, a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]),
+                               length / count, true);
+        add_part(self,
+                 (part){ .from = from,
+                         .to = to,
+                         .line = (uint32_t)line,
+                         .next = last ? CUT_NONE : (uint32_t)self->part_count + 1 });
         from = to;
     }
-    return true;
 }
 
-static bool add_lines(cutter *self)
+/* Where a part of a length is halved: one that begins in a point of the cut on a circle
+ * around it that has a power of two as its radius, or two at a sharp corner would halve
+ * each other for ever. */
+static double place_of_half(const cutter *self, const part *one, double length)
 {
-    const weft_cut *cut = self->cut;
-    double low[] = { INFINITY, INFINITY }, high[] = { -INFINITY, -INFINITY };
-    for (size_t i = 0; i < 2 * cut->point_count; ++i) {
-        low[i % 2] = fmin(low[i % 2], cut->points[i]);
-        high[i % 2] = fmax(high[i % 2], cut->points[i]);
+    const bool from = one->from < self->cut->point_count,
+               to = one->to < self->cut->point_count;
+    int power;
+    const double whole = frexp(length, &power);
+    const double near = (whole > 0.75 ? 0.5 : 0.25) / whole;
+    return from == to ? 0.5 : from ? near : 1.0 - near;
+}
+
+/* [m] The least of the sizes at some points. */
+static double size_of(const cutter *self, size_t count, const uint32_t *points)
+{
+    double size = self->cut->spacing;
+    for (size_t k = 0; k < count; ++k) {
+        size = fmin(size, self->point[points[k]].size);
     }
-    net_begin(&self->shape.net, low, high, cut->spacing, cut->seed);
-    self->shape.spacing = cut->spacing;
-    bool good = true;
-    for (size_t i = 0; i < cut->point_count && good; ++i) {
-        self->point[i] = net_add(&self->shape.net, place(self, (uint32_t)i));
-        good = self->point[i] != NET_NONE;
+    return size;
+}
+
+/* Unless a half were shorter than `least` sizes. */
+static bool halve(cutter *self, size_t index, double least)
+{
+    const part whole = self->parts[index];
+    const double *a = self->point[whole.from].at, *b = self->point[whole.to].at;
+    const double length = sqrt(squared(a, b)), s = place_of_half(self, &whole, length);
+    const double size = size_of(self, 2, (const uint32_t[]){ whole.from, whole.to });
+    if (length < 2.0 * least * size) {
+        return false;
     }
-    for (size_t i = 0; i < cut->line_count && good; ++i) {
-        good = add_line(self, i);
-    }
-    return good;
+    const uint32_t middle = add_point(self, a[0] + s * (b[0] - a[0]),
+                                      a[1] + s * (b[1] - a[1]), GROWTH * size, true);
+    self->parts[index].to = middle;
+    self->parts[index].next = (uint32_t)self->part_count;
+    add_part(self, (part){ .from = middle,
+                           .to = whole.to,
+                           .line = whole.line,
+                           .next = whole.next });
+    return true;
 }
 
 /* ---- points inside ------------------------------------------------------------- */
 
-static size_t bucket_of(const cutter *self, const double at[2], int right, int up)
+/* A random number of [0, 1) that depends on all three (splitmix64). */
+static double random_of(uint64_t seed, uint64_t number, uint64_t which)
 {
-    const double h = self->cut->spacing;
-    const uint64_t u = (uint64_t)(int64_t)floor(at[0] / h) + (uint64_t)(int64_t)right;
-    const uint64_t v = (uint64_t)(int64_t)floor(at[1] / h) + (uint64_t)(int64_t)up;
-    return (size_t)((u * 0x9E3779B97F4A7C15U + v * 0xD1B54A32D192ED03U) >> 20)
-           & (self->buckets - 1);
+    uint64_t z = seed * 0x9E3779B97F4A7C15U + number * 0xD1B54A32D192ED03U + which + 1;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static bool fill_buckets(cutter *self)
+static int by_size(const void *a, const void *b)
 {
-    const cut_net *net = &self->shape.net;
-    for (self->buckets = 64; self->buckets < net->points;) {
-        self->buckets *= 2;
-    }
-    self->bucket = malloc(self->buckets * sizeof *self->bucket);
-    self->next = malloc(net->points * sizeof *self->next);
-    if (self->bucket == NULL || self->next == NULL) {
-        return false;
-    }
-    memset(self->bucket, 0xff, self->buckets * sizeof *self->bucket);
-    for (size_t i = 4; i < net->points; ++i) {
-        uint32_t *head = &self->bucket[bucket_of(self, net->at[i], 0, 0)];
-        self->next[i] = *head;
-        *head = (uint32_t)i;
-    }
-    return true;
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
 }
 
-static bool is_clear(const cutter *self, const double at[2])
+/* Where the border passes a height v, from the left. */
+static size_t crossings(const cutter *self, double v, double *list)
 {
-    const double reach = CLEAR * self->cut->spacing;
-    for (int cell = 0; cell < 9; ++cell) {
-        uint32_t i = self->bucket[bucket_of(self, at, cell % 3 - 1, cell / 3 - 1)];
-        for (; i != NET_NONE; i = self->next[i]) {
-            const double *x = self->shape.net.at[i];
-            const double u = x[0] - at[0], v = x[1] - at[1];
-            if (u * u + v * v < reach * reach) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-/* Where a row passes the border. */
-typedef struct crossing {
-    int64_t row;
-    double u;
-} crossing;
-
-static int by_row(const void *a, const void *b)
-{
-    const crossing *x = a, *y = b;
-    return x->row != y->row ? (x->row > y->row) - (x->row < y->row)
-                            : (x->u > y->u) - (x->u < y->u);
-}
-
-/* Appends the rows that a line of the border crosses, to list unless that is NULL. */
-static size_t cross_rows(const cutter *self, size_t line, crossing *list)
-{
-    const double high = ROW * self->cut->spacing;
-    const double *a = place(self, self->cut->lines[2 * line]),
-                 *b = place(self, self->cut->lines[2 * line + 1]);
-    const double *low = a[1] < b[1] ? a : b, *top = low == a ? b : a;
-    const int64_t first = (int64_t)ceil(low[1] / high);
     size_t count = 0;
-    for (int64_t row = first; (double)row * high < top[1]; ++row, ++count) {
-        const double v = (double)row * high;
-        if (list != NULL) {
-            list[count] = (crossing){
-                row, low[0] + (v - low[1]) / (top[1] - low[1]) * (top[0] - low[0])
-            };
+    for (size_t i = 0; i < self->cut->border_count; ++i) {
+        const double *a = self->point[self->cut->lines[2 * i]].at,
+                     *b = self->point[self->cut->lines[2 * i + 1]].at;
+        if ((a[1] > v) != (b[1] > v)) {
+            list[count++] = a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
         }
     }
+    qsort(list, count, sizeof *list, by_size);
     return count;
 }
 
-static bool add_row(cutter *self, int64_t row, double from, double to)
+static bool is_inside(const cutter *self, double u, double v)
 {
-    const double h = self->cut->spacing, v = (double)row * ROW * h;
-    const double shift = (row % 2 == 0 ? 0.0 : 0.5) * h;
-    for (int64_t i = (int64_t)ceil((from - shift) / h); (double)i * h + shift < to;
-         ++i) {
-        const uint64_t number
-            = (uint64_t)row * 0x2545F4914F6CDD1DU + (uint64_t)i + 0x100000000U;
-        const double at[]
-            = { (double)i * h + shift
-                    + JITTER * h * (2.0 * net_random(self->cut->seed, number, 0) - 1.0),
-                v + JITTER * h * (2.0 * net_random(self->cut->seed, number, 1) - 1.0) };
-        if (is_clear(self, at)) {
-            const uint32_t point = net_add(&self->shape.net, at);
-            if (point == NET_NONE) {
-                return false;
-            }
-            self->shape.net.size[point] = h;
-        }
+    bool inside = false;
+    for (size_t i = 0; i < self->cut->border_count; ++i) {
+        const double *a = self->point[self->cut->lines[2 * i]].at,
+                     *b = self->point[self->cut->lines[2 * i + 1]].at;
+        inside ^= (a[1] > v) != (b[1] > v)
+                  && u < a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
     }
-    return true;
+    return inside;
 }
 
-static bool add_inside(cutter *self)
+static void add_row(cutter *self, int64_t row, double from, double to)
 {
-    size_t count = 0, done = 0;
-    for (size_t i = 0; i < self->cut->border_count; ++i) {
-        count += cross_rows(self, i, NULL);
+    const double h = self->cut->spacing, shift = row % 2 == 0 ? 0.0 : 0.5;
+    for (double i = ceil(from / h - shift); (i + shift) * h < to; i += 1.0) {
+        const uint64_t number
+            = (uint64_t)row * 0x2545F4914F6CDD1DU + (uint64_t)(int64_t)i;
+        double at[2] = { i + shift, (double)row * ROW };
+        for (uint64_t k = 0; k < 2; ++k) {
+            at[k] += JITTER * (2.0 * random_of(self->cut->seed, number, k) - 1.0);
+        }
+        (void)add_point(self, at[0] * h, at[1] * h, h, false);
     }
-    crossing *list = malloc((count + 1) * sizeof *list);
-    bool good = list != NULL && fill_buckets(self);
-    for (size_t i = 0; i < self->cut->border_count && good; ++i) {
-        done += cross_rows(self, i, &list[done]);
+}
+
+static void add_inside(cutter *self)
+{
+    const double high = ROW * self->cut->spacing;
+    double low = INFINITY, top = -INFINITY;
+    double *list = malloc((self->cut->border_count + 1) * sizeof *list);
+    self->no_memory = self->no_memory || list == NULL;
+    for (size_t i = 0; i < 2 * self->cut->border_count; ++i) {
+        const double v = self->point[self->cut->lines[i]].at[1];
+        low = fmin(low, v), top = fmax(top, v);
     }
-    if (good) {
-        qsort(list, count, sizeof *list, by_row);
-    }
-    for (size_t i = 0; i + 1 < count && good; i += 2) {
-        good = add_row(self, list[i].row, list[i].u, list[i + 1].u);
+    for (int64_t row = (int64_t)ceil(low / high);
+         (double)row * high < top && !self->no_memory; ++row) {
+        const size_t count = crossings(self, (double)row * high, list);
+        for (size_t i = 0; i + 1 < count; i += 2) {
+            add_row(self, row, list[i], list[i + 1]);
+        }
     }
     free(list);
-    return good;
 }
 
 /* ---- triangles ----------------------------------------------------------------- */
 
-/* Marks what the border encloses: what is an odd number of its lines from the box. */
-static bool find_inside(cutter *self)
+static int by_ends(const void *a, const void *b)
 {
-    cut_net *net = &self->shape.net;
-    uint8_t *seen = calloc(net->triangles + 1, 1);
-    uint32_t *stack = malloc((net->triangles + 1) * sizeof *stack);
-    size_t count = 0;
-    if (seen != NULL && stack != NULL) {
-        stack[count++] = net->of[0];
-        seen[net->of[0]] = 1;
-        net->triangle[net->of[0]].outside = true;
-    }
-    while (count > 0) {
-        const net_triangle *at = &net->triangle[stack[--count]];
-        for (unsigned k = 0; k < 3; ++k) {
-            const uint32_t t = at->beside[k];
-            if (t != NET_NONE && !seen[t]) {
-                const uint32_t mark = at->mark[k];
-                const bool border
-                    = mark != 0
-                      && self->shape.part[mark - 1].line < self->cut->border_count;
-                net->triangle[t].outside = at->outside != border;
-                seen[t] = 1;
-                stack[count++] = t;
-            }
-        }
-    }
-    const bool good = seen != NULL && stack != NULL;
-    free(seen);
-    free(stack);
-    return good;
+    const ends *x = a, *y = b;
+    return x->low != y->low ? (x->low > y->low) - (x->low < y->low)
+                            : (x->high > y->high) - (x->high < y->high);
 }
 
-static weft_status triangulate(cutter *self, weft_error *err)
+static void sort_ends(cutter *self)
 {
-    cut_net *net = &self->shape.net;
-    const char *why = net_start(net);
-    if (why != NULL) {
-        return weft_error_set(err, net->no_memory ? WEFT_NO_MEMORY : WEFT_BAD_SCENE,
-                              "%s", why);
+    ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
+    self->no_memory = self->no_memory || list == NULL;
+    self->ends = list == NULL ? self->ends : list;
+    for (size_t i = 0; list != NULL && i < self->part_count; ++i) {
+        part *one = &self->parts[i];
+        const uint32_t a = one->from, b = one->to;
+        one->found = false;
+        list[i] = (ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
     }
-    for (size_t i = 0; i < self->shape.parts; ++i) {
-        const shape_part *part = &self->shape.part[i];
-        if (!net_mark(net, part->from, part->to, (uint32_t)i + 1)) {
-            const double *at = net->at[part->from];
+    if (list != NULL) {
+        qsort(list, self->part_count, sizeof *list, by_ends);
+    }
+}
+
+/* The part from a to b or back; NULL: there is none. */
+static part *part_of(const cutter *self, uint32_t a, uint32_t b)
+{
+    const ends wanted = { a < b ? a : b, a < b ? b : a, 0 };
+    const ends *found
+        = !self->point[a].fixed || !self->point[b].fixed
+              ? NULL
+              : bsearch(&wanted, self->ends, self->part_count, sizeof wanted, by_ends);
+    return found == NULL ? NULL : &self->parts[found->part];
+}
+
+/* Turns a triangle counterclockwise, finds the parts that are its edges, and tells
+ * whether it lies inside. That lies with its centroid, unless a corner is inside. */
+static bool take_triangle(cutter *self, uint32_t c[3])
+{
+    double area
+        = twice_area(self->point[c[0]].at, self->point[c[1]].at, self->point[c[2]].at),
+        u = 0.0, v = 0.0, longest = 0.0;
+    bool fixed = true;
+    if (area < 0.0) {
+        const uint32_t one = c[1];
+        c[1] = c[2], c[2] = one, area = -area;
+    }
+    for (unsigned k = 0; k < 3; ++k) {
+        part *along = part_of(self, c[k], c[(k + 1) % 3]);
+        const double *x = self->point[c[k]].at;
+        if (along != NULL) {
+            along->found = true;
+        }
+        u += x[0] / 3.0, v += x[1] / 3.0;
+        fixed = fixed && self->point[c[k]].fixed;
+        longest = fmax(longest, squared(x, self->point[c[(k + 1) % 3]].at));
+    }
+    return !fixed || (area > FLAT * longest && is_inside(self, u, v));
+}
+
+static bool triangulate(cutter *self)
+{
+    const double noise = NOISE * self->cut->spacing;
+    double(*moved)[2] = malloc((self->points + 1) * sizeof *moved);
+    size_t count = 0;
+    free(self->corner);
+    self->corner = NULL;
+    self->triangles = 0;
+    sort_ends(self);
+    for (size_t i = 0; moved != NULL && i < self->points; ++i) {
+        for (unsigned k = 0; k < 2; ++k) {
+            moved[i][k]
+                = self->point[i].at[k] + noise * random_of(self->cut->seed, i, k);
+        }
+    }
+    if (moved != NULL && !self->no_memory) {
+        self->corner = cut_delaunay(self->points, &moved[0][0], &count);
+    }
+    free(moved);
+    for (size_t t = 0; t < count; ++t) {
+        uint32_t *c = &self->corner[3 * t];
+        if (take_triangle(self, c)) {
+            memmove(&self->corner[3 * self->triangles++], c, 3 * sizeof *c);
+        }
+    }
+    return self->corner != NULL;
+}
+
+/* ---- better triangles ---------------------------------------------------------- */
+
+/* Drops points inside that are too near to one on a line; that is a neighbour then. */
+static void drop_near(cutter *self)
+{
+    const double reach = CLEAR * self->cut->spacing;
+    size_t kept = 0;
+    bool *near = calloc(self->points + 1, sizeof *near);
+    self->no_memory = self->no_memory || near == NULL;
+    for (size_t i = 0; near != NULL && i < 3 * self->triangles; ++i) {
+        const uint32_t a = self->corner[i], b = self->corner[i - i % 3 + (i + 1) % 3];
+        if (self->point[a].fixed != self->point[b].fixed
+            && squared(self->point[a].at, self->point[b].at) < reach * reach) {
+            near[self->point[a].fixed ? b : a] = true;
+        }
+    }
+    for (size_t i = 0; near != NULL && i < self->points; ++i) {
+        if (!near[i]) {
+            self->point[kept++] = self->point[i];
+        }
+    }
+    self->points = near != NULL ? kept : self->points;
+    free(near);
+}
+
+/* Halves the parts that are no edges. How many; -1: *at is too short for that. */
+static int halve_missing(cutter *self, const double **at)
+{
+    const size_t count = self->part_count;
+    int halved = 0;
+    for (size_t i = 0; i < count && !self->no_memory; ++i) {
+        if (!self->parts[i].found) {
+            if (!halve(self, i, LEAST_HALF / 16.0)) {
+                *at = self->point[self->parts[i].from].at;
+                return -1;
+            }
+            ++halved;
+        }
+    }
+    return halved;
+}
+
+static void smooth(cutter *self)
+{
+    double(*sum)[3] = calloc(self->points + 1, sizeof *sum);
+    self->no_memory = self->no_memory || sum == NULL;
+    for (size_t t = 0; sum != NULL && t < self->triangles; ++t) {
+        const uint32_t *c = &self->corner[3 * t];
+        const double *x = self->point[c[0]].at, *y = self->point[c[1]].at,
+                     *z = self->point[c[2]].at;
+        const double area = twice_area(x, y, z);
+        for (unsigned k = 0; k < 3; ++k) {
+            sum[c[k]][0] += area * (x[0] + y[0] + z[0]);
+            sum[c[k]][1] += area * (x[1] + y[1] + z[1]);
+            sum[c[k]][2] += 3.0 * area;
+        }
+    }
+    for (size_t i = 0; sum != NULL && i < self->points; ++i) {
+        if (!self->point[i].fixed && sum[i][2] > 0.0) {
+            self->point[i].at[0] = sum[i][0] / sum[i][2];
+            self->point[i].at[1] = sum[i][1] / sum[i][2];
+        }
+    }
+    free(sum);
+}
+
+/* Tangent of the smallest angle of a triangle, opposite its shortest edge. */
+static double angle_of(const cutter *self, const uint32_t c[3], unsigned *corner)
+{
+    double edge[3];
+    unsigned k = 0;
+    for (unsigned i = 0; i < 3; ++i) {
+        edge[i]
+            = squared(self->point[c[(i + 1) % 3]].at, self->point[c[(i + 2) % 3]].at);
+        k = edge[i] < edge[k] ? i : k;
+    }
+    *corner = k;
+    return 2.0
+           * twice_area(self->point[c[0]].at, self->point[c[1]].at,
+                        self->point[c[2]].at)
+           / (edge[(k + 1) % 3] + edge[(k + 2) % 3] - edge[k]);
+}
+
+/* Whether corner k lies between two parts: its angle is given. */
+static bool is_given(const cutter *self, const uint32_t c[3], unsigned k)
+{
+    return part_of(self, c[k], c[(k + 1) % 3]) != NULL
+           && part_of(self, c[k], c[(k + 2) % 3]) != NULL;
+}
+
+/* Square of the radius. */
+static double circle_of(const cutter *self, const uint32_t c[3], double centre[2])
+{
+    const double *a = self->point[c[0]].at, *x = self->point[c[1]].at,
+                 *y = self->point[c[2]].at;
+    const double d = 2.0 * twice_area(a, x, y), p = squared(a, x), q = squared(a, y);
+    centre[0] = a[0] + ((y[1] - a[1]) * p - (x[1] - a[1]) * q) / d;
+    centre[1] = a[1] + ((x[0] - a[0]) * q - (y[0] - a[0]) * p) / d;
+    return squared(a, centre);
+}
+
+/* Halves the parts that are seen at more than a right angle from a point; whether there
+ * are some. */
+static bool halve_near(cutter *self, const double x[2], size_t count, bool *halved)
+{
+    bool near = false;
+    for (size_t i = 0; i < count && !self->no_memory; ++i) {
+        const double *a = self->point[self->parts[i].from].at,
+                     *b = self->point[self->parts[i].to].at;
+        if ((a[0] - x[0]) * (b[0] - x[0]) + (a[1] - x[1]) * (b[1] - x[1]) < 0.0) {
+            near = true;
+            *halved = halve(self, i, LEAST_HALF) || *halved;
+        }
+    }
+    return near;
+}
+
+/* Adds a point for each small angle, unless another has one nearby. */
+static bool refine(cutter *self)
+{
+    const size_t before = self->points, parts = self->part_count;
+    bool changed = false;
+    for (size_t t = 0; t < self->triangles && !self->no_memory; ++t) {
+        const uint32_t *c = &self->corner[3 * t];
+        const double size = size_of(self, 3, c);
+        unsigned k;
+        double x[2];
+        if (angle_of(self, c, &k) >= SMALL || is_given(self, c, k)
+            || squared(self->point[c[(k + 1) % 3]].at, self->point[c[(k + 2) % 3]].at)
+                   < LEAST_EDGE * LEAST_EDGE * size * size) {
+            continue;
+        }
+        const double reach = circle_of(self, c, x);
+        bool alone = true;
+        for (size_t i = before; i < self->points && alone; ++i) {
+            alone = squared(self->point[i].at, x) > reach;
+        }
+        if (alone && !halve_near(self, x, parts, &changed)
+            && is_inside(self, x[0], x[1])) {
+            (void)add_point(self, x[0], x[1], GROWTH * size, false);
+            changed = true;
+        }
+    }
+    return changed;
+}
+
+/* NULL, or why there is no mesh. */
+static weft_status make_triangles(cutter *self, weft_error *err)
+{
+    int smoothed = self->points > LARGE ? ROUNDS_LARGE : ROUNDS, refined = REFINED;
+    for (int round = 0; round < MOST_ROUNDS && !self->no_memory; ++round) {
+        const double *at;
+        if (!triangulate(self)) {
+            return weft_error_set(err, WEFT_BAD_SCENE, "Qhull finds no triangles");
+        }
+        if (round == 0) {
+            drop_near(self);
+            continue;
+        }
+        const int halved = halve_missing(self, &at);
+        if (halved < 0) {
             return weft_error_set(err, WEFT_BAD_SCENE,
                                   "lines are too near to each other at (%.6g, %.6g) m",
                                   at[0], at[1]);
         }
+        if (halved == 0 && smoothed-- > 0) {
+            smooth(self);
+        } else if (halved == 0 && (refined-- <= 0 || !refine(self))) {
+            return WEFT_OK;
+        }
     }
-    if (!find_inside(self)) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the mesh of a cut");
-    }
-    net_restore(net);
-    self->shape.most = 2 * net->points + 10000;
-    shape_smooth(net);
-    shape_refine(&self->shape);
-    return WEFT_OK;
+    return self->no_memory ? WEFT_NO_MEMORY
+                           : weft_error_set(err, WEFT_BAD_SCENE,
+                                            "its lines are no edges of triangles");
 }
 
 /* ---- the mesh ------------------------------------------------------------------ */
 
-static void *take(const cutter *self, size_t count, size_t size)
-{
-    const weft_allocator *memory = self->cut->memory;
-    return memory->resize(memory->ctx, NULL, (count + 1) * size);
-}
-
 typedef struct inner {
-    double u, v;
-    int64_t row;
+    double u, row;
     uint32_t point;
 } inner;
 
@@ -287,94 +537,70 @@ static int by_place(const void *a, const void *b)
 
 static void give_number(cutter *self, uint32_t point, weft_cut_mesh *out)
 {
-    if (self->number[point] == NET_NONE - 1) {
+    if (self->number[point] == CUT_NONE - 1) {
         self->number[point] = (uint32_t)out->vertices++;
     }
 }
 
 /* Points of triangles: those on lines in the order of these, then the others by rows.
  */
-static bool give_numbers(cutter *self, weft_cut_mesh *out)
+static void give_numbers(cutter *self, weft_cut_mesh *out)
 {
-    const cut_net *net = &self->shape.net;
-    const shape_part *part = self->shape.part;
-    inner *list = malloc((net->points + 1) * sizeof *list);
-    self->number = malloc((net->points + 1) * sizeof *self->number);
-    if (list == NULL || self->number == NULL) {
-        free(list);
-        return false;
-    }
-    memset(self->number, 0xff, (net->points + 1) * sizeof *self->number);
-    for (size_t t = 0; t < net->triangles; ++t) {
-        out->triangles += !net->triangle[t].outside;
-        for (unsigned k = 0; k < 3 && !net->triangle[t].outside; ++k) {
-            self->number[net->triangle[t].corner[k]] = NET_NONE - 1;
+    inner *list = malloc((self->points + 1) * sizeof *list);
+    self->number = malloc((self->points + 1) * sizeof *self->number);
+    self->no_memory = list == NULL || self->number == NULL;
+    if (!self->no_memory) {
+        size_t count = 0;
+        memset(self->number, 0xff, (self->points + 1) * sizeof *self->number);
+        for (size_t i = 0; i < 3 * self->triangles; ++i) {
+            self->number[self->corner[i]] = CUT_NONE - 1;
         }
-    }
-    for (size_t i = 0; i < self->cut->line_count; ++i) {
-        for (uint32_t k = self->first[i]; k != NET_NONE; k = part[k].next) {
-            give_number(self, part[k].from, out);
-            if (part[k].next == NET_NONE) {
-                give_number(self, part[k].to, out);
+        for (size_t i = 0; i < self->cut->line_count; ++i) {
+            for (uint32_t k = self->first[i]; k != CUT_NONE; k = self->parts[k].next) {
+                give_number(self, self->parts[k].from, out);
+                give_number(self, self->parts[k].to, out);
             }
         }
-    }
-    size_t count = 0;
-    for (uint32_t i = 0; i < net->points; ++i) {
-        if (self->number[i] == NET_NONE - 1) {
-            const double *x = net->at[i];
-            list[count++]
-                = (inner){ x[0], x[1],
-                           (int64_t)floor(x[1] / (ROW * self->cut->spacing)), i };
+        for (uint32_t i = 0; i < self->points; ++i) {
+            if (self->number[i] == CUT_NONE - 1) {
+                const double *x = self->point[i].at;
+                list[count++]
+                    = (inner){ x[0], floor(x[1] / (ROW * self->cut->spacing)), i };
+            }
+        }
+        qsort(list, count, sizeof *list, by_place);
+        for (size_t i = 0; i < count; ++i) {
+            give_number(self, list[i].point, out);
         }
     }
-    qsort(list, count, sizeof *list, by_place);
-    for (size_t i = 0; i < count; ++i) {
-        give_number(self, list[i].point, out);
-    }
     free(list);
-    return true;
 }
 
 static int by_corners(const void *a, const void *b)
 {
     const uint32_t *x = a, *y = b;
-    for (unsigned k = 0; k < 3; ++k) {
-        if (x[k] != y[k]) {
-            return x[k] < y[k] ? -1 : 1;
-        }
-    }
-    return 0;
+    const unsigned k = x[0] != y[0] ? 0 : x[1] != y[1] ? 1 : 2;
+    return (x[k] > y[k]) - (x[k] < y[k]);
 }
 
 static void write_triangles(const cutter *self, weft_cut_mesh *out)
 {
-    const cut_net *net = &self->shape.net;
     double least = INFINITY;
-    size_t count = 0;
-    for (size_t t = 0; t < net->triangles; ++t) {
-        const net_triangle *at = &net->triangle[t];
-        uint32_t n[3];
-        unsigned k;
-        if (at->outside) {
-            continue;
+    for (size_t t = 0; t < self->triangles; ++t) {
+        const uint32_t *c = &self->corner[3 * t];
+        uint32_t n[3], *to = &out->corners[3 * out->triangles++];
+        unsigned k, low = 0;
+        for (k = 0; k < 3; ++k) {
+            n[k] = self->number[c[k]];
+            low = n[k] < n[low] ? k : low;
         }
         for (k = 0; k < 3; ++k) {
-            n[k] = self->number[at->corner[k]];
+            to[k] = n[(low + k) % 3];
         }
-        const unsigned low
-            = n[0] < n[1] ? (n[0] < n[2] ? 0 : 2) : (n[1] < n[2] ? 1 : 2);
-        for (k = 0; k < 3; ++k) {
-            out->corners[count++] = n[(low + k) % 3];
-        }
-        const double angle = shape_angle(net, at, &k);
-        const uint32_t one = at->mark[(k + 1) % 3], two = at->mark[(k + 2) % 3];
-        const bool given = one != 0 && two != 0
-                           && self->shape.part[one - 1].line < self->cut->border_count
-                           && self->shape.part[two - 1].line < self->cut->border_count;
-        if (angle < least && !given) {
+        const double angle = angle_of(self, c, &k);
+        if (angle < least && !is_given(self, c, k)) {
             least = angle;
-            memcpy(out->least_at, net->at[at->corner[k]], sizeof out->least_at);
+            memcpy(out->least_at, self->point[c[k]].at, sizeof out->least_at);
         }
     }
     out->least_angle = DEGREES * atan(least);
@@ -383,66 +609,70 @@ static void write_triangles(const cutter *self, weft_cut_mesh *out)
 
 static void write_edges(const cutter *self, weft_cut_mesh *out)
 {
-    const shape_part *part = self->shape.part;
     for (size_t i = 0; i < self->cut->line_count; ++i) {
-        for (uint32_t k = self->first[i]; k != NET_NONE; k = part[k].next) {
-            const uint32_t from = self->number[part[k].from],
-                           to = self->number[part[k].to];
-            if (from < NET_NONE - 1 && to < NET_NONE - 1) {
+        for (uint32_t k = self->first[i]; k != CUT_NONE; k = self->parts[k].next) {
+            const uint32_t from = self->number[self->parts[k].from],
+                           to = self->number[self->parts[k].to];
+            if (from != CUT_NONE && to != CUT_NONE) {
                 uint32_t *edge = &out->edge[3 * out->edges++];
-                edge[0] = from;
-                edge[1] = to;
-                edge[2] = (uint32_t)i;
+                edge[0] = from, edge[1] = to, edge[2] = (uint32_t)i;
             }
         }
     }
 }
 
-static bool write_mesh(cutter *self, weft_cut_mesh *out)
+static void *take(cutter *self, size_t count, size_t size)
 {
-    if (!give_numbers(self, out)) {
-        return false;
-    }
+    const weft_allocator *memory = self->cut->memory;
+    void *block = memory->resize(memory->ctx, NULL, (count + 1) * size);
+    self->no_memory = self->no_memory || block == NULL;
+    return block;
+}
+
+static void write_mesh(cutter *self, weft_cut_mesh *out)
+{
+    give_numbers(self, out);
     out->places = take(self, out->vertices, 2 * sizeof *out->places);
-    out->corners = take(self, out->triangles, 3 * sizeof *out->corners);
-    out->edge = take(self, self->shape.parts, 3 * sizeof *out->edge);
-    if (out->places == NULL || out->corners == NULL || out->edge == NULL) {
-        return false;
-    }
-    for (size_t i = 0; i < self->shape.net.points; ++i) {
-        if (self->number[i] < NET_NONE - 1) {
-            memcpy(&out->places[2 * (size_t)self->number[i]], self->shape.net.at[i],
+    out->corners = take(self, self->triangles, 3 * sizeof *out->corners);
+    out->edge = take(self, self->part_count, 3 * sizeof *out->edge);
+    for (size_t i = 0; !self->no_memory && i < self->points; ++i) {
+        if (self->number[i] != CUT_NONE) {
+            memcpy(&out->places[2 * (size_t)self->number[i]], self->point[i].at,
                    2 * sizeof *out->places);
         }
     }
-    write_triangles(self, out);
-    write_edges(self, out);
-    return true;
+    if (!self->no_memory) {
+        write_triangles(self, out);
+        write_edges(self, out);
+    }
 }
 
 weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
                      weft_error *err)
 {
     cutter self = { .cut = cut };
-    weft_status status = WEFT_OK;
     (void)ctx;
     *out = (weft_cut_mesh){ .vertices = 0 };
-    self.point = malloc((cut->point_count + 1) * sizeof *self.point);
     self.first = malloc((cut->line_count + 1) * sizeof *self.first);
-    bool good = self.point != NULL && self.first != NULL && add_lines(&self)
-                && add_inside(&self);
-    if (good) {
-        status = triangulate(&self, err);
-        good = status != WEFT_OK
-               || (!self.shape.net.no_memory && write_mesh(&self, out));
+    self.no_memory = self.first == NULL;
+    for (size_t i = 0; i < cut->point_count; ++i) {
+        (void)add_point(&self, cut->points[2 * i], cut->points[2 * i + 1], cut->spacing,
+                        true);
     }
-    net_end(&self.shape.net);
-    void *const blocks[] = { self.point, self.first,  self.bucket,
-                             self.next,  self.number, self.shape.part };
+    for (size_t i = 0; i < cut->line_count && !self.no_memory; ++i) {
+        add_line(&self, i);
+    }
+    add_inside(&self);
+    weft_status status = make_triangles(&self, err);
+    if (status == WEFT_OK) {
+        write_mesh(&self, out);
+    }
+    void *const blocks[]
+        = { self.point, self.parts, self.first, self.ends, self.corner, self.number };
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
         free(blocks[i]);
     }
-    return good
+    return !self.no_memory
                ? status
                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the mesh of a cut");
 }
