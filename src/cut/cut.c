@@ -37,24 +37,24 @@ typedef struct cut_point {
 } cut_point;
 
 /* Part of a line, an edge of the mesh. */
-typedef struct part {
+typedef struct cut_part {
     uint32_t from, to, line, next; /* next: behind it; CUT_NONE: the last */
     bool found;                    /* in the last triangulation */
-} part;
+} cut_part;
 
 /* The points of a part, the lower one first. */
-typedef struct ends {
+typedef struct cut_ends {
     uint32_t low, high, part;
-} ends;
+} cut_ends;
 
 typedef struct cutter {
     const weft_cut *cut;
     cut_point *point;
     size_t points, point_room;
-    part *parts;
+    cut_part *parts;
     size_t part_count, part_room;
     uint32_t *first; /* part of a line */
-    ends *ends;      /* of all parts, sorted */
+    cut_ends *ends;  /* of all parts, sorted */
     uint32_t *corner;
     size_t triangles; /* inside, counterclockwise */
     uint32_t *number; /* of a point in the mesh */
@@ -85,7 +85,7 @@ static uint32_t add_point(cutter *self, double u, double v, double size, bool fi
     return (uint32_t)self->points++;
 }
 
-static void add_part(cutter *self, part one)
+static void add_part(cutter *self, cut_part one)
 {
     self->parts = grown(self, self->parts, &self->part_room, self->part_count,
                         sizeof *self->parts);
@@ -124,11 +124,11 @@ static void add_line(cutter *self, size_t line)
             = last ? end[1]
                    : add_point(self, a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]),
                                length / count, true);
-        add_part(self,
-                 (part){ .from = from,
-                         .to = to,
-                         .line = (uint32_t)line,
-                         .next = last ? CUT_NONE : (uint32_t)self->part_count + 1 });
+        add_part(self, (cut_part){ .from = from,
+                                   .to = to,
+                                   .line = (uint32_t)line,
+                                   .next = last ? CUT_NONE
+                                                : (uint32_t)self->part_count + 1 });
         from = to;
     }
 }
@@ -136,7 +136,7 @@ static void add_line(cutter *self, size_t line)
 /* Where a part of a length is halved: one that begins in a point of the cut on a circle
  * around it that has a power of two as its radius, or two at a sharp corner would halve
  * each other for ever. */
-static double place_of_half(const cutter *self, const part *one, double length)
+static double place_of_half(const cutter *self, const cut_part *one, double length)
 {
     const bool from = one->from < self->cut->point_count,
                to = one->to < self->cut->point_count;
@@ -159,7 +159,7 @@ static double size_of(const cutter *self, size_t count, const uint32_t *points)
 /* Unless a half were shorter than `least` sizes. */
 static bool halve(cutter *self, size_t index, double least)
 {
-    const part whole = self->parts[index];
+    const cut_part whole = self->parts[index];
     const double *a = self->point[whole.from].at, *b = self->point[whole.to].at;
     const double length = sqrt(squared(a, b)), s = place_of_half(self, &whole, length);
     const double size = size_of(self, 2, (const uint32_t[]){ whole.from, whole.to });
@@ -170,10 +170,10 @@ static bool halve(cutter *self, size_t index, double least)
                                       a[1] + s * (b[1] - a[1]), GROWTH * size, true);
     self->parts[index].to = middle;
     self->parts[index].next = (uint32_t)self->part_count;
-    add_part(self, (part){ .from = middle,
-                           .to = whole.to,
-                           .line = whole.line,
-                           .next = whole.next });
+    add_part(self, (cut_part){ .from = middle,
+                               .to = whole.to,
+                               .line = whole.line,
+                               .next = whole.next });
     return true;
 }
 
@@ -259,21 +259,21 @@ static void add_inside(cutter *self)
 
 static int by_ends(const void *a, const void *b)
 {
-    const ends *x = a, *y = b;
+    const cut_ends *x = a, *y = b;
     return x->low != y->low ? (x->low > y->low) - (x->low < y->low)
                             : (x->high > y->high) - (x->high < y->high);
 }
 
 static void sort_ends(cutter *self)
 {
-    ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
+    cut_ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
     self->no_memory = self->no_memory || list == NULL;
     self->ends = list == NULL ? self->ends : list;
     for (size_t i = 0; list != NULL && i < self->part_count; ++i) {
-        part *one = &self->parts[i];
+        cut_part *one = &self->parts[i];
         const uint32_t a = one->from, b = one->to;
         one->found = false;
-        list[i] = (ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
+        list[i] = (cut_ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
     }
     if (list != NULL) {
         qsort(list, self->part_count, sizeof *list, by_ends);
@@ -281,10 +281,10 @@ static void sort_ends(cutter *self)
 }
 
 /* The part from a to b or back; NULL: there is none. */
-static part *part_of(const cutter *self, uint32_t a, uint32_t b)
+static cut_part *part_of(const cutter *self, uint32_t a, uint32_t b)
 {
-    const ends wanted = { a < b ? a : b, a < b ? b : a, 0 };
-    const ends *found
+    const cut_ends wanted = { a < b ? a : b, a < b ? b : a, 0 };
+    const cut_ends *found
         = !self->point[a].fixed || !self->point[b].fixed
               ? NULL
               : bsearch(&wanted, self->ends, self->part_count, sizeof wanted, by_ends);
@@ -304,7 +304,7 @@ static bool take_triangle(cutter *self, uint32_t c[3])
         c[1] = c[2], c[2] = one, area = -area;
     }
     for (unsigned k = 0; k < 3; ++k) {
-        part *along = part_of(self, c[k], c[(k + 1) % 3]);
+        cut_part *along = part_of(self, c[k], c[(k + 1) % 3]);
         const double *x = self->point[c[k]].at;
         if (along != NULL) {
             along->found = true;
