@@ -97,30 +97,6 @@ static inline void mesh_sheet(test_mesh *of, size_t rows, size_t cols, double sp
     mesh_point(of, n, n, 2 * cells);
 }
 
-/* `count` triangles about one vertex, the last one: a disc of radius 1 m. */
-static inline void mesh_fan(test_mesh *of, size_t count)
-{
-    of->start = malloc(3 * (count + 1) * sizeof *of->start);
-    of->rest = malloc(2 * (count + 1) * sizeof *of->rest);
-    of->corners = malloc(3 * count * sizeof *of->corners);
-    of->places = malloc(3 * count * sizeof *of->places);
-    of->fabrics[0] = mesh_fabric;
-    for (size_t i = 0; i <= count; ++i) {
-        const double angle = 6.283185307179586 * (double)i / (double)count;
-        const double at[3]
-            = { i < count ? cos(angle) : 0.0, i < count ? sin(angle) : 0.0 };
-        memcpy(&of->start[3 * i], at, sizeof at);
-        memcpy(&of->rest[2 * i], at, 2 * sizeof *at);
-    }
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t corner[3]
-            = { (uint32_t)count, (uint32_t)i, (uint32_t)((i + 1) % count) };
-        memcpy(&of->corners[3 * i], corner, sizeof corner);
-        memcpy(&of->places[3 * i], corner, sizeof corner);
-    }
-    mesh_point(of, count + 1, count + 1, count);
-}
-
 /* Cuts a sheet along column `at` of its rest shape, for which vertices get a second
  * place, and moves what is right of it by du [m] and turns it by `angle`'s cosine c and
  * sine s: the same particles, sewn. */

@@ -640,7 +640,25 @@ END_TEST
 START_TEST(vertex_of_a_thousand_triangles_has_the_same_bits)
 {
     m.arc = _i == 1;
-    mesh_fan(&m.mesh, 1600);
+    const size_t rim = 1600;
+    m.mesh.start = malloc(3 * (rim + 1) * sizeof *m.mesh.start);
+    m.mesh.rest = malloc(2 * (rim + 1) * sizeof *m.mesh.rest);
+    m.mesh.corners = malloc(3 * rim * sizeof *m.mesh.corners);
+    m.mesh.places = malloc(3 * rim * sizeof *m.mesh.places);
+    m.mesh.fabrics[0] = mesh_fabric;
+    for (size_t i = 0; i <= rim; ++i) {
+        const double angle = 6.283185307179586 * (double)i / (double)rim;
+        const double at[3] = { i < rim ? cos(angle) : 0.0, i < rim ? sin(angle) : 0.0 };
+        memcpy(&m.mesh.start[3 * i], at, sizeof at);
+        memcpy(&m.mesh.rest[2 * i], at, 2 * sizeof *at);
+    }
+    for (size_t i = 0; i < rim; ++i) {
+        const uint32_t corners[3]
+            = { (uint32_t)rim, (uint32_t)i, (uint32_t)((i + 1) % rim) };
+        memcpy(&m.mesh.corners[3 * i], corners, sizeof corners);
+        memcpy(&m.mesh.places[3 * i], corners, sizeof corners);
+    }
+    mesh_point(&m.mesh, rim + 1, rim + 1, rim);
     make();
     place_turned(1.1, 0.9, 0.01, 1.0);
     choose(0);

@@ -153,35 +153,6 @@ static void whiten(const search *s, const double y[2], double out[2])
     out[1] = s->root[1] * y[0] + s->root[2] * y[1];
 }
 
-/* How far the points of the pool are. */
-static void set_far(search *s)
-{
-    for (size_t k = 0; k < s->waiting; ++k) {
-        double y[2], hat[2];
-        offset(s, s->pool[k], y);
-        whiten(s, y, hat);
-        s->far[k] = hat[0] * hat[0] + hat[1] * hat[1];
-    }
-}
-
-/* Of a patch about a vertex of many triangles the edge is left, and the others wait:
- * else the matrix of so many triangles is full. */
-static void thin(search *s, const weft__edge *edge)
-{
-    size_t kept = 0;
-    for (size_t k = 0; k < s->count; ++k) {
-        const uint32_t place = s->points[k];
-        if (place == edge->place[0] || place == edge->place[1]) {
-            s->points[kept++] = place;
-        } else {
-            s->pool[s->waiting++] = place;
-        }
-    }
-    s->count = kept;
-    s->gathered = true;
-    set_far(s);
-}
-
 static void patch(search *s, size_t e)
 {
     const weft__edge *edge = &s->mesh->edge_list[e];
@@ -203,9 +174,6 @@ static void patch(search *s, size_t e)
     s->normal[0] = t[1] / length;
     s->normal[1] = -t[0] / length;
     measure(s);
-    if (s->count > MOST) {
-        thin(s, edge);
-    }
 }
 
 /* The rings 2 and 3, and 4 and 5 if these are few. */
@@ -223,7 +191,12 @@ static void gather(search *s, size_t e)
         }
         begin = end;
     }
-    set_far(s);
+    for (size_t k = 0; k < s->waiting; ++k) {
+        double y[2], hat[2];
+        offset(s, s->pool[k], y);
+        whiten(s, y, hat);
+        s->far[k] = hat[0] * hat[0] + hat[1] * hat[1];
+    }
 }
 
 /* Adds the nearest of the pool, and those as near; false: it is empty. */
