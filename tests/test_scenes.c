@@ -45,7 +45,7 @@ static const bounds scenes[] = {
     { "ribbon.yaml", 0.01, 0.1, 0.01, false, .gsl = true, .self = true },
     { "towel.yaml", 0.01, 0.1, 0.1, false, .gsl = true, .self = true },
     { "twist.yaml", 0.01, 0.15, 0.2, false, .gsl = true, .self = true },
-    { "hung-towel.yaml", 0.01, 0.3, 1.0, .passive = true, .until = 0.5 },
+    { "hung-towel.yaml", 0.01, 0.3, 1.0, .passive = true, .until = 0.5, .cut = true },
     { "skirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "disc.yaml", 0.01, 0.05, 1.0, .passive = true, .until = 0.3, .cut = true },
