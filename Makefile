@@ -117,6 +117,9 @@ PARTS_cvode := sundials linear
 # begin first, so that all processors end together.
 LONGEST := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt \
            checkpoint record_damage quadratures sundials_vector libm embed stiffness papers cli_stability
+# Many short tests, most of the same code with one method after another, for which a process each costs more.
+TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification gsl pins \
+            limit_sheet checkpoint contact_time
 KERNEL_TESTS := kernel damping membrane
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
@@ -360,7 +363,7 @@ check: deps
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
-	@tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
+	@TEST_TOGETHER='$(TOGETHER)' tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
 
 # Cloths in bands over MPI, on 1 to 4 ranks, and every file compared with a serial run.
 .PHONY: check-mpi
@@ -416,14 +419,11 @@ docs: all
 	@tools/docs $(BUILD)
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
-# long what others run as well (ASAN_WITHOUT=: all). A process for each test takes most of the time
-# of some suites there.
+# long what others run as well (ASAN_WITHOUT=: all).
 ASAN_WITHOUT ?= verification agree papers libm
-ASAN_TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification \
-                 gsl pins limit_sheet
 
 asan:
-	@TEST_TOGETHER='$(ASAN_TOGETHER)' $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    TESTS='$(filter-out $(ASAN_WITHOUT),$(TESTS))' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
