@@ -62,8 +62,7 @@ size_t verify_particles(weft_registry *registry, const verify_scene *scene,
     if (load(registry, scene, stepper, &loaded, NULL) != WEFT_OK) {
         return 0;
     }
-    const weft_cloth_def *cloth = weft_scene_cloth(loaded);
-    const size_t particles = cloth->rows * cloth->cols;
+    const size_t particles = weft_cloth_def_particles(weft_scene_cloth(loaded));
     weft_scene_destroy(loaded);
     return particles;
 }

@@ -72,11 +72,10 @@ weft_status verify_shipped_reference(weft_registry *registry, const char *name,
     if (!method_best(registry, NULL, &stepper.method)) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no method with error control");
     }
-    const bool large
-        = verify_particles(registry, scene, &stepper) > VERIFY_PARTICLES_MOST;
-    scene->sets[0] = haste && large   ? "run.duration=0.01"
-                     : haste || large ? "run.duration=0.05"
-                                      : NULL;
+    const size_t n = verify_particles(registry, scene, &stepper);
+    scene->sets[0] = haste && n > VERIFY_PARTICLES_MOST / 2 ? "run.duration=0.01"
+                     : haste || n > VERIFY_PARTICLES_MOST   ? "run.duration=0.05"
+                                                            : NULL;
     return verify_run(registry, scene, &stepper, out, err);
 }
 

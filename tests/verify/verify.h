@@ -127,7 +127,8 @@ bool verify_shipped_suits(const weft_stepper_type *type,
 
 /* The run that others are compared with, by the method of the best reference, and the
  * scene they run for it: the whole, but cut to 0.05 s with more particles than
- * VERIFY_PARTICLES_MOST; in haste to 0.05 s, with more to 0.01 s. */
+ * VERIFY_PARTICLES_MOST; in haste to 0.05 s, with more than half of them to
+ * 0.01 s. */
 weft_status verify_shipped_reference(weft_registry *registry, const char *name,
                                      bool haste, verify_scene *scene,
                                      verify_frames *out, weft_error *err);
