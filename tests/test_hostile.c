@@ -371,10 +371,11 @@ START_TEST(a_batch_without_memory_says_so)
     }
     write_file(OUT "/many.yaml", text);
     bool told = false, enough = false;
-    for (int kilobytes = 15000; !enough; kilobytes += told ? 500 : 100) {
-        int code = shell("ulimit -v %d; " WEFT " batch " OUT "/many.yaml --out " OUT
-                         "/b --summary --quiet 2>&1",
-                         kilobytes);
+    int code = 0;
+    for (int kilobytes = 15000; !enough; kilobytes += told || code == 127 ? 500 : 100) {
+        code = shell("ulimit -v %d; " WEFT " batch " OUT "/many.yaml --out " OUT
+                     "/b --summary --quiet 2>&1",
+                     kilobytes);
         if (code == 139
             && shell("ulimit -v %d; " WEFT " --version", kilobytes) == 139) {
             code = 127; /* ld.so crashes if no memory is left for a library's record */

@@ -572,7 +572,9 @@ START_TEST(implicit_methods_end_within_20_tolerances)
     static const double tolerances[] = { 1e-4, 1e-6, 1e-8 };
     static double reference[MOST];
     size_t judged = 0;
-    finish(&courses[_i], test_method_named("gsl/rk8pd"), 1e-12, 0.0, reference);
+    course at = courses[_i];
+    at.end *= test_rounds(1, 2) / 2.0;
+    finish(&at, test_method_named("gsl/rk8pd"), 1e-12, 0.0, reference);
     ck_assert_uint_le(weft_cloth_dim(cloth), MOST);
     for (size_t m = 0; m < test_method_count(); ++m) {
         const weft_stepper_type *method = test_method(m);
@@ -582,7 +584,7 @@ START_TEST(implicit_methods_end_within_20_tolerances)
         }
         for (size_t k = 0; k < 3; ++k) {
             teardown();
-            check_end(&courses[_i], method, tolerances[k], reference);
+            check_end(&at, method, tolerances[k], reference);
         }
         ++judged;
     }
