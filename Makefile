@@ -277,7 +277,7 @@ $(BUILD)/tests/test_no_memory: \
 # What is verified, for the test and for the program; scenes run as in `weft run`.
 VERIFY_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/main.c,$(wildcard tests/verify/*.c)))
 $(BUILD)/tests/%.o: INCS += -Itests
-$(BUILD)/tests/run: $(if $(filter verification,$(TESTS)),$(VERIFY_OBJ))
+$(BUILD)/tests/run: $(if $(filter verification mesh_orders,$(TESTS)),$(VERIFY_OBJ))
 
 $(BUILD)/weft-verify: $(BUILD)/tests/verify/main.o $(VERIFY_OBJ) $(PROGRAM) $(BUILD)/libweft.a
 	$(call say,LD)$(LINK) -o $@ $^ $(LIB_LIBS) $(PROG_LIBS)
