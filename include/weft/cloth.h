@@ -487,12 +487,12 @@ typedef struct weft_stiffness {
 /* Guaranteed bounds in the state y at time t. With y NULL they hold in any state and
  * are less sharp; on triangles while no stretch is above 1.1 and no triangle has less
  * than 0.6 of its area, as a stretched membrane stiffens without end, and with `arc`
- * while no edge turns by more than 0.25 rad; with shapes, for particles that touch one at a time and arrive at no more than stopping_speed
- * (docs/physics.md). Where friction makes w2 and c complex, their real parts are
- * bounded. With contact of the cloth with itself the bounds are estimates: the slopes
- * of the weights are left out, and with y NULL layers meet at no more than
- * stopping_speed. One pass over the springs, without allocation; not finite if y is
- * not. */
+ * while no edge turns by more than 0.25 rad; with shapes, for particles that touch one
+ * at a time and arrive at no more than stopping_speed (docs/physics.md). Where friction
+ * makes w2 and c complex, their real parts are bounded. With contact of the cloth with
+ * itself the bounds are estimates: the slopes of the weights are left out, and with y
+ * NULL layers meet at no more than stopping_speed. One pass over the springs, without
+ * allocation; not finite if y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
                                              const double *y);
 

@@ -166,11 +166,11 @@ typedef struct weft_structure {
 
     /* Writes the corners, in order, of a convex polygon that holds the pairs (omega^2
      * [1/s^2], damping rate [1/s]) of all modes in (t, y); y NULL: in any state
-     * (on triangles: stretches up to 1.1, arcs of 0.25 rad), less sharp. Without the wind's stiffness,
-     * negative omega^2 and the embedder's force. Infinite if y is not finite. With
-     * config->agree it is collective, and of the modes of the whole state. Returns
-     * their number, at most `room`: all fit in WEFT_MODES_CORNERS, and the rectangle
-     * about them in 4; 0 with less room. */
+     * (on triangles: stretches up to 1.1, arcs of 0.25 rad), less sharp. Without the
+     * wind's stiffness, negative omega^2 and the embedder's force. Infinite if y is not
+     * finite. With config->agree it is collective, and of the modes of the whole state.
+     * Returns their number, at most `room`: all fit in WEFT_MODES_CORNERS, and the
+     * rectangle about them in 4; 0 with less room. */
     size_t (*modes)(double t, const double *y, double (*corners)[2], size_t room,
                     void *ctx);
     void *ctx;
