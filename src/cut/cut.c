@@ -54,7 +54,8 @@ typedef struct cutter {
     cut_part *parts;
     size_t part_count, part_room;
     uint32_t *first; /* part of a line */
-    cut_ends *ends;  /* of all parts, sorted */
+    cut_ends *ends;  /* of all parts at the last triangulation, sorted */
+    size_t end_count;
     uint32_t *corner;
     size_t triangles; /* inside, counterclockwise */
     uint32_t *number; /* of a point in the mesh */
@@ -70,8 +71,11 @@ static void *grown(cutter *self, void *array, size_t *room, size_t count, size_t
     }
     void *more = realloc(array, (count + count / 2 + 64) * size);
     self->no_memory = more == NULL;
-    *room = more == NULL ? *room : count + count / 2 + 64;
-    return more == NULL ? array : more;
+    if (more != NULL) {
+        *room = count + count / 2 + 64;
+        array = more;
+    }
+    return array;
 }
 
 static uint32_t add_point(cutter *self, double u, double v, double size, bool fixed)
@@ -269,6 +273,7 @@ static void sort_ends(cutter *self)
     cut_ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
     self->no_memory = self->no_memory || list == NULL;
     self->ends = list == NULL ? self->ends : list;
+    self->end_count = list == NULL ? 0 : self->part_count;
     for (size_t i = 0; list != NULL && i < self->part_count; ++i) {
         cut_part *one = &self->parts[i];
         const uint32_t a = one->from, b = one->to;
@@ -287,7 +292,7 @@ static cut_part *part_of(const cutter *self, uint32_t a, uint32_t b)
     const cut_ends *found
         = !self->point[a].fixed || !self->point[b].fixed
               ? NULL
-              : bsearch(&wanted, self->ends, self->part_count, sizeof wanted, by_ends);
+              : bsearch(&wanted, self->ends, self->end_count, sizeof wanted, by_ends);
     return found == NULL ? NULL : &self->parts[found->part];
 }
 
@@ -495,7 +500,7 @@ static weft_status make_triangles(cutter *self, weft_error *err)
 {
     int smoothed = self->points > LARGE ? ROUNDS_LARGE : ROUNDS, refined = REFINED;
     for (int round = 0; round < MOST_ROUNDS && !self->no_memory; ++round) {
-        const double *at;
+        const double *at = NULL;
         if (!triangulate(self)) {
             return weft_error_set(err, WEFT_BAD_SCENE, "Qhull finds no triangles");
         }
