@@ -345,7 +345,8 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
             return;
         }
     }
-    if (weft__lacks(match, "outline") || weft__lacks(match, "spacing")) {
+    if (weft__value_in(match, "outline") == NULL
+        || weft__value_in(match, "spacing") == NULL) {
         return;
     }
     (void)weft__grid_check(&cut->grid, 0, &match->faults);
