@@ -43,6 +43,22 @@ static inline bool weft__resized(const weft_allocator *memory, void *to, size_t 
     return block != NULL;
 }
 
+/* Room for `count` elements in the block that the pointer at `to` points to, which has
+ * *room; grows by more than that, as further ones will come. Else as weft__resized. */
+static inline bool weft__reserve(const weft_allocator *memory, void *to, size_t *room,
+                                 size_t count, size_t size)
+{
+    const size_t more = count + count / 2 + 16;
+    if (count <= *room) {
+        return true;
+    }
+    if (!weft__resized(memory, to, more, size)) {
+        return false;
+    }
+    *room = more;
+    return true;
+}
+
 static inline char *weft__copy_text(const weft_allocator *memory, const char *text)
 {
     const size_t size = strlen(text) + 1;

@@ -124,27 +124,14 @@ static void check_corner(const line_maker *self, const weft__cut_path *path,
 
 /* ---- points and parts ---------------------------------------------------------- */
 
-static bool room_for(line_maker *self, void *array, size_t *room, size_t count,
-                     size_t size)
-{
-    const size_t more = count + count / 2 + 64;
-    if (count < *room) {
-        return true;
-    }
-    if (!weft__resized(self->reader->report->memory, array, more, size)) {
-        self->reader->report->no_memory = true;
-        return false;
-    }
-    *room = more;
-    return true;
-}
-
 static uint32_t add_point(line_maker *self, const double x[2])
 {
     const size_t i = self->out->point_count;
     size_t room = self->point_room;
-    if (!room_for(self, &self->out->points, &room, i, 2 * sizeof(double))
-        || !room_for(self, &self->same, &self->point_room, i, sizeof *self->same)) {
+    if (!weft__report_reserve(self->reader->report, &self->out->points, &room, i + 1,
+                              2 * sizeof(double))
+        || !weft__report_reserve(self->reader->report, &self->same, &self->point_room,
+                                 i + 1, sizeof *self->same)) {
         return 0;
     }
     memcpy(&self->out->points[2 * i], x, 2 * sizeof(double));
@@ -184,8 +171,8 @@ static void add_path(line_maker *self, const weft__cut_path *path, uint32_t numb
 static void add_node(line_maker *self, const path_part *on, uint32_t point,
                      double along)
 {
-    if (room_for(self, &self->nodes, &self->node_room, self->node_count,
-                 sizeof *self->nodes)) {
+    if (weft__report_reserve(self->reader->report, &self->nodes, &self->node_room,
+                             self->node_count + 1, sizeof *self->nodes)) {
         self->nodes[self->node_count++]
             = (division){ (uint32_t)(on - self->parts), point, along };
     }

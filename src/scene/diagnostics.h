@@ -33,6 +33,15 @@ void weft__report_error(weft__report *report, weft__mark at, const char *format,
 WEFT_PRINTF(3, 4)
 void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
 
+/* weft__reserve; the report knows then that memory ran out. */
+static inline bool weft__report_reserve(weft__report *report, void *to, size_t *room,
+                                        size_t count, size_t size)
+{
+    const bool made = weft__reserve(report->memory, to, room, count, size);
+    report->no_memory = report->no_memory || !made;
+    return made;
+}
+
 /* Fills in the place of an item. */
 void weft__report_place(const weft__report *report, weft__mark at,
                         weft_diagnostic *item);

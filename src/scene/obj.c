@@ -153,13 +153,12 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
         return 0;
     }
     *slot = (uint32_t)count; /* before the arrays may move */
-    obj->rest = weft__obj_grow(obj, obj->rest, &self->rest_room, count,
-                               2 * sizeof *obj->rest);
-    self->next
-        = weft__obj_grow(obj, self->next, &self->next_room, count, sizeof *self->next);
-    obj->place_of = weft__obj_grow(obj, obj->place_of, &self->place_room, count,
-                                   sizeof *obj->place_of);
-    if (obj->report->no_memory) {
+    if (!weft__report_reserve(obj->report, &obj->rest, &self->rest_room, count + 1,
+                              2 * sizeof *obj->rest)
+        || !weft__report_reserve(obj->report, &self->next, &self->next_room, count + 1,
+                                 sizeof *self->next)
+        || !weft__report_reserve(obj->report, &obj->place_of, &self->place_room,
+                                 count + 1, sizeof *obj->place_of)) {
         return 0;
     }
     memcpy(&obj->rest[2 * count], obj->place[vt], 2 * sizeof *obj->rest);

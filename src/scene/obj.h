@@ -100,9 +100,4 @@ void weft__obj_close(weft__obj *obj, const weft_allocator *memory);
 /* obj_parse.c: the text to vertices, places, faces and points. */
 bool weft__obj_parse(weft__obj *obj);
 
-/* An array of `count` with room for one element more; as it was if memory runs out,
- * which the report knows then. */
-void *weft__obj_grow(weft__obj *obj, void *array, size_t *room, size_t count,
-                     size_t size);
-
 #endif

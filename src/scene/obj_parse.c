@@ -17,22 +17,6 @@ typedef struct cursor {
     const char *word;               /* of the statement */
 } cursor;
 
-void *weft__obj_grow(weft__obj *obj, void *array, size_t *room, size_t count,
-                     size_t size)
-{
-    if (count < *room) {
-        return array;
-    }
-    const size_t more = count < 16 ? 16 : 2 * count;
-    void *grown = weft__resize(obj->report->memory, array, more, size);
-    if (grown == NULL) {
-        obj->report->no_memory = true;
-        return array;
-    }
-    *room = more;
-    return grown;
-}
-
 static uint32_t byte_of(const cursor *self, const char *text)
 {
     return (uint32_t)(text - self->obj->text);
@@ -273,9 +257,8 @@ static void read_texture(cursor *self)
 
 static void add_name(cursor *self, weft__obj_names *to, size_t length)
 {
-    to->list
-        = weft__obj_grow(self->obj, to->list, &to->room, to->count, sizeof *to->list);
-    if (!self->obj->report->no_memory) {
+    if (weft__report_reserve(self->obj->report, &to->list, &to->room, to->count + 1,
+                             sizeof *to->list)) {
         to->list[to->count++]
             = (weft__obj_name){ self->at, (uint32_t)length, to->statements };
     }
@@ -302,9 +285,8 @@ static void read_points(cursor *self)
     for (size_t length; (length = next_word(self)) > 0; self->at += length) {
         const char *p = self->at;
         uint32_t vertex;
-        obj->point = weft__obj_grow(obj, obj->point, &obj->point_room, obj->points,
-                                    sizeof *obj->point);
-        if (!obj->report->no_memory
+        if (weft__report_reserve(obj->report, &obj->point, &obj->point_room,
+                                 obj->points + 1, sizeof *obj->point)
             && read_index(self, "v", &p, p + length, self->vertices, obj->vertices,
                           &vertex)) {
             obj->point[obj->points++]

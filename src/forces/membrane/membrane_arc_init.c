@@ -51,27 +51,17 @@ static bool list_parts(arc_maker *by)
 
 /* ---- groups ---------------------------------------------------------------------- */
 
-static bool reserve(const arc_maker *by, void *array, size_t *room, size_t count,
-                    size_t size)
-{
-    if (count <= *room) {
-        return true;
-    }
-    *room = 2 * count;
-    return weft__resized(by->memory, array, *room, size);
-}
-
 /* Room for one more of everything, and for all parts of an edge. */
 static bool reserve_edge(arc_maker *by)
 {
     weft__arc *arc = &by->own->arc;
     const size_t rows = by->row_room;
-    bool made
-        = reserve(by, &arc->edge, &by->edge_room, arc->edges + 2, sizeof *arc->edge)
-          && reserve(by, &arc->near, &by->near_room, arc->nears + 2 + WEFT__CURVE_PARTS,
-                     sizeof *arc->near)
-          && reserve(by, &arc->row, &by->row_room, arc->rows_near + WEFT__CURVE_PARTS,
-                     sizeof *arc->row);
+    bool made = weft__reserve(by->memory, &arc->edge, &by->edge_room, arc->edges + 2,
+                              sizeof *arc->edge)
+                && weft__reserve(by->memory, &arc->near, &by->near_room,
+                                 arc->nears + 2 + WEFT__CURVE_PARTS, sizeof *arc->near)
+                && weft__reserve(by->memory, &arc->row, &by->row_room,
+                                 arc->rows_near + WEFT__CURVE_PARTS, sizeof *arc->row);
     if (made && rows != by->row_room) {
         made = weft__resized(by->memory, &arc->share, by->row_room, sizeof *arc->share);
     }
@@ -116,8 +106,8 @@ static bool take_triangle(arc_maker *by, uint32_t t)
 {
     weft__arc *arc = &by->own->arc;
     if (t != WEFT__NONE && by->triangle[t] == 0) {
-        if (!reserve(by, &arc->triangle, &by->triangle_room, arc->triangles + 1,
-                     sizeof *arc->triangle)) {
+        if (!weft__reserve(by->memory, &arc->triangle, &by->triangle_room,
+                           arc->triangles + 1, sizeof *arc->triangle)) {
             return false;
         }
         arc->triangle[arc->triangles++].triangle = t;
@@ -195,8 +185,8 @@ static size_t add_group(arc_maker *by, size_t first, size_t end)
     weft__arc *arc = &by->own->arc;
     const weft__arc_group from = { first, arc->nears, arc->edges, arc->triangles };
     const size_t rows = arc->rows_near;
-    if (!reserve(by, &arc->group, &by->group_room, arc->groups + 2,
-                 sizeof *arc->group)) {
+    if (!weft__reserve(by->memory, &arc->group, &by->group_room, arc->groups + 2,
+                       sizeof *arc->group)) {
         return 0;
     }
     arc->group[arc->groups] = from;

@@ -19,19 +19,6 @@ typedef struct maker {
     size_t batches, batch_room, halos, halo_room;
 } maker;
 
-static bool reserve(const maker *by, void *array, size_t *room, size_t count,
-                    size_t size)
-{
-    void **at = array;
-    if (count <= *room) {
-        return true;
-    }
-    void *more = weft__resize(by->memory, *at, 2 * count, size);
-    *at = more != NULL ? more : *at;
-    *room = more != NULL ? 2 * count : *room;
-    return more != NULL;
-}
-
 /* Gives back what an array has beyond its end. */
 static void shrink(const maker *by, void *array, size_t count, size_t size)
 {
@@ -57,8 +44,8 @@ static bool number_particles(maker *by, size_t b, size_t count)
     for (size_t j = 0; j < 3 * count; ++j) {
         const uint32_t i = by->of->corner[by->list[j / 3]][j % 3];
         if (by->near[i] == WEFT__NONE) {
-            if (!reserve(by, &by->own->halo, &by->halo_room, by->halos + 1,
-                         sizeof *by->own->halo)) {
+            if (!weft__reserve(by->memory, &by->own->halo, &by->halo_room,
+                               by->halos + 1, sizeof *by->own->halo)) {
                 return false;
             }
             by->near[i] = 0;
@@ -121,8 +108,8 @@ static bool make_block(maker *by, size_t b)
         by->next[j] = j + 1 < count ? (uint32_t)j + 1 : WEFT__NONE;
     }
     for (uint32_t head = 0; head != WEFT__NONE; ++by->batches) {
-        if (!reserve(by, &own->corners, &by->batch_room, by->batches + 1,
-                     sizeof *own->corners)) {
+        if (!weft__reserve(by->memory, &own->corners, &by->batch_room, by->batches + 1,
+                           sizeof *own->corners)) {
             return false;
         }
         weft__batch_corners *to = &own->corners[by->batches];

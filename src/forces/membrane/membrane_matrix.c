@@ -229,9 +229,8 @@ static bool take_links(weft__membrane *own, const weft_allocator *memory, uint32
             if (q <= p || seen[q] == p + 1) {
                 continue;
             }
-            if (*count == *room
-                && !weft__resized(memory, &own->link, *room = 2 * *room + 64,
-                                  sizeof *own->link)) {
+            if (!weft__reserve(memory, &own->link, room, *count + 1,
+                               sizeof *own->link)) {
                 return false;
             }
             seen[q] = p + 1;
