@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/plane.h"
 #include "cut/delaunay.h"
 
 #define ROW    0.8660254037844386 /* [spacings] from row to row of equal triangles */
@@ -42,19 +43,14 @@ typedef struct cut_part {
     bool found;                    /* in the last triangulation */
 } cut_part;
 
-/* The points of a part, the lower one first. */
-typedef struct cut_ends {
-    uint32_t low, high, part;
-} cut_ends;
-
 typedef struct cutter {
     const weft_cut *cut;
     cut_point *point;
     size_t points, point_room;
     cut_part *parts;
     size_t part_count, part_room;
-    uint32_t *first; /* part of a line */
-    cut_ends *ends;  /* of all parts at the last triangulation, sorted */
+    uint32_t *first;  /* part of a line */
+    weft__ends *ends; /* of all parts at the last triangulation, sorted */
     size_t end_count;
     uint32_t *corner;
     size_t triangles; /* inside, counterclockwise */
@@ -98,23 +94,13 @@ static void add_part(cutter *self, cut_part one)
     }
 }
 
-static double squared(const double a[2], const double b[2])
-{
-    return (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
-}
-
-static double twice_area(const double a[2], const double b[2], const double c[2])
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 /* Points of the cut have their numbers there. */
 static void add_line(cutter *self, size_t line)
 {
     const uint32_t *end = &self->cut->lines[2 * line];
     const double a[] = { self->point[end[0]].at[0], self->point[end[0]].at[1] };
     const double b[] = { self->point[end[1]].at[0], self->point[end[1]].at[1] };
-    const double length = sqrt(squared(a, b));
+    const double length = sqrt(weft__squared(a, b));
     const double count = fmax(1.0, rint(length / self->cut->spacing));
     uint32_t from = end[0];
     for (size_t k = 0; k < 2; ++k) {
@@ -165,7 +151,8 @@ static bool halve(cutter *self, size_t index, double least)
 {
     const cut_part whole = self->parts[index];
     const double *a = self->point[whole.from].at, *b = self->point[whole.to].at;
-    const double length = sqrt(squared(a, b)), s = place_of_half(self, &whole, length);
+    const double length = sqrt(weft__squared(a, b)),
+                 s = place_of_half(self, &whole, length);
     const double size = size_of(self, 2, (const uint32_t[]){ whole.from, whole.to });
     if (length < 2.0 * least * size) {
         return false;
@@ -261,48 +248,40 @@ static void add_inside(cutter *self)
 
 /* ---- triangles ----------------------------------------------------------------- */
 
-static int by_ends(const void *a, const void *b)
-{
-    const cut_ends *x = a, *y = b;
-    return x->low != y->low ? (x->low > y->low) - (x->low < y->low)
-                            : (x->high > y->high) - (x->high < y->high);
-}
-
 static void sort_ends(cutter *self)
 {
-    cut_ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
+    weft__ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
     self->no_memory = self->no_memory || list == NULL;
     self->ends = list == NULL ? self->ends : list;
     self->end_count = list == NULL ? 0 : self->part_count;
     for (size_t i = 0; list != NULL && i < self->part_count; ++i) {
         cut_part *one = &self->parts[i];
-        const uint32_t a = one->from, b = one->to;
         one->found = false;
-        list[i] = (cut_ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
+        list[i] = weft__ends_of(one->from, one->to, (uint32_t)i);
     }
     if (list != NULL) {
-        qsort(list, self->part_count, sizeof *list, by_ends);
+        qsort(list, self->part_count, sizeof *list, weft__compare_ends);
     }
 }
 
 /* The part from a to b or back; NULL: there is none. */
 static cut_part *part_of(const cutter *self, uint32_t a, uint32_t b)
 {
-    const cut_ends wanted = { a < b ? a : b, a < b ? b : a, 0 };
-    const cut_ends *found
-        = !self->point[a].fixed || !self->point[b].fixed
-              ? NULL
-              : bsearch(&wanted, self->ends, self->end_count, sizeof wanted, by_ends);
-    return found == NULL ? NULL : &self->parts[found->part];
+    const weft__ends wanted = weft__ends_of(a, b, 0);
+    const weft__ends *found = !self->point[a].fixed || !self->point[b].fixed
+                                  ? NULL
+                                  : bsearch(&wanted, self->ends, self->end_count,
+                                            sizeof wanted, weft__compare_ends);
+    return found == NULL ? NULL : &self->parts[found->number];
 }
 
 /* Turns a triangle counterclockwise, finds the parts that are its edges, and tells
  * whether it lies inside. That lies with its centroid, unless a corner is inside. */
 static bool take_triangle(cutter *self, uint32_t c[3])
 {
-    double area
-        = twice_area(self->point[c[0]].at, self->point[c[1]].at, self->point[c[2]].at),
-        u = 0.0, v = 0.0, longest = 0.0;
+    double area = weft__plane_turn(self->point[c[0]].at, self->point[c[1]].at,
+                                   self->point[c[2]].at),
+           u = 0.0, v = 0.0, longest = 0.0;
     bool fixed = true;
     if (area < 0.0) {
         const uint32_t one = c[1];
@@ -316,7 +295,7 @@ static bool take_triangle(cutter *self, uint32_t c[3])
         }
         u += x[0] / 3.0, v += x[1] / 3.0;
         fixed = fixed && self->point[c[k]].fixed;
-        longest = fmax(longest, squared(x, self->point[c[(k + 1) % 3]].at));
+        longest = fmax(longest, weft__squared(x, self->point[c[(k + 1) % 3]].at));
     }
     return !fixed || (area > FLAT * longest && is_inside(self, u, v));
 }
@@ -361,7 +340,7 @@ static void drop_near(cutter *self)
     for (size_t i = 0; near != NULL && i < 3 * self->triangles; ++i) {
         const uint32_t a = self->corner[i], b = self->corner[i - i % 3 + (i + 1) % 3];
         if (self->point[a].fixed != self->point[b].fixed
-            && squared(self->point[a].at, self->point[b].at) < reach * reach) {
+            && weft__squared(self->point[a].at, self->point[b].at) < reach * reach) {
             near[self->point[a].fixed ? b : a] = true;
         }
     }
@@ -399,7 +378,7 @@ static void smooth(cutter *self)
         const uint32_t *c = &self->corner[3 * t];
         const double *x = self->point[c[0]].at, *y = self->point[c[1]].at,
                      *z = self->point[c[2]].at;
-        const double area = twice_area(x, y, z);
+        const double area = weft__plane_turn(x, y, z);
         for (unsigned k = 0; k < 3; ++k) {
             sum[c[k]][0] += area * (x[0] + y[0] + z[0]);
             sum[c[k]][1] += area * (x[1] + y[1] + z[1]);
@@ -421,14 +400,14 @@ static double angle_of(const cutter *self, const uint32_t c[3], unsigned *corner
     double edge[3];
     unsigned k = 0;
     for (unsigned i = 0; i < 3; ++i) {
-        edge[i]
-            = squared(self->point[c[(i + 1) % 3]].at, self->point[c[(i + 2) % 3]].at);
+        edge[i] = weft__squared(self->point[c[(i + 1) % 3]].at,
+                                self->point[c[(i + 2) % 3]].at);
         k = edge[i] < edge[k] ? i : k;
     }
     *corner = k;
     return 2.0
-           * twice_area(self->point[c[0]].at, self->point[c[1]].at,
-                        self->point[c[2]].at)
+           * weft__plane_turn(self->point[c[0]].at, self->point[c[1]].at,
+                              self->point[c[2]].at)
            / (edge[(k + 1) % 3] + edge[(k + 2) % 3] - edge[k]);
 }
 
@@ -444,10 +423,11 @@ static double circle_of(const cutter *self, const uint32_t c[3], double centre[2
 {
     const double *a = self->point[c[0]].at, *x = self->point[c[1]].at,
                  *y = self->point[c[2]].at;
-    const double d = 2.0 * twice_area(a, x, y), p = squared(a, x), q = squared(a, y);
+    const double d = 2.0 * weft__plane_turn(a, x, y), p = weft__squared(a, x),
+                 q = weft__squared(a, y);
     centre[0] = a[0] + ((y[1] - a[1]) * p - (x[1] - a[1]) * q) / d;
     centre[1] = a[1] + ((x[0] - a[0]) * q - (y[0] - a[0]) * p) / d;
-    return squared(a, centre);
+    return weft__squared(a, centre);
 }
 
 /* Halves the parts that are seen at more than a right angle from a point; whether there
@@ -477,14 +457,15 @@ static bool refine(cutter *self)
         unsigned k;
         double x[2];
         if (angle_of(self, c, &k) >= SMALL || is_given(self, c, k)
-            || squared(self->point[c[(k + 1) % 3]].at, self->point[c[(k + 2) % 3]].at)
+            || weft__squared(self->point[c[(k + 1) % 3]].at,
+                             self->point[c[(k + 2) % 3]].at)
                    < LEAST_EDGE * LEAST_EDGE * size * size) {
             continue;
         }
         const double reach = circle_of(self, c, x);
         bool alone = true;
         for (size_t i = before; i < self->points && alone; ++i) {
-            alone = squared(self->point[i].at, x) > reach;
+            alone = weft__squared(self->point[i].at, x) > reach;
         }
         if (alone && !halve_near(self, x, parts, &changed)
             && is_inside(self, x[0], x[1])) {

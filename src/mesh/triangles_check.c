@@ -8,6 +8,7 @@
 
 #include "base/finite.h"
 #include "base/memory.h"
+#include "base/plane.h"
 
 #define MAX_VERTICES  ((size_t)1 << 31)
 #define MAX_TRIANGLES ((size_t)UINT32_MAX / 3)
@@ -89,13 +90,10 @@ double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest)
         x[k] = &def->rest[2 * (size_t)weft__place_at(def, t, k)];
     }
     for (size_t k = 0; k < 3; ++k) {
-        const double *p = x[k], *q = x[(k + 1) % 3];
-        const double du = q[0] - p[0], dv = q[1] - p[1];
-        square = fmax(square, du * du + dv * dv);
+        square = fmax(square, weft__squared(x[k], x[(k + 1) % 3]));
     }
     *longest = sqrt(square);
-    return (x[1][0] - x[0][0]) * (x[2][1] - x[0][1])
-           - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
+    return weft__plane_turn(x[0], x[1], x[2]);
 }
 
 static bool check_indices(weft__work *at, size_t t)

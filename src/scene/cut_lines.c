@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/plane.h"
 #include "scene/read.h"
 
 #define NEAR  1e-3   /* [spacings] what is nearer touches */
@@ -41,26 +42,22 @@ static const double *at(const line_maker *self, uint32_t point)
     return &self->out->points[2 * (size_t)point];
 }
 
-static double cross(const double o[2], const double a[2], const double b[2])
+static bool is_near(const line_maker *self, const double a[2], const double b[2])
 {
-    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-}
-
-static double apart(const double a[2], const double b[2])
-{
-    return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+    return sqrt(weft__squared(a, b)) <= self->near;
 }
 
 /* [m] from a point to a part, and where that is nearest, from 0 to 1. */
 static double distance(const line_maker *self, const path_part *to, const double x[2],
                        double *s)
 {
-    const double *a = at(self, to->a), *b = at(self, to->b), length = apart(a, b);
+    const double *a = at(self, to->a), *b = at(self, to->b),
+                 length = sqrt(weft__squared(a, b));
     *s = ((x[0] - a[0]) * (b[0] - a[0]) + (x[1] - a[1]) * (b[1] - a[1]))
          / (length * length);
     *s = fmin(1.0, fmax(0.0, *s));
     const double nearest[] = { a[0] + *s * (b[0] - a[0]), a[1] + *s * (b[1] - a[1]) };
-    return apart(x, nearest);
+    return sqrt(weft__squared(x, nearest));
 }
 
 /* ---- mistakes ------------------------------------------------------------------ */
@@ -109,8 +106,8 @@ static void check_corner(const line_maker *self, const weft__cut_path *path,
     const double *o = path->points[i], *a = path->points[(i + 1) % path->count],
                  *b = path->points[(i + path->count - 1) % path->count];
     const double dot = (a[0] - o[0]) * (b[0] - o[0]) + (a[1] - o[1]) * (b[1] - o[1]);
-    const double sine = cross(o, a, b) * (number == 0 ? 1.0 : -1.0);
-    if (apart(o, a) <= self->near) {
+    const double sine = weft__plane_turn(o, a, b) * (number == 0 ? 1.0 : -1.0);
+    if (is_near(self, o, a)) {
         weft__report_error(self->reader->report, mark_of(path, (i + 1) % path->count),
                            "a point that is there twice, at [%.6g, %.6g] m", a[0],
                            a[1]);
@@ -195,8 +192,8 @@ static bool meets(line_maker *self, uint32_t end, const path_part *on)
     if (distance(self, on, x, &s) > self->near) {
         return false;
     }
-    const bool a = apart(x, at(self, on->a)) <= self->near;
-    if (a || apart(x, at(self, on->b)) <= self->near) {
+    const bool a = is_near(self, x, at(self, on->a));
+    if (a || is_near(self, x, at(self, on->b))) {
         const uint32_t p = root(self, end), q = root(self, a ? on->a : on->b);
         self->same[p > q ? p : q] = p > q ? q : p;
     } else {
@@ -218,8 +215,8 @@ static double crossing(const line_maker *self, const path_part *one,
 {
     const double *a = at(self, one->a), *b = at(self, one->b), *c = at(self, two->a),
                  *d = at(self, two->b);
-    const double p = cross(c, d, a), q = cross(c, d, b), r = cross(a, b, c),
-                 t = cross(a, b, d);
+    const double p = weft__plane_turn(c, d, a), q = weft__plane_turn(c, d, b),
+                 r = weft__plane_turn(a, b, c), t = weft__plane_turn(a, b, d);
     return (p > 0.0) != (q > 0.0) && (r > 0.0) != (t > 0.0) ? p / (p - q) : NAN;
 }
 
@@ -227,7 +224,7 @@ static double crossing(const line_maker *self, const path_part *one,
 static uint32_t point_at(line_maker *self, const double x[2])
 {
     for (size_t i = self->bounds; i < self->out->point_count; ++i) {
-        if (apart(at(self, (uint32_t)i), x) <= self->near) {
+        if (is_near(self, at(self, (uint32_t)i), x)) {
             return (uint32_t)i;
         }
     }
@@ -364,36 +361,24 @@ static void add_line(line_maker *self, uint32_t from, uint32_t to, uint32_t path
     }
 }
 
-/* The ends of a line, the lower one first, and its number. */
-typedef struct end_points {
-    uint32_t low, high, line;
-} end_points;
-
-static int by_ends(const void *a, const void *b)
-{
-    const end_points *x = a, *y = b;
-    return x->low != y->low     ? (x->low > y->low) - (x->low < y->low)
-           : x->high != y->high ? (x->high > y->high) - (x->high < y->high)
-                                : (x->line > y->line) - (x->line < y->line);
-}
-
-/* Leaves out lines that are there twice. */
+/* Leaves out lines that are there twice; the first stays. */
 static void drop_copies(line_maker *self)
 {
     weft__cut_lines *out = self->out;
-    end_points *list
+    weft__ends *list
         = weft__tree_take(self->reader->tree, out->line_count, sizeof *list);
     size_t kept = 0;
     for (size_t i = 0; list != NULL && i < out->line_count; ++i) {
-        const uint32_t a = out->lines[2 * i], b = out->lines[2 * i + 1];
-        list[i] = (end_points){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
+        list[i] = weft__ends_of(out->lines[2 * i], out->lines[2 * i + 1], (uint32_t)i);
     }
     if (list != NULL) {
-        qsort(list, out->line_count, sizeof *list, by_ends);
+        qsort(list, out->line_count, sizeof *list, weft__compare_ends);
     }
     for (size_t i = 1; list != NULL && i < out->line_count; ++i) {
-        if (list[i].low == list[i - 1].low && list[i].high == list[i - 1].high) {
-            out->path[list[i].line] = UINT32_MAX;
+        if (weft__compare_ends(&list[i], &list[i - 1]) == 0) {
+            const uint32_t a = list[i - 1].number, b = list[i].number;
+            out->path[a > b ? a : b] = UINT32_MAX;
+            list[i].number = a < b ? a : b;
         }
     }
     for (size_t i = 0; list != NULL && i < out->line_count; ++i) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/plane.h"
 #include "base/suggest.h"
 #include "weft/elementary.h"
 
@@ -87,16 +88,6 @@ void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index, const char *
 
 /* ---- quadrilaterals ------------------------------------------------------------ */
 
-static double cross(const double a[2], const double b[2], const double c[2])
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
-static double distance(const double a[2], const double b[2])
-{
-    return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
-}
-
 /* Whether a quadrilateral is divided from corner 1 to 3 rather than from 0 to 2: by the
  * shorter line, of equal ones that with the lowest vertex, but not outside of it. */
 static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
@@ -106,9 +97,12 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
     for (size_t k = 0; k < 4; ++k) {
         x[k] = obj->place[face->place[k]];
     }
-    const bool in_02 = cross(x[0], x[1], x[2]) * cross(x[0], x[2], x[3]) > 0.0;
-    const bool in_13 = cross(x[1], x[2], x[3]) * cross(x[1], x[3], x[0]) > 0.0;
-    const double a = distance(x[0], x[2]), b = distance(x[1], x[3]);
+    const bool in_02
+        = weft__plane_turn(x[0], x[1], x[2]) * weft__plane_turn(x[0], x[2], x[3]) > 0.0;
+    const bool in_13
+        = weft__plane_turn(x[1], x[2], x[3]) * weft__plane_turn(x[1], x[3], x[0]) > 0.0;
+    const double a = sqrt(weft__squared(x[0], x[2])),
+                 b = sqrt(weft__squared(x[1], x[3]));
     if (in_02 != in_13) {
         return in_13;
     }

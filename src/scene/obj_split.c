@@ -4,20 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/plane.h"
 #include "scene/obj.h"
-
-/* The ends of a side, the lower one first. */
-typedef struct side_ends {
-    uint32_t low, high, side;
-} side_ends;
-
-static int by_ends(const void *a, const void *b)
-{
-    const side_ends *x = a, *y = b;
-    return x->low != y->low     ? (x->low > y->low) - (x->low < y->low)
-           : x->high != y->high ? (x->high > y->high) - (x->high < y->high)
-                                : (x->side > y->side) - (x->side < y->side);
-}
 
 /* Numbers the sides of triangles; side i leads from corner i to the next of its
  * triangle. Writes the number of each side, and the two ends of each number to ends. */
@@ -25,7 +13,7 @@ static size_t number_sides(const weft__obj *obj, const uint32_t *corner,
                            uint32_t *number, uint32_t (*ends)[2])
 {
     const size_t sides = 3 * obj->def.triangles;
-    side_ends *list = weft__alloc(obj->report->memory, sides, sizeof *list);
+    weft__ends *list = weft__alloc(obj->report->memory, sides, sizeof *list);
     size_t count = 0;
     if (list == NULL) {
         obj->report->no_memory = true;
@@ -33,16 +21,15 @@ static size_t number_sides(const weft__obj *obj, const uint32_t *corner,
     }
     for (size_t i = 0; i < sides; ++i) {
         const uint32_t a = corner[i], b = corner[i % 3 == 2 ? i - 2 : i + 1];
-        list[i] = (side_ends){ a < b ? a : b, a < b ? b : a, (uint32_t)i };
+        list[i] = weft__ends_of(a, b, (uint32_t)i);
     }
-    qsort(list, sides, sizeof *list, by_ends);
+    qsort(list, sides, sizeof *list, weft__compare_ends);
     for (size_t i = 0; i < sides; ++i) {
-        if (i == 0 || list[i].low != list[i - 1].low
-            || list[i].high != list[i - 1].high) {
+        if (i == 0 || weft__compare_ends(&list[i], &list[i - 1]) != 0) {
             ends[count][0] = list[i].low;
             ends[count++][1] = list[i].high;
         }
-        number[list[i].side] = (uint32_t)count - 1;
+        number[list[i].number] = (uint32_t)count - 1;
     }
     weft__free(obj->report->memory, list);
     return count;

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/plane.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "scene/read.h"
@@ -109,10 +110,10 @@ static void take_disc(weft__reader *reader, double spacing, weft__cut_path *path
 static double area_of(const weft__cut_path *path)
 {
     double sum = 0.0;
-    const double *o = path->points[0];
     for (size_t i = 1; i + 1 < path->count; ++i) {
-        const double *a = path->points[i], *b = path->points[i + 1];
-        sum += 0.5 * ((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]));
+        sum += 0.5
+               * weft__plane_turn(path->points[0], path->points[i],
+                                  path->points[i + 1]);
     }
     return sum;
 }

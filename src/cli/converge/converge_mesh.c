@@ -4,13 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/plane.h"
 #include "cli/converge/converge.h"
 #include "cli/survey/survey.h"
-
-static double twice_area(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
 
 /* [m] The edge of as many equal triangles of the same area. */
 static double edge_of(const weft_mesh_def *mesh)
@@ -32,9 +28,10 @@ static void find_place(const weft_mesh_def *mesh, const double x[2],
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const rest_triangle at = rest_triangle_of(mesh, t);
         const double *a = at.corners[0], *b = at.corners[1], *c = at.corners[2],
-                     area = twice_area(a, b, c);
-        const double share[] = { twice_area(x, b, c) / area, twice_area(a, x, c) / area,
-                                 twice_area(a, b, x) / area };
+                     area = weft__plane_turn(a, b, c);
+        const double share[]
+            = { weft__plane_turn(x, b, c) / area, weft__plane_turn(a, x, c) / area,
+                weft__plane_turn(a, b, x) / area };
         const double least = fmin(share[0], fmin(share[1], share[2]));
         if (least > most) {
             most = least;

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "base/plane.h"
 #include "cli/cli.h"
 #include "cli/human.h"
 
@@ -95,8 +96,7 @@ static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t
 
 static inline double rest_area(const rest_triangle *of) /* [m^2] */
 {
-    const double *a = of->corners[0], *b = of->corners[1], *c = of->corners[2];
-    return 0.5 * fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+    return 0.5 * fabs(weft__plane_turn(of->corners[0], of->corners[1], of->corners[2]));
 }
 
 /* ---- stiff_methods.c: estimates, not bounds ---- */
