@@ -4,14 +4,7 @@
  * bounding box of a shape first, as most of them are far from most shapes. */
 #include "forces/lanes.h"
 
-typedef vec num;
-typedef mask truth;
-#define NUM(a)          splat(a)
-#define ROOT(a)         root(a)
-#define ANY(t)          any(t)
-#define CHOOSE(t, a, b) choose(t, a, b)
-#define MOST(a, b)      most(a, b)
-#define LAW             INLINE
+#define LAW_OF_LANES
 #include "forces/contact/contact_law.h"
 
 /* BLOCK particles, a multiple of LANES, are compared with POSES shapes at a time. */

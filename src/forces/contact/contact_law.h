@@ -1,32 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_law.h -- the gap of shapes.h, the law of contact.h and the condition of ccd.h
- * for one particle or a vector of them: the same bits. A file that includes it for
- * vectors defines before
- *
- *     num              a vector of doubles
- *     truth            a vector of what comparisons give
- *     NUM(a)           a double as a num
- *     ROOT(a)          the square root
- *     ANY(t)           whether a comparison holds for any
- *     CHOOSE(t, a, b)  a where t, else b
- *     MOST(a, b)       a where a > b, else b
- *     LAW              the storage class of the functions
- */
+ * for one particle or a vector of them (forces/law.h). */
 #ifndef WEFT_FORCES_CONTACT_CONTACT_LAW_H
 #define WEFT_FORCES_CONTACT_CONTACT_LAW_H
 
 #include "forces/contact/contact.h"
-
-#ifndef LAW
-typedef double num;
-typedef int truth;
-#define NUM(a)          (a)
-#define ROOT(a)         sqrt(a)
-#define ANY(t)          (t)
-#define CHOOSE(t, a, b) ((t) ? (a) : (b))
-#define MOST(a, b)      ((a) > (b) ? (a) : (b))
-#define LAW             static inline
-#endif
+#include "forces/law.h"
 
 LAW num law_dot(const num a[3], const num b[3])
 {

@@ -7,12 +7,7 @@
 
 #include <string.h>
 
-typedef vec num;
-#define NUM(a)          splat(a)
-#define AT(p)           load(p)
-#define ANY(t)          any(t)
-#define CHOOSE(t, a, b) (only(a, (t)) + only(b, ~(t)))
-#define LAW             INLINE
+#define LAW_OF_LANES
 #include "forces/membrane/membrane_law.h"
 
 /* doubles; those of a block; batches whose constants are sought ahead */

@@ -1,27 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_law.h -- the law of membrane.h for one triangle or a vector of them: the
- * same bits. A file that includes it for vectors defines before
- *
- *     num              a vector of doubles
- *     NUM(a)           a double as a num
- *     AT(p)            the num at p
- *     ANY(t)           whether a comparison holds for any
- *     CHOOSE(t, a, b)  a where t, else b
- *     LAW              the storage class of the functions
- */
+/* membrane_law.h -- the law of membrane.h for one triangle or a vector of them
+ * (forces/law.h). */
 #ifndef WEFT_FORCES_MEMBRANE_LAW_H
 #define WEFT_FORCES_MEMBRANE_LAW_H
 
+#include "forces/law.h"
 #include "forces/membrane/membrane.h"
-
-#ifndef LAW
-typedef double num;
-#define NUM(a)          (a)
-#define AT(p)           (*(p))
-#define ANY(t)          (t)
-#define CHOOSE(t, a, b) ((t) ? (a) : (b))
-#define LAW             static inline
-#endif
 
 #define CONSTANT(of, k) AT((of) + (k)*WEFT__WIDTH)
 

@@ -6,15 +6,7 @@
 
 #include "forces/lanes.h"
 
-typedef vec num;
-typedef mask truth;
-#define NUM(a)          splat(a)
-#define ROOT(a)         root(a)
-#define ANY(t)          any(t)
-#define CHOOSE(t, a, b) choose(t, a, b)
-#define MOST(a, b)      most(a, b)
-#define LAW             INLINE
-
+#define LAW_OF_LANES
 #include "forces/self/self_law.h"
 
 /* Three planes of the particles of LANES pairs. */

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* law.h -- what a law is written in that holds for one particle, pair or triangle and,
+ * with the same bits, for a vector of them. A file that includes a law for vectors
+ * defines LAW_OF_LANES before.
+ *
+ *     num              a double, or a vector of them
+ *     truth            what comparisons give
+ *     NUM(a)           a double as a num
+ *     AT(p)            the num at p
+ *     ROOT(a)          the square root
+ *     ANY(t)           whether a comparison holds for any
+ *     CHOOSE(t, a, b)  a where t, else b
+ *     MOST(a, b)       a where a > b, else b
+ *     LAW              the storage class of the functions
+ */
+#ifndef WEFT_FORCES_LAW_H
+#define WEFT_FORCES_LAW_H
+
+#ifdef LAW_OF_LANES
+#include "forces/lanes.h"
+
+typedef vec num;
+typedef mask truth;
+#define NUM(a)          splat(a)
+#define AT(p)           load(p)
+#define ROOT(a)         root(a)
+#define ANY(t)          any(t)
+#define CHOOSE(t, a, b) choose(t, a, b)
+#define MOST(a, b)      most(a, b)
+#define LAW             INLINE
+#else
+#include <math.h>
+
+typedef double num;
+typedef int truth;
+#define NUM(a)          (a)
+#define AT(p)           (*(p))
+#define ROOT(a)         sqrt(a)
+#define ANY(t)          (t)
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define MOST(a, b)      ((a) > (b) ? (a) : (b))
+#define LAW             static inline
+#endif
+
+#endif
