@@ -177,7 +177,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
     memcpy(again, saved, size);
     again[8] = 2;
-    refused(size, "saved in format 2, and this is 7");
+    refused(size, "saved in format 2, and this is 8");
 }
 END_TEST
 
@@ -205,6 +205,42 @@ static void refused_with(size_t word, double value, const char *text)
     saved_mend(again, size);
     refused(size, text);
 }
+
+/* A wind that was changed is saved; one that was not is the definition's again. */
+START_TEST(a_changed_wind_is_part_of_a_saved_simulation)
+{
+    const double gust[3] = { 3.0, 0.0, -8.0 };
+    const weft_sim_def def = define(cloth, test_method_named("verlet/velocity_verlet"),
+                                    (kind){ true, true });
+    weft_sim *windy = make(&def);
+    go(windy, 0.02);
+    ck_assert_int_eq(weft_sim_set_wind(windy, gust, 0.7, &err), WEFT_OK);
+    go(windy, 0.06);
+    save(windy, again);
+    ck_assert_int_eq(weft_sim_restore(sim, again, weft_sim_save_size(sim), &err),
+                     WEFT_OK);
+    go(windy, 0.1);
+    go(sim, 0.1);
+    same(windy, sim);
+    restore(windy); /* of begin_saved, without a change */
+    restore(sim);
+    weft_sim *plain = make(&def);
+    restore(plain);
+    go(plain, 0.1);
+    go(windy, 0.1);
+    same(plain, windy);
+    weft_sim_destroy(plain);
+    weft_sim_destroy(windy);
+}
+END_TEST
+
+START_TEST(saved_winds_that_make_no_sense_are_refused)
+{
+    refused_with(33, 2.0, "a saved wind makes no sense"); /* neither 0 nor 1 */
+    refused_with(34, (double)NAN, "a saved wind makes no sense");
+    refused_with(37, -1.0, "a saved wind makes no sense");
+}
+END_TEST
 
 /* Words of docs/output.md: the sums of a ledger. */
 START_TEST(ledgers_that_are_not_finite_are_refused)
@@ -497,6 +533,8 @@ TEST_SUITE(checkpoint)
     tcase_add_test(one, another_kind_of_simulation_is_told_apart);
     tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, ledgers_that_are_not_finite_are_refused);
+    tcase_add_test(one, a_changed_wind_is_part_of_a_saved_simulation);
+    tcase_add_test(one, saved_winds_that_make_no_sense_are_refused);
     tcase_add_test(one, a_ledger_that_is_not_finite_is_not_saved);
     tcase_add_test(one, what_a_correction_spoiled_is_not_saved);
     tcase_add_test(one, a_ledger_is_restored_whatever_the_pins_are_by_then);

@@ -208,6 +208,47 @@ START_TEST(pin_put_at_the_start_is_one_of_the_definition)
 }
 END_TEST
 
+/* Of two entries for one particle the last holds. */
+START_TEST(many_pins_are_pins_one_after_another)
+{
+    const size_t which[4] = { 5, 7, 11, 5 };
+    const double v[4][3]
+        = { { 9, 9, 9 }, { 0.1, 0, 0 }, { 0, -0.2, 0 }, { 0, 0, 0.3 } };
+    double y[6 * N];
+    for (int still = 0; still < 2; ++still) {
+        start();
+        go(sim, 0.1);
+        for (size_t j = 0; j < 4; ++j) {
+            fine(weft_sim_pin(sim, which[j], still ? NULL : v[j], NULL));
+        }
+        go(sim, 0.2);
+        memcpy(y, weft_sim_state(sim), sizeof y);
+        start();
+        go(sim, 0.1);
+        fine(weft_sim_pin_many(sim, which, still ? NULL : v[0], 4, NULL));
+        go(sim, 0.2);
+        ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+    }
+}
+END_TEST
+
+START_TEST(of_many_pins_one_mistake_changes_none)
+{
+    double v[2][3] = { { 0.1, 0, 0 }, { 0, NAN, 0 } }, y[6 * N];
+    weft_error err = { 0 };
+    start();
+    memcpy(y, weft_sim_state(sim), sizeof y);
+    const size_t good[2] = { 5, 7 }, bad[2] = { 5, N };
+    ck_assert_int_eq(weft_sim_pin_many(sim, bad, NULL, 2, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "no particle 12"));
+    ck_assert_int_eq(weft_sim_pin_many(sim, good, v[0], 2, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "particle 7"));
+    fine(weft_sim_pin_many(sim, NULL, NULL, 0, &err));
+    ck_assert_uint_eq(weft_cloth_pins(weft_sim_cloth(sim)), 1);
+    ck_assert_mem_eq(y, weft_sim_state(sim), sizeof y);
+}
+END_TEST
+
 /* The right-hand side of the simulation's cloth is that of one made with these pins. */
 static void expect_pins(const bool pinned[N], double velocity[N][3])
 {
@@ -378,6 +419,8 @@ TEST_SUITE(pins)
     tcase_add_test(tcase, mistakes_change_nothing);
     tcase_add_loop_test(tcase, pin_put_at_the_start_is_one_of_the_definition, 0,
                         methods);
+    tcase_add_test(tcase, many_pins_are_pins_one_after_another);
+    tcase_add_test(tcase, of_many_pins_one_mistake_changes_none);
     tcase_add_test(tcase, any_sequence_of_changes_leaves_the_pins_it_should);
     tcase_add_test(tcase, others_on_the_same_cloth_keep_their_pins);
     tcase_add_test(tcase, a_simulation_may_start_with_the_pins_of_another);

@@ -154,6 +154,102 @@ START_TEST(a_mesh_gives_back_what_defined_it)
 }
 END_TEST
 
+/* What weft_sim_vertices must give, the slow way: from the lists of triangles. */
+static void expect_vertices(const weft_sim *sim)
+{
+    enum { MOST = 100, STRIDE = 9 };
+    const size_t n = weft_cloth_particles(cloth), t = weft_cloth_triangles(cloth, NULL);
+    double x[3 * MOST], sum[3 * MOST] = { 0.0 };
+    float mixed[STRIDE * MOST], bare[3 * MOST];
+    uint32_t corners[6 * MOST];
+    ck_assert_uint_le(n, MOST);
+    weft_sim_positions(sim, x);
+    (void)weft_cloth_triangles(cloth, corners);
+    for (size_t j = 0; j < 9 * t; ++j) {
+        const uint32_t *of = corners + j / 9 * 3;
+        const size_t k = j % 3, p = (k + 1) % 3, q = (k + 2) % 3;
+        const double *a = x + 3 * (size_t)of[0], *b = x + 3 * (size_t)of[1],
+                     *c = x + 3 * (size_t)of[2];
+        sum[3 * (size_t)of[j % 9 / 3] + k]
+            += (b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p]);
+    }
+    memset(mixed, 0x55, sizeof mixed);
+    weft_sim_vertices(sim, mixed, mixed + 4, STRIDE * sizeof *mixed);
+    weft_sim_vertices(sim, bare, NULL, 0);
+    for (size_t i = 0; i < n; ++i) {
+        const double *of = sum + 3 * i,
+                     length = sqrt(of[0] * of[0] + of[1] * of[1] + of[2] * of[2]);
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert(mixed[STRIDE * i + k] == (float)x[3 * i + k]);
+            ck_assert(bare[3 * i + k] == (float)x[3 * i + k]);
+            ck_assert_double_eq_tol((double)mixed[STRIDE * i + 4 + k], of[k] / length,
+                                    1e-6);
+        }
+        for (size_t k = 3; k < STRIDE;
+             k += k == 3 ? 4 : 1) { /* what is between stays */
+            ck_assert_mem_eq(&mixed[STRIDE * i + k], "UUUU", sizeof *mixed);
+        }
+    }
+    weft_sim_vertices(sim, NULL, bare, 0);
+    for (size_t j = 0; j < 3 * n; ++j) {
+        ck_assert(bare[j] == mixed[STRIDE * (j / 3) + 4 + j % 3]);
+    }
+}
+
+static weft_sim *falling(const weft_cloth_def *def)
+{
+    weft_stepper_config config = weft_stepper_config_default();
+    config.fixed_step = 1e-3;
+    cloth = test_cloth(def);
+    weft_sim *sim
+        = test_sim(cloth, test_method_named("verlet/velocity_verlet"), &config);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.1, NULL), WEFT_OK);
+    return sim;
+}
+
+START_TEST(vertices_are_positions_and_normals_of_the_triangles)
+{
+    test_mesh mesh;
+    const weft_pin corner
+        = { .rows = { 0, 0 }, .cols = { 0, 0 }, .velocity = { 0, 0, 2 } };
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = 6, def.cols = 9;
+    def.spacing[0] = def.spacing[1] = 0.1;
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ .present = true, .stiffness = 50.0 };
+    def.pins = &corner, def.pin_count = 1;
+    weft_sim *sim = falling(&def);
+    expect_vertices(sim);
+    weft_sim_destroy(sim);
+    destroy();
+    mesh_sheet(&mesh, 7, 9, 0.1, MESH_RANDOM, 0.2, 1);
+    mesh_shuffle(&mesh, 2, NULL);
+    for (size_t i = 0; i < 63; ++i) {
+        mesh.start[3 * i + 2] = 0.3 * mesh.start[3 * i] * mesh.start[3 * i + 1];
+    }
+    def = mesh_cloth(&mesh);
+    sim = falling(&def);
+    expect_vertices(sim);
+    weft_sim_destroy(sim);
+    destroy();
+    mesh_free(&mesh);
+}
+END_TEST
+
+START_TEST(normals_of_a_chain_are_zero)
+{
+    float normals[15];
+    weft_cloth_def def = weft_cloth_def_default();
+    def.rows = 1, def.cols = 5;
+    weft_sim *sim = falling(&def);
+    weft_sim_vertices(sim, NULL, normals, 0);
+    for (size_t j = 0; j < 15; ++j) {
+        ck_assert(normals[j] == 0.0F);
+    }
+    weft_sim_destroy(sim);
+    destroy();
+}
+END_TEST
+
 /* malloc's, with the size in front of each block. */
 static void *counting(void *ctx, void *block, size_t size)
 {
@@ -198,6 +294,8 @@ TEST_SUITE(surface)
     TCase *triangles = tcase_create("triangles");
     tcase_add_test(triangles, vertices_of_a_mesh_have_their_names);
     tcase_add_test(triangles, a_mesh_gives_back_what_defined_it);
+    tcase_add_test(triangles, vertices_are_positions_and_normals_of_the_triangles);
+    tcase_add_test(triangles, normals_of_a_chain_are_zero);
     tcase_add_test(triangles, bytes_of_a_mesh_are_those_it_takes);
     suite_add_tcase(suite, triangles);
     return suite;

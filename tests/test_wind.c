@@ -140,6 +140,115 @@ START_TEST(folded_triangle_of_no_area_feels_no_wind)
 }
 END_TEST
 
+/* ---- that changes ---------------------------------------------------------------- */
+
+static weft_cloth_def sail_def(bool grid, const weft_pin *pin)
+{
+    weft_cloth_def def = mesh_cloth(&m.mesh);
+    if (grid) {
+        def.mesh = NULL;
+        def.rows = def.cols = 8;
+        def.spacing[0] = def.spacing[1] = 0.1;
+        def.springs[WEFT_STRETCH]
+            = (weft_spring_def){ .present = true, .stiffness = 20.0 };
+        def.pins = pin, def.pin_count = 1;
+    }
+    def.drag = 1e-3;
+    return def;
+}
+
+static weft_sim *sail_sim(const weft_cloth *of, const char *method, size_t threads)
+{
+    weft_stepper_config config = weft_stepper_config_default();
+    const weft_stepper_type *type = test_method_named(method);
+    config.fixed_step = (type->flags & WEFT_STEPPER_FIXED_ONLY) != 0 ? 1e-3 : 0.0;
+    config.threads = threads;
+    return test_sim(of, type, &config);
+}
+
+static void fine(weft_status status)
+{
+    ck_assert_int_eq(status, WEFT_OK);
+}
+
+/* From the start on it is that of the definition, for every kind of stepper. */
+START_TEST(a_wind_that_was_set_is_the_wind_of_a_definition)
+{
+    static const char *const methods[]
+        = { "verlet/velocity_verlet", "verlet/midpoint", "stiff/ros2" };
+    const weft_pin pin = { .rows = { 0, 0 }, .cols = { 0, -1 } };
+    for (size_t k = 0; k < 6; ++k) {
+        weft_cloth_def def = sail_def(k % 2 == 0, &pin);
+        weft_cloth *still = test_cloth(&def);
+        memcpy(def.wind_velocity, wind, sizeof wind);
+        def.wind_drag = 0.5;
+        weft_cloth *windy = test_cloth(&def);
+        weft_sim *a = sail_sim(still, methods[k / 2], 1),
+                 *b = sail_sim(windy, methods[k / 2], 1);
+        const size_t size = weft_cloth_dim(windy) * sizeof(double);
+        fine(weft_sim_set_wind(a, wind, 0.5, NULL));
+        fine(weft_sim_advance(a, 0.05, NULL));
+        fine(weft_sim_advance(b, 0.05, NULL));
+        ck_assert_mem_eq(weft_sim_state(a), weft_sim_state(b), size);
+        fine(weft_sim_set_wind(a, NULL, 0.0, NULL)); /* calm, as it was defined */
+        fine(weft_sim_set_wind(b, (const double[3]){ 0.0 }, 0.0, NULL));
+        fine(weft_sim_advance(a, 0.1, NULL));
+        fine(weft_sim_advance(b, 0.1, NULL));
+        ck_assert_mem_eq(weft_sim_state(a), weft_sim_state(b), size);
+        weft_sim_destroy(a);
+        weft_sim_destroy(b);
+        weft_cloth_destroy(still);
+        weft_cloth_destroy(windy);
+    }
+}
+END_TEST
+
+START_TEST(a_wind_that_makes_no_sense_changes_nothing)
+{
+    const double wrong[3] = { 1.0, (double)NAN, 0.0 };
+    weft_error err = { 0 };
+    weft_sim *a = sail_sim(m.cloth, "verlet/velocity_verlet", 1);
+    weft_sim *b = sail_sim(m.cloth, "verlet/velocity_verlet", 1);
+    ck_assert_int_eq(weft_sim_set_wind(a, wrong, 0.1, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "must be finite"));
+    ck_assert_int_eq(weft_sim_set_wind(a, wind, -0.1, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_sim_set_wind(a, wind, (double)INFINITY, &err), WEFT_INVALID);
+    fine(weft_sim_advance(a, 0.05, NULL));
+    fine(weft_sim_advance(b, 0.05, NULL));
+    ck_assert_mem_eq(weft_sim_state(a), weft_sim_state(b), sizeof m.y);
+    weft_sim_destroy(a);
+    weft_sim_destroy(b);
+}
+END_TEST
+
+/* One on the same cloth goes on in the old wind; one made of the other's cloth has the
+ * new wind as its own, which later changes of the other leave alone. */
+START_TEST(every_simulation_has_its_own_wind)
+{
+    weft_sim *changed = sail_sim(m.cloth, "verlet/velocity_verlet", 1);
+    weft_sim *kept = sail_sim(m.cloth, "verlet/velocity_verlet", 1);
+    weft_sim *alone = sail_sim(m.cloth, "verlet/velocity_verlet", 1);
+    const double gust[3] = { 0.0, 0.0, 9.0 };
+    fine(weft_sim_set_wind(changed, gust, 1.0, NULL));
+    weft_sim *heir = sail_sim(weft_sim_cloth(changed), "verlet/velocity_verlet", 1);
+    fine(weft_sim_set_wind(heir, wind, 0.5, NULL));
+    fine(weft_sim_set_wind(changed, wind, 0.5, NULL));
+    fine(weft_sim_set_wind(heir, NULL, 0.0, NULL));
+    fine(weft_sim_set_wind(alone, gust, 1.0, NULL));
+    weft_sim *const all[] = { changed, kept, alone, heir };
+    for (size_t i = 0; i < 4; ++i) {
+        fine(weft_sim_advance(all[i], 0.05, NULL));
+    }
+    ck_assert_mem_eq(weft_sim_state(changed), weft_sim_state(kept), sizeof m.y);
+    ck_assert_mem_eq(weft_sim_state(heir), weft_sim_state(alone), sizeof m.y);
+    ck_assert_mem_ne(weft_sim_state(heir), weft_sim_state(kept), sizeof m.y);
+    weft_sim_destroy(heir);
+    weft_sim_destroy(changed);
+    weft_sim_destroy(kept);
+    weft_sim_destroy(alone);
+}
+END_TEST
+
 TEST_SUITE(wind)
 {
     Suite *suite = suite_create("wind");
@@ -150,6 +259,9 @@ TEST_SUITE(wind)
     tcase_add_test(tcase, product_is_the_derivative_of_the_wind);
     tcase_add_test(tcase, bound_of_damping_holds_and_is_reached);
     tcase_add_test(tcase, folded_triangle_of_no_area_feels_no_wind);
+    tcase_add_test(tcase, a_wind_that_was_set_is_the_wind_of_a_definition);
+    tcase_add_test(tcase, a_wind_that_makes_no_sense_changes_nothing);
+    tcase_add_test(tcase, every_simulation_has_its_own_wind);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -278,8 +278,8 @@ static inline bool weft_sim_failure(const weft_sim *sim, weft_failure *out)
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
-/* The definition's cloth with the present pins and shapes of the simulation. Valid
- * until the simulation is destroyed. */
+/* The definition's cloth with the present pins, shapes and wind of the simulation.
+ * Valid until the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);
 WEFT_RESULT(weft_stepper_stats, weft_sim_stats, (const weft_sim *sim), (sim))
 /* Calls `tell` for each choice of the stepper beyond its config. */
@@ -328,6 +328,13 @@ WEFT_API size_t weft_sim_limit_held(const weft_sim *sim);
 WEFT_API void weft_sim_positions(const weft_sim *sim, double *xyz);  /* [m] */
 WEFT_API void weft_sim_velocities(const weft_sim *sim, double *xyz); /* [m/s] */
 
+/* For a vertex buffer: the position [m] of each particle as three floats, and its unit
+ * normal, along the sum of the normals of its triangles (weft_cloth_triangles) by their
+ * areas; 0 0 0 if that is 0. Both begin at the address given (NULL: not wanted), and
+ * the next particle's are `stride` bytes behind, 0: 12. Allocates nothing. */
+WEFT_API void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
+                                size_t stride);
+
 /* Replaces the positions [m] and velocities [m/s] of the free particles (NULL: keeps
  * them); pinned particles keep theirs. Errors: WEFT_INVALID if a value is not finite, a
  * free particle would be in a shape or, with contact.self, the cloth would pass through
@@ -349,6 +356,13 @@ WEFT_API weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
 WEFT_API weft_status weft_sim_pin(weft_sim *sim, size_t i, const double velocity[3],
                                   weft_error *err);
 
+/* The same of `count` particles, particles[j] at velocities[3 j] [m/s] (NULL: all keep
+ * their positions), of several entries for one particle the last: it costs little more
+ * than one of them. */
+WEFT_API weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
+                                       const double *velocities, size_t count,
+                                       weft_error *err);
+
 /* Moves a pinned particle to `position` [m] at once; its velocity stays. A jump
  * stretches springs suddenly. Errors: WEFT_INVALID also if it is not pinned or, with
  * contact.self, if the cloth would pass through itself. */
@@ -359,6 +373,13 @@ WEFT_API weft_status weft_sim_move_pin(weft_sim *sim, size_t i,
  * pinned does not change. Errors: WEFT_INVALID also if it is in a shape or, with
  * contact.self, in another part of the cloth. */
 WEFT_API weft_status weft_sim_unpin(weft_sim *sim, size_t i, weft_error *err);
+
+/* From now on the wind has this velocity [m/s] and this drag [kg/(m^2 s)] >= 0, instead
+ * of the definition's wind or an earlier change; velocity NULL: the definition's again,
+ * and drag is not used. Of this simulation alone. Errors: WEFT_INVALID; then nothing
+ * changes. */
+WEFT_API weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3],
+                                       double drag, weft_error *err);
 
 /* These functions change shapes between two steps, each in O(N). Every simulation has
  * its own shapes, which obey the contact of its cloth: the definition's cloth, and
@@ -400,7 +421,8 @@ WEFT_API void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3]
 WEFT_API weft_status weft_sim_restart(weft_sim *sim, weft_error *err);
 
 /* Saves all data that the future of a simulation depends on to the caller's `size`
- * bytes: state, time, next h, counts, ledger, strain limit, pins and shapes. Restored
+ * bytes: state, time, next h, counts, ledger, strain limit, pins, shapes and a changed
+ * wind. Restored
  * into a simulation of the same definition, by any program on any machine, both
  * continue identically to the last bit, because saving also restarts the stepper here.
  * Threads, allocators and log may differ; all other settings that matter are compared

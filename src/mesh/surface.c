@@ -97,6 +97,59 @@ size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places, dou
     return places;
 }
 
+/* ---- normals --------------------------------------------------------------------- */
+
+/* Adds (q - p) x (r - p). */
+static void add_normal(const double *x, size_t n, size_t p, size_t q, size_t r,
+                       double sum[3])
+{
+    double a[3], b[3];
+    for (size_t k = 0; k < 3; ++k, x += n) {
+        a[k] = x[q] - x[p];
+        b[k] = x[r] - x[p];
+    }
+    sum[0] += a[1] * b[2] - a[2] * b[1];
+    sum[1] += a[2] * b[0] - a[0] * b[2];
+    sum[2] += a[0] * b[1] - a[1] * b[0];
+}
+
+/* Around a particle of a grid: below, right, above right, above, left, below left. */
+static void add_grid_normals(const weft__mesh *mesh, const double *x, size_t i,
+                             double sum[3])
+{
+    const size_t cols = mesh->cols, c = i % cols;
+    const bool up = i >= cols, down = i + cols < mesh->particles;
+    const bool left = c > 0, right = c + 1 < cols;
+    const size_t ring[7]
+        = { i + cols, i + 1, i + 1 - cols, i - cols, i - 1, i - 1 + cols, i + cols };
+    const bool there[6] = { down && right, right && up,  right && up,
+                            up && left,    left && down, left && down };
+    for (size_t k = 0; k < 6; ++k) {
+        if (there[k]) {
+            add_normal(x, mesh->particles, i, ring[k], ring[k + 1], sum);
+        }
+    }
+}
+
+void weft__surface_normal(const weft__mesh *mesh, const double *x, size_t i,
+                          double normal[3])
+{
+    const weft__triangles *of = mesh->triangles;
+    double sum[3] = { 0.0, 0.0, 0.0 };
+    if (of == NULL) {
+        add_grid_normals(mesh, x, i, sum);
+    } else {
+        for (size_t j = of->around_first[i]; j < of->around_first[i + 1]; ++j) {
+            const uint32_t *corner = of->corner[of->around[j]];
+            add_normal(x, mesh->particles, corner[0], corner[1], corner[2], sum);
+        }
+    }
+    const double length = weft__length(sum);
+    for (size_t k = 0; k < 3; ++k) {
+        normal[k] = length > 0.0 ? sum[k] / length : 0.0;
+    }
+}
+
 /* ---- names ----------------------------------------------------------------------- */
 
 const char *weft__name_text(const weft__mesh *mesh, size_t vertex,

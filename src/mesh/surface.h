@@ -12,6 +12,10 @@ size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends);
 size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places,
                             double *uv);
 
+/* Of particle i in planes of positions: weft_sim_vertices. */
+void weft__surface_normal(const weft__mesh *mesh, const double *x, size_t i,
+                          double normal[3]);
+
 /* A primitive of particles in numbers of the definition. */
 static inline weft_primitive weft__primitive_of(const weft__mesh *mesh,
                                                 weft_primitive of)

@@ -219,6 +219,9 @@ static const char *fault_of(const weft_sim *sim, restored *of)
                    && (!weft__all_finite(works, 3)
                        || !weft__all_finite(of->y + dim, sim->config.quadratures))
                ? "the saved simulation has an energy ledger that is not finite"
+           : saved->wind_changed > 1
+                   || !weft__wind_usable(saved->wind, saved->wind_drag)
+               ? "a saved wind makes no sense"
            : !held                 ? "a saved pin makes no sense"
            : !read_shapes(sim, of) ? "a saved shape makes no sense"
                                    : NULL;
@@ -253,7 +256,18 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->vetoed = from->vetoed;
 }
 
-/* Pins, shapes and state of the simulation for those that were saved; once more: back.
+static void exchange_wind(weft_sim *sim, weft__save_fields *with)
+{
+    const weft__wind mine = sim->cloth->wind;
+    const bool changed = sim->wind_changed;
+    weft__sim_take_wind(sim, with->wind_changed != 0 ? with->wind : NULL,
+                        with->wind_drag);
+    with->wind_changed = changed;
+    memcpy(with->wind, mine.velocity, sizeof mine.velocity);
+    with->wind_drag = mine.drag;
+}
+
+/* Pins, shapes, wind and state of the simulation for those saved; once more: back.
  * The new stepper is made in between, as a method may refuse other pins than its own.
  */
 static void exchange(weft_sim *sim, restored *with)
@@ -276,6 +290,7 @@ static void exchange(weft_sim *sim, restored *with)
     contact->shape_count = with->shape_count;
     with->shapes = mine.shapes;
     with->shape_count = mine.shape_count;
+    exchange_wind(sim, &with->head.fields);
     weft__pins_changed(mesh, sim->y);
     weft__structure_update(sim);
 }

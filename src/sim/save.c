@@ -15,6 +15,7 @@
 static weft__save_fields fields_of(const weft_sim *sim)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
+    const weft__wind *wind = &sim->cloth->wind;
     return (weft__save_fields){
         .t = sim->t,
         .next_step = stats.next_step,
@@ -32,6 +33,9 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,
+        .wind_changed = sim->wind_changed,
+        .wind = { wind->velocity[0], wind->velocity[1], wind->velocity[2] },
+        .wind_drag = wind->drag,
     };
 }
 

@@ -14,7 +14,7 @@
 #include "base/bytes.h"
 #include "sim/simulation.h"
 
-enum { WEFT__SAVE_VERSION = 7, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
+enum { WEFT__SAVE_VERSION = 8, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
 
 #define WEFT__SAVE_MAGIC "weftsave"
 
@@ -28,6 +28,8 @@ typedef struct weft__save_fields {
     uint64_t vetoed;
     uint64_t linear_iterations, factorisations, newton_failures;
     double event_since; /* [s] */
+    uint64_t wind_changed;
+    double wind[3], wind_drag; /* of use if it has */
 } weft__save_fields;
 
 /* The front as far as it has one length. */

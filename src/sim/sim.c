@@ -124,6 +124,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
         weft_sim_destroy(sim);
         return NULL;
     }
+    sim->wind = sim->cloth->wind;
     if (sim->log.write != NULL) {
         sim->def.log = (weft_log){ write_log, sim };
     }

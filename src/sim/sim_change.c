@@ -14,6 +14,35 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                                        : outside;
 }
 
+void weft__sim_take_wind(weft_sim *sim, const double velocity[3], double drag)
+{
+    sim->wind_changed = velocity != NULL;
+    sim->cloth->wind = sim->wind;
+    if (velocity != NULL) {
+        memcpy(sim->cloth->wind.velocity, velocity, sizeof sim->wind.velocity);
+        sim->cloth->wind.drag = drag;
+    }
+}
+
+weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3], double drag,
+                              weft_error *err)
+{
+    const weft_status can = weft__sim_changeable(sim, "weft_sim_set_wind", err);
+    if (can != WEFT_OK) {
+        return can;
+    }
+    if (velocity != NULL && !weft__wind_usable(velocity, drag)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "wind of [%g, %g, %g] m/s, drag %g kg/(m^2 s): both must "
+                              "be finite, and drag >= 0",
+                              velocity[0], velocity[1], velocity[2], drag);
+    }
+    weft__sim_change_begins(sim);
+    weft__sim_take_wind(sim, velocity, drag);
+    weft__sim_change_ends(sim, true);
+    return WEFT_OK;
+}
+
 static void set_planes(const weft_cloth *cloth, const double *xyz, double *planes)
 {
     const weft__mesh *mesh = &cloth->mesh;

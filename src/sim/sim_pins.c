@@ -27,25 +27,36 @@ static weft_status check(const weft_sim *sim, const char *function, size_t i,
     return WEFT_OK;
 }
 
+weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
+                              const double *velocities, size_t count, weft_error *err)
+{
+    const size_t n = weft_cloth_particles(sim->cloth);
+    weft__mesh *mesh = &sim->cloth->mesh;
+    weft_status status = WEFT_OK;
+    for (size_t j = 0; status == WEFT_OK && j < count; ++j) {
+        status = check(sim, "weft_sim_pin_many", particles[j],
+                       velocities != NULL ? velocities + 3 * j : NULL, err);
+    }
+    if (status != WEFT_OK || count == 0) {
+        return status;
+    }
+    weft__sim_change_begins(sim);
+    for (size_t j = 0; j < count; ++j) {
+        const size_t i = weft__particle_of(mesh, particles[j]);
+        for (size_t k = 0; k < 3; ++k) {
+            sim->y[(3 + k) * n + i] = velocities != NULL ? velocities[3 * j + k] : 0.0;
+        }
+        weft__set_hold(mesh, i, WEFT__COASTING);
+    }
+    weft__pins_changed(mesh, sim->y);
+    weft__sim_change_ends(sim, true);
+    return WEFT_OK;
+}
+
 weft_status weft_sim_pin(weft_sim *sim, size_t vertex, const double velocity[3],
                          weft_error *err)
 {
-    static const double still[3] = { 0.0, 0.0, 0.0 };
-    const double *v = velocity != NULL ? velocity : still;
-    const size_t n = weft_cloth_particles(sim->cloth);
-    const weft_status status = check(sim, "weft_sim_pin", vertex, v, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
-    const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
-    weft__sim_change_begins(sim);
-    for (size_t k = 0; k < 3; ++k) {
-        sim->y[(3 + k) * n + i] = v[k];
-    }
-    weft__set_hold(&sim->cloth->mesh, i, WEFT__COASTING);
-    weft__pins_changed(&sim->cloth->mesh, sim->y);
-    weft__sim_change_ends(sim, true);
-    return WEFT_OK;
+    return weft_sim_pin_many(sim, &vertex, velocity, 1, err);
 }
 
 static void place(weft_sim *sim, size_t i, const double position[3])

@@ -170,6 +170,28 @@ void weft_sim_positions(const weft_sim *sim, double *xyz)
     interleave(&sim->cloth->mesh, sim->y, xyz);
 }
 
+void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
+                       size_t stride)
+{
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles, step = stride != 0 ? stride : 3 * sizeof(float);
+    for (size_t i = 0; i < n; ++i) {
+        const size_t at = weft__vertex_of(mesh, i) * step;
+        double normal[3] = { 0.0, 0.0, 0.0 };
+        if (normals != NULL) {
+            weft__surface_normal(mesh, sim->y, i, normal);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            if (positions != NULL) {
+                *(float *)((char *)(positions + k) + at) = (float)sim->y[k * n + i];
+            }
+            if (normals != NULL) {
+                *(float *)((char *)(normals + k) + at) = (float)normal[k];
+            }
+        }
+    }
+}
+
 void weft_sim_velocities(const weft_sim *sim, double *xyz)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;

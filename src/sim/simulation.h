@@ -14,6 +14,8 @@ struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
     weft_log log;
     weft_cloth *cloth;          /* copy of the definition's, owns pins and shapes */
+    weft__wind wind;            /* the definition's, of `cloth` */
+    bool wind_changed;          /* weft_sim_set_wind */
     uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
     weft_stepper_config config; /* the definition's, completed */
     void *stepper;
@@ -124,6 +126,13 @@ static inline size_t weft__sim_dim(const weft_sim *of)
 /* Around a change of y, or of the cloth (`ode`), from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_change_ends(weft_sim *sim, bool ode);
+
+/* The cloth's wind; velocity NULL: the definition's. */
+void weft__sim_take_wind(weft_sim *sim, const double velocity[3], double drag);
+static inline bool weft__wind_usable(const double velocity[3], double drag)
+{
+    return weft__all_finite(velocity, 3) && weft__not_negative(drag);
+}
 
 /* settings.c: hash of all of a definition that changes results, besides cloth and
  * method; `config` is its config, completed, which the method has accepted. */
