@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cli.h -- declarations that the verbs share. Data goes to stdout, progress and
  * errors to stderr. */
-#ifndef WEFT_CLI_H
-#define WEFT_CLI_H
+#pragma once
 
 #include <limits.h>
 
@@ -188,5 +187,3 @@ int view_runs(const char *const *directories, size_t count, const char *out, boo
 
 /* Prints "DIR: unfinished: 116 of 721 frames" to stderr for such a run. */
 void report_unfinished(const char *directory);
-
-#endif

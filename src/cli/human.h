@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* human.h -- numbers and foreign text as people read them. */
-#ifndef WEFT_CLI_HUMAN_H
-#define WEFT_CLI_HUMAN_H
+#pragma once
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -58,5 +57,3 @@ WEFT_PRINTF(2, 3) void print_item(const char *label, const char *format, ...);
 /* The help of a verb to stdout, its paragraphs and the texts beside its options filled
  * to lines that a manual page can indent by 5. */
 void print_help(const char *text);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cut.h -- the mesher of cloth.cut: points inside an outline and its holes, and the
  * triangles between them. Part of the program, not of libweft. */
-#ifndef WEFT_CUT_CUT_H
-#define WEFT_CUT_CUT_H
+#pragma once
 
 #include "weft/scene.h"
 
@@ -10,5 +9,3 @@
  */
 weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
                      weft_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* delaunay.h -- the Delaunay triangulation of points in the plane. */
-#ifndef WEFT_CUT_DELAUNAY_H
-#define WEFT_CUT_DELAUNAY_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -11,5 +10,3 @@
 /* The three corners of each triangle, of malloc; at: u v of each point. NULL: no
  * memory, or all points lie on a line. */
 uint32_t *cut_delaunay(size_t points, double *at, size_t *triangles);
-
-#endif

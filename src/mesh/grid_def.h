@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* grid_def.h -- rows and columns: the numbers of a grid, its pins and loads, their
  * checks, and what lies on its rim. */
-#ifndef WEFT_MESH_GRID_DEF_H
-#define WEFT_MESH_GRID_DEF_H
+#pragma once
 
 #include "mesh/mesh.h"
 
@@ -53,5 +52,3 @@ size_t weft__grid_pin_of(const weft_cloth_def *def, size_t r, size_t c);
 
 /* A range of def with negative ends resolved; false if it leaves [0, count). */
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last);
-
-#endif

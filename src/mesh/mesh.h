@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* mesh.h -- what a cloth is made of, without any force: particles, where they rest,
  * what they weigh, how they are held, and the blocks in which they are taken. */
-#ifndef WEFT_MESH_MESH_H
-#define WEFT_MESH_MESH_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -140,5 +139,3 @@ void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6]);
 /* Writes x' and v' of the pinned among particles [first, end). */
 void weft__move_pins(const weft__mesh *mesh, double t, double *dydt, size_t first,
                      size_t end);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* pins.h -- how particles are held: in the copy of a simulation that changes. */
-#ifndef WEFT_MESH_PINS_H
-#define WEFT_MESH_PINS_H
+#pragma once
 
 #include "mesh/mesh.h"
 
@@ -23,5 +22,3 @@ void weft__pins_changed(weft__mesh *copy, const double *y);
 
 /* Fills pins and inverse masses of any mesh from cloth->pin. */
 void weft__list_pins(weft__mesh *mesh);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* surface.h -- a mesh of either kind as it is drawn, exported and named: in the numbers
  * of its definition. */
-#ifndef WEFT_MESH_SURFACE_H
-#define WEFT_MESH_SURFACE_H
+#pragma once
 
 #include "mesh/triangles.h"
 
@@ -36,5 +35,3 @@ const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *tex
 const char *weft__primitive_text(const weft__mesh *mesh,
                                  const weft_primitive *primitive, char *text,
                                  size_t size);
-
-#endif

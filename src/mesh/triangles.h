@@ -6,8 +6,7 @@
  * WEFT__MESH_BLOCK particles. A *place* is a particle in one fan of triangles of one
  * piece: a vertex on a seam has several. An *edge* is one of the rest shape: where two
  * pieces are sewn there are two of them. */
-#ifndef WEFT_MESH_TRIANGLES_H
-#define WEFT_MESH_TRIANGLES_H
+#pragma once
 
 #include "mesh/mesh.h"
 
@@ -87,5 +86,3 @@ void weft__around_fill(weft__triangles *of, size_t particles);
  * order of the first of these corners. Returns their number; list NULL: that alone. */
 size_t weft__triangles_among(const weft__triangles *of, size_t first, size_t end,
                              uint32_t *list);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* triangles_work.h -- a mesh of triangles in the making: for triangles.c and
  * triangles_check.c. */
-#ifndef WEFT_MESH_TRIANGLES_WORK_H
-#define WEFT_MESH_TRIANGLES_WORK_H
+#pragma once
 
 #include "mesh/triangles.h"
 
@@ -59,5 +58,3 @@ static inline uint32_t weft__place_at(const weft_mesh_def *def, size_t t, size_t
     return def->corner_places != NULL ? def->corner_places[3 * t + k]
                                       : weft__vertex_at(def, t, k);
 }
-
-#endif

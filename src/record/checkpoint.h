@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checkpoint.h -- checkpoint.weft, from which a run can be resumed. docs/output.md
  * describes its layout. */
-#ifndef WEFT_RECORD_CHECKPOINT_H
-#define WEFT_RECORD_CHECKPOINT_H
+#pragma once
 
 #include "record/vtkhdf.h"
 
@@ -59,5 +58,3 @@ weft_status record_checkpoint_read(const char *directory, record_checkpoint *out
 weft_status record_checkpoint_restore(record_checkpoint *from, weft_sim *sim,
                                       weft_error *err);
 void record_checkpoint_close(record_checkpoint *checkpoint);
-
-#endif

@@ -2,8 +2,7 @@
 /* child_process.h -- runs functions in child processes, since they may crash, never
  * return, or be many and slow. A child returns its results in memory from
  * process_memory. */
-#ifndef WEFT_RECORD_CHILD_PROCESS_H
-#define WEFT_RECORD_CHILD_PROCESS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -62,5 +61,3 @@ bool process_pool_run(process_pool *pool);
 /* Zeroed memory that this process and its later children share until they end. NULL:
  * there is none. */
 void *process_memory(size_t count, size_t size);
-
-#endif

@@ -2,8 +2,7 @@
 /* frames.h -- reads the frames of a run directory, for exports, pages and comparisons.
  *
  * Numbers are as in the file: single precision unless the run recorded doubles. */
-#ifndef WEFT_RECORD_FRAMES_H
-#define WEFT_RECORD_FRAMES_H
+#pragma once
 
 #include "record/record.h"
 
@@ -102,5 +101,3 @@ weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz
  * springs at each particle, N doubles. WEFT_UNSUPPORTED: not recorded. */
 weft_status record_frames_field(record_frames *frames, weft_record_field field,
                                 size_t i, double *values, weft_error *err);
-
-#endif

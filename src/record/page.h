@@ -2,8 +2,7 @@
 /* page.h -- HTML pages: data inside them, JSON that cannot end its element and numbers
  * as base64; and the part of a run, or of two side by side, that a page plays: frames
  * and particles that fit a number of bytes. docs/player.md documents the data. */
-#ifndef WEFT_RECORD_PAGE_H
-#define WEFT_RECORD_PAGE_H
+#pragma once
 
 #include "record/frames.h"
 
@@ -110,5 +109,3 @@ void player_page_close(player_page *self);
 
 /* page.c: the JSON of a page, in its <script>. */
 void player_page_describe(const player_page *self);
-
-#endif

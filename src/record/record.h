@@ -2,8 +2,7 @@
 /* record.h -- files that appear by rename, complete or not at all, as all of src/record
  * writes them. Every write is checked: WEFT_IO names the file. Linked into the program,
  * not into libweft. */
-#ifndef WEFT_RECORD_H
-#define WEFT_RECORD_H
+#pragma once
 
 #include <float.h>
 
@@ -117,5 +116,3 @@ weft_status record_shared_open(const weft_comm *comm, const char *path, int flag
 /* All bytes, at a place [bytes]; false: errno says why. */
 bool record_write_at(int file, const void *bytes, size_t size, uint64_t at);
 bool record_read_at(int file, void *bytes, size_t size, uint64_t at);
-
-#endif

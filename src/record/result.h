@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* result.h -- manifest.yaml, and result.yaml: written and read. */
-#ifndef WEFT_RECORD_RESULT_H
-#define WEFT_RECORD_RESULT_H
+#pragma once
 
 #include <yaml.h>
 
@@ -56,5 +55,3 @@ const char *record_result_get(const char *directory, const char *key,
 
 /* The hash of the last state; false if there is none, as after a kill. */
 bool record_result_hash(const char *directory, uint64_t *hash);
-
-#endif

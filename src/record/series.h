@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* series.h -- the CSV files of a run: series.csv and shapes.csv grow by whole rows and
  * are readable after a kill up to the last one. */
-#ifndef WEFT_RECORD_SERIES_H
-#define WEFT_RECORD_SERIES_H
+#pragma once
 
 #include "record/record.h"
 
@@ -96,5 +95,3 @@ weft_status record_series_compare(const char *directory, const char *damaged,
                                   const char *const *names, size_t count,
                                   record_numbers_fn *numbers, void *ctx,
                                   weft_error *err);
-
-#endif

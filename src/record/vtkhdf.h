@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* vtkhdf.h -- the frames of a run, in run.vtkhdf. */
-#ifndef WEFT_RECORD_VTKHDF_H
-#define WEFT_RECORD_VTKHDF_H
+#pragma once
 
 #include "record/series.h"
 
@@ -62,5 +61,3 @@ weft_status record_vtkhdf_add(record_vtkhdf *self, const record_frame *frame,
                               weft_error *err);
 /* Frees it even if the file cannot be closed properly. NULL is allowed. */
 weft_status record_vtkhdf_close(record_vtkhdf *self, weft_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  * extent of Steps/Values grows, within one chunk that is there from the start, as VTK
  * needs exactly NSteps times: with more its reader overruns a buffer, with fewer it
  * confuses frames. */
-#ifndef WEFT_RECORD_VTKHDF_FILE_H
-#define WEFT_RECORD_VTKHDF_FILE_H
+#pragma once
 
 #include <hdf5.h>
 
@@ -86,5 +85,3 @@ bool vtkhdf_rows_read(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
 
 /* On rank 0, a sum continued by those of all rows; collective. */
 uint64_t vtkhdf_rows_sum(vtkhdf_rows *self, uint64_t sum);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* yaml_out.h -- writes one mapping as YAML with libyaml's emitter, which quotes as
  * needed. */
-#ifndef WEFT_YAML_OUT_H
-#define WEFT_YAML_OUT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -35,5 +34,3 @@ static inline const char *yaml_bool(bool value)
 {
     return value ? "true" : "false";
 }
-
-#endif

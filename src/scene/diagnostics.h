@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* diagnostics.h -- the mistakes and warnings of a scene, in the order of their places.
  */
-#ifndef WEFT_SCENE_DIAGNOSTICS_H
-#define WEFT_SCENE_DIAGNOSTICS_H
+#pragma once
 
 #include "base/memory.h"
 #include "scene/source.h"
@@ -60,5 +59,3 @@ bool weft__mark_before(weft__mark a, weft__mark b);
 /* Fill in the places and source lines of the items. WEFT_BAD_SCENE and the first
  * mistake in *err if there is one. */
 weft_status weft__report_end(weft__report *report, weft_error *err);
-
-#endif

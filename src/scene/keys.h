@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* keys.h -- the table of all keys: what the parser accepts, what scene-help prints. */
-#ifndef WEFT_SCENE_KEYS_H
-#define WEFT_SCENE_KEYS_H
+#pragma once
 
 #include "base/faults.h"
 #include "scene/diagnostics.h"
@@ -122,5 +121,3 @@ const char *weft__unknown_hint(const weft__section *root, const weft__section *s
 
 /* "stiffness, damping" */
 const char *weft__key_names(const weft__section *section, char *out, size_t size);
-
-#endif

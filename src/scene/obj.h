@@ -2,8 +2,7 @@
 /* obj.h -- triangles of cloth from an OBJ file: v where a vertex starts, vt where it
  * lies in the rest shape. Text -> faces (obj_parse.c) -> a definition (obj.c). Mistakes
  * are reported at their line, all of them. Numbers are read in the "C" locale. */
-#ifndef WEFT_SCENE_OBJ_H
-#define WEFT_SCENE_OBJ_H
+#pragma once
 
 #include "mesh/triangles.h"
 #include "scene/diagnostics.h"
@@ -99,5 +98,3 @@ void weft__obj_close(weft__obj *obj, const weft_allocator *memory);
 
 /* obj_parse.c: the text to vertices, places, faces and points. */
 bool weft__obj_parse(weft__obj *obj);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* read.h -- a tree read by the table of keys into a scene. */
-#ifndef WEFT_SCENE_READ_H
-#define WEFT_SCENE_READ_H
+#pragma once
 
 #include "scene/keys.h"
 #include "scene/obj.h"
@@ -318,5 +317,3 @@ void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
 bool weft__is_plugin_id(const char *id);
 weft__check_fn weft__check_controller, weft__check_solver, weft__check_stepper,
     weft__check_record;
-
-#endif

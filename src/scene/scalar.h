@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scalar.h -- the types of plain values, close to the core schema of YAML 1.2. */
-#ifndef WEFT_SCENE_SCALAR_H
-#define WEFT_SCENE_SCALAR_H
+#pragma once
 
 #include "scene/tree.h"
 
@@ -37,5 +36,3 @@ const char *weft__show(const weft__node *node, char *out, size_t size);
  * there is no guess. It names the unit (NULL: none) if the text seems to have one. */
 const char *weft__hint(const weft__node *node, bool number, const char *unit, char *out,
                        size_t size);
-
-#endif

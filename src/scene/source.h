@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* source.h -- the texts a scene comes from: its file, and one for each override. */
-#ifndef WEFT_SCENE_SOURCE_H
-#define WEFT_SCENE_SOURCE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -35,5 +34,3 @@ size_t weft__char_length(const char *text, size_t left);
 /* Makes a text fit for one line of a message: control characters become '?', and a
  * character that was cut at the end goes. */
 void weft__one_line(char *text);
-
-#endif

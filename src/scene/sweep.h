@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sweep.h -- `sweep`: one scene file that stands for many runs. */
-#ifndef WEFT_SCENE_SWEEP_H
-#define WEFT_SCENE_SWEEP_H
+#pragma once
 
 #include "scene/tree.h"
 
@@ -32,5 +31,3 @@ size_t weft__sweep_choice(const weft__sweep *sweep, size_t axis, size_t run);
 
 /* Puts the values of one run, from 1, into its tree. */
 void weft__sweep_apply(weft__tree *to, const weft__sweep *sweep, size_t run);
-
-#endif

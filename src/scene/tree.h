@@ -5,8 +5,7 @@
  * is one pointer more, and a change copies the mappings and lists from the root to the
  * place of the change. A tree owns the nodes made for it; a tree made by changes to
  * another one shares the rest of that one's nodes. */
-#ifndef WEFT_SCENE_TREE_H
-#define WEFT_SCENE_TREE_H
+#pragma once
 
 #include <yaml.h>
 
@@ -103,5 +102,3 @@ char *weft__name_of_file(weft__tree *tree, const char *file);
 /* The text of the tree with a line `name: ...` before its first key. NULL: it has no
  * place for one, or no memory. */
 char *weft__name_insert(weft__tree *tree, const char *text, const char *name);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch.h -- many runs, each in its own process and directory. These directories are
  * all that a batch knows of earlier ones. */
-#ifndef WEFT_CLI_BATCH_BATCH_H
-#define WEFT_CLI_BATCH_BATCH_H
+#pragma once
 
 #include "cli/cli.h"
 #include "record/child_process.h"
@@ -75,5 +74,3 @@ int batch_pool_run(batch *self, batch_run **runs, size_t count);
 
 /* Writes summary.csv, one row per run. */
 weft_status batch_summary(const batch *self, weft_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.h -- the parts of weft check's report, each for people and for machines. */
-#ifndef WEFT_CLI_CHECK_CHECK_H
-#define WEFT_CLI_CHECK_CHECK_H
+#pragma once
 
 #include "cli/survey/survey.h"
 #include "record/yaml_out.h"
@@ -19,5 +18,3 @@ void fabric_yaml(yaml_out *out, const weft_scene *scene);
 /* stable_steps.c: a survey, with the cheapest methods or all, and advice. */
 void stability_print(const weft_scene *scene, const survey *of, bool all);
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of);
-
-#endif

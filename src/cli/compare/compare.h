@@ -11,8 +11,7 @@
  *
  * Methods are ranked by time: what an implicit method does besides evaluations has no
  * other measure. */
-#ifndef WEFT_CLI_COMPARE_COMPARE_H
-#define WEFT_CLI_COMPARE_COMPARE_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -166,5 +165,3 @@ void compare_print(const compare *self, const compare_advice *advice);
 weft_status compare_csv(const compare *self, const char *directory, weft_error *err);
 weft_status compare_html(const compare *self, const compare_advice *advice,
                          const char *directory, weft_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* converge.h -- weft converge: a scene on ever finer grids, and the order at which its
  * results converge. */
-#ifndef WEFT_CLI_CONVERGE_CONVERGE_H
-#define WEFT_CLI_CONVERGE_CONVERGE_H
+#pragma once
 
 #include "cli/cli.h"
 #include "cli/run/progress.h"
@@ -104,5 +103,3 @@ int converge_open_mesh(converge *self, converge_size *to);
 
 /* converge_write.c: the results to stdout. */
 void converge_print(const converge *self, bool csv);
-
-#endif

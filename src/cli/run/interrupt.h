@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* interrupt.h -- SIGINT and SIGTERM end a run: before the next evaluation of the
  * forces, or, if the solver does not reach it, by a thread that watches. */
-#ifndef WEFT_CLI_RUN_INTERRUPT_H
-#define WEFT_CLI_RUN_INTERRUPT_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -47,5 +46,3 @@ typedef struct interrupt_watch {
 
 void interrupt_begin(interrupt_watch *self, void (*give_up)(void *ctx), void *ctx);
 void interrupt_end(interrupt_watch *self);
-
-#endif

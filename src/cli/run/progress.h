@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* progress.h -- the progress of a run: for people to stderr, for machines to stdout. */
-#ifndef WEFT_CLI_RUN_PROGRESS_H
-#define WEFT_CLI_RUN_PROGRESS_H
+#pragma once
 
 #include "cli/cli.h"
 
@@ -26,5 +25,3 @@ void progress_show(progress *show, size_t frame);
 void progress_count(progress *show, const char *what, size_t done, size_t all);
 /* Wipes the line off the terminal: before anything else is printed, and at the end. */
 void progress_clear(progress *show);
-
-#endif

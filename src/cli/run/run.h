@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* run.h -- a scene run into a directory, by weft run and weft resume. */
-#ifndef WEFT_CLI_RUN_RUN_H
-#define WEFT_CLI_RUN_RUN_H
+#pragma once
 
 #include <sys/stat.h>
 
@@ -92,5 +91,3 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
  * claimed. Returns the exit code. */
 int resume_scene(const arguments *given, const char *directory,
                  const weft_scene *scene);
-
-#endif

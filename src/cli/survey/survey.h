@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* survey.h -- what methods cost on a cloth: their stable steps, and whether a
  * stabilised or an implicit one will pay. For weft check, run and compare. */
-#ifndef WEFT_CLI_SURVEY_SURVEY_H
-#define WEFT_CLI_SURVEY_SURVEY_H
+#pragma once
 
 #include <math.h>
 
@@ -124,5 +123,3 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth);
 
 /* "stiffest mode: omega 5657 1/s, damping ratio zeta 1.4: over-damped; ..." */
 void stiff_say(const stiff_gains *gains, sentence *out);
-
-#endif

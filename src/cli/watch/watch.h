@@ -2,8 +2,7 @@
 /* watch.h -- a run in the browser while it is under way: a server on 127.0.0.1 that
  * ends with the run. It reads the run's files, in a process that the run never waits
  * for. */
-#ifndef WEFT_CLI_WATCH_WATCH_H
-#define WEFT_CLI_WATCH_WATCH_H
+#pragma once
 
 #include "cli/cli.h"
 #include "record/child_process.h"
@@ -37,5 +36,3 @@ typedef struct watch_process {
 void watch_begin(watch_process *self, const watch_def *def, int lock);
 /* After result.yaml: waits until the browsers have the end, at most half a minute. */
 void watch_end(watch_process *self);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* export.h -- frames as files that other programs read. Layouts are in docs/output.md.
  */
-#ifndef WEFT_RECORD_EXPORT_EXPORT_H
-#define WEFT_RECORD_EXPORT_EXPORT_H
+#pragma once
 
 #include "record/frames.h"
 
@@ -65,5 +64,3 @@ enum { RECORD_SHAPE_ROWS = 25, RECORD_SHAPE_COLS = 49 };
  * seam; of a plane a square near the cloth. Its points are in position[3 ROWS COLS]. */
 record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, double t,
                                     double *position);
-
-#endif
