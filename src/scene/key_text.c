@@ -50,36 +50,13 @@ const char *weft__unit_text(const weft__key *key, char *out, size_t size)
 const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                          size_t size)
 {
-    static const char *const texts[WEFT__KINDS] = {
-        [WEFT__MAPPING] = "a mapping",
-        [WEFT__NUMBER] = "a number",
-        [WEFT__INTEGER] = "an integer",
-        [WEFT__VECTOR] = "a vector [x, y, z]",
-        [WEFT__TEXT] = "text",
-        [WEFT__BOOLEAN] = "true or false",
-        [WEFT__NAMES] = "a list of ",
-        [WEFT__PAIR] = "a number",
-        [WEFT__WARP_WEFT] = "a number",
-        [WEFT__CONDITION]
-        = "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'",
-        [WEFT__REST] = "true, false or a number > 0",
-        [WEFT__PRESET] = "a name that 'weft fabrics' lists",
-        [WEFT__ATOL] = "a number",
-        [WEFT__INDEX] = "an index, [first, last] or all",
-        [WEFT__PLACE] = "a corner, an edge, [row, column] or {rows, cols}",
-        [WEFT__VERTEX_LIST] = "a list of numbers of vertices",
-        [WEFT__GROUP] = "the name of a group",
-        [WEFT__NEAREST] = "a point [x, y, z]",
-        [WEFT__INSIDE] = "a mapping",
-        [WEFT__FABRICS] = "a mapping of up to 64 names to mappings as fabric",
-        [WEFT__PATH] = "a list of points [u, v], or {disc: radius}",
-        [WEFT__PATHS] = "a list, each item points [[u, v], ...] or {disc: radius}",
-        [WEFT__ITEMS] = "a list of ",
-        [WEFT__ROW] = "a list of numbers",
-        [WEFT__ROWS] = "a list of rows",
-        [WEFT__FRACTION] = "a number or a fraction as 19/32",
-        [WEFT__SWEEP] = "a mapping {key.path: [values]}",
-    };
+    static const char *const texts[WEFT__KINDS]
+        = { [WEFT__FRACTION] = "a number or a fraction as 19/32",
+            [WEFT__SWEEP] = "a mapping {key.path: [values]}",
+#define TEXT(kind, reader, text) [WEFT__##kind] = (text),
+            WEFT__KIND_LIST(TEXT)
+#undef TEXT
+          };
     const char *more = key->kind == WEFT__PAIR || key->kind == WEFT__WARP_WEFT
                            ? " or a pair of them"
                        : key->kind == WEFT__ATOL ? " or a mapping"

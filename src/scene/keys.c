@@ -24,7 +24,15 @@
         sizeof *((type *)0)->field, offsetof(type, number) - offsetof(type, field),    \
             read_one                                                                   \
     }
-#define SECTION(keys_) .keys = (keys_), .count = COUNT(keys_)
+#define KEYS(of) .keys = of##_keys, .count = COUNT(of##_keys)
+/* A section of one key, with rules between its keys or without. */
+#define WITH(...)                                                                      \
+    .section = &(const weft__section)                                                  \
+    {                                                                                  \
+        __VA_ARGS__                                                                    \
+    }
+#define SECTION(of) WITH(KEYS(of))
+#define CHECKED(of) WITH(KEYS(of), .check = weft__check_##of)
 
 /* ---- cloth --------------------------------------------------------------------- */
 
@@ -48,9 +56,6 @@ static const weft__key grid_keys[] = {
                  "lengths do not change" },
 };
 
-static const weft__section grid_section
-    = { SECTION(grid_keys), .check = weft__check_grid };
-
 static const weft__key place_keys[] = {
     { "rows", WEFT__INDEX, .absent = "rows or row", AT(weft__place, rows),
       .meaning = "row 0 is the top; negative counts from the end" },
@@ -66,7 +71,7 @@ static const weft__section pin_section;
 
 static const weft__section place_section
     = { .title = "a place",
-        SECTION(place_keys),
+        KEYS(place),
         .check = weft__check_place,
         .beside = &pin_section,
         .beside_hint = "needs 'at' beside it, as in {at: {rows: ..., cols: ...}, "
@@ -93,7 +98,7 @@ static const weft__key load_keys[] = {
 
 static const weft__section load_section
     = { .title = "a load",
-        SECTION(load_keys),
+        KEYS(load),
         .check = weft__check_load,
         .beside = &place_section,
         .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
@@ -122,7 +127,7 @@ static const weft__key pin_keys[] = {
 
 static const weft__section pin_section
     = { .title = "a pin",
-        SECTION(pin_keys),
+        KEYS(pin),
         .check = weft__check_pin,
         .beside = &place_section,
         .beside_hint = "cannot stand beside 'at': put it inside, as in {at: {rows: "
@@ -163,11 +168,6 @@ static const weft__key bend_keys[] = {
                  "stiffness is multiplied" },
 };
 
-static const weft__section stretch_section = { SECTION(stretch_keys) };
-static const weft__section shear_section = { SECTION(shear_keys) };
-static const weft__section bend_section
-    = { SECTION(bend_keys), .check = weft__check_bend };
-
 /* The names of an enum are in its order. */
 _Static_assert(sizeof(weft_law) == sizeof(unsigned)
                    && sizeof(weft_limit_method) == sizeof(unsigned)
@@ -182,25 +182,22 @@ _Static_assert(sizeof(weft_law) == sizeof(unsigned)
 static const char *const law_names[] = { "hooke", "strain", NULL };
 static const char *const rim_names[] = { "full", "half", NULL };
 
-static const weft__key spring_keys[] = {
+static const weft__key springs_keys[] = {
     { "law", WEFT__CHOICE, .names = law_names, AT(weft_cloth_def, law),
       .fallback = "hooke",
       .meaning
       = "hooke: k (L - s), stiffness [N/m]; strain: k (L / s - 1), stiffness [N]" },
-    { "stretch", WEFT__MAPPING, .section = &stretch_section, .absent = "none",
+    { "stretch", WEFT__MAPPING, SECTION(stretch), .absent = "none",
       OF_FAMILY(WEFT_STRETCH), .meaning = "springs to the next column and row" },
-    { "shear", WEFT__MAPPING, .section = &shear_section, .absent = "none",
-      OF_FAMILY(WEFT_SHEAR), .meaning = "springs across both diagonals of a cell" },
-    { "bend", WEFT__MAPPING, .section = &bend_section, .absent = "none",
+    { "shear", WEFT__MAPPING, SECTION(shear), .absent = "none", OF_FAMILY(WEFT_SHEAR),
+      .meaning = "springs across both diagonals of a cell" },
+    { "bend", WEFT__MAPPING, CHECKED(bend), .absent = "none",
       .meaning = "springs to the next but one column and row, or bending rigidity" },
     { "rim", WEFT__EITHER, .names = rim_names, .fallback = "full",
       AT(weft_cloth_def, rim_half),
       .meaning = "half: stretch springs, and bend springs of stiffness, that lie along "
                  "the rim carry half their values" },
 };
-
-static const weft__section spring_section
-    = { SECTION(spring_keys), .check = weft__check_springs };
 
 /* The preset comes first: the other keys replace its values. */
 static const weft__key fabric_keys[] = {
@@ -227,7 +224,7 @@ static const weft__key fabric_keys[] = {
 };
 
 static const weft__section fabric_section
-    = { SECTION(fabric_keys), .check = weft__check_fabric };
+    = { KEYS(fabric), .check = weft__check_fabric };
 
 static const weft__key turn_keys[] = {
     { "axis", WEFT__VECTOR, .fallback = "[0, 1, 0]", AT(weft__turn, axis),
@@ -235,9 +232,6 @@ static const weft__key turn_keys[] = {
     { "angle", WEFT__NUMBER, .fallback = "0", .unit = "degrees", AT(weft__turn, angle),
       .meaning = "counterclockwise, seen from the end of the axis" },
 };
-
-static const weft__section turn_section
-    = { SECTION(turn_keys), .check = weft__check_turn };
 
 static const weft__key mesh_keys[] = {
     { "file", WEFT__TEXT, .required = true, AT(weft__mesh_file, file),
@@ -248,12 +242,9 @@ static const weft__key mesh_keys[] = {
       AT(weft__mesh_file, unit), .meaning = "one unit of the file, of v and vt" },
     { "at", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]", AT(weft__mesh_file, at),
       .meaning = "added to the start positions after the turn" },
-    { "turn", WEFT__MAPPING, .section = &turn_section, .absent = "none",
-      AT(weft__mesh_file, turn), .meaning = "of the start positions" },
+    { "turn", WEFT__MAPPING, CHECKED(turn), .absent = "none", AT(weft__mesh_file, turn),
+      .meaning = "of the start positions" },
 };
-
-static const weft__section mesh_section
-    = { SECTION(mesh_keys), .check = weft__check_mesh };
 
 static const weft__key disc_keys[] = {
     { "disc", WEFT__NUMBER, .required = true, RANGE(.strict = true), .unit = "m",
@@ -262,7 +253,7 @@ static const weft__key disc_keys[] = {
       .meaning = "centre [u, v]" },
 };
 
-static const weft__section disc_section = { SECTION(disc_keys) };
+static const weft__section disc_section = { KEYS(disc) };
 
 static const weft__key cut_keys[] = {
     { "outline", WEFT__PATH, .required = true, .section = &disc_section, .unit = "m",
@@ -290,9 +281,6 @@ static const weft__key cut_keys[] = {
       .meaning = "vertices start at origin + scale * (u * right - v * down)" },
 };
 
-static const weft__section cut_section
-    = { SECTION(cut_keys), .check = weft__check_cut };
-
 /* In the order of weft_seam. */
 static const char *const seam_names[] = { "bend", "hinge", NULL };
 static const char *const membrane_names[] = { "chord", "arc", NULL };
@@ -301,15 +289,14 @@ static const char *const membrane_names[] = { "chord", "arc", NULL };
 
 /* The grid, or the mesh, comes first: the other keys are checked against it. */
 static const weft__key cloth_keys[] = {
-    { "grid", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &grid_section,
+    { "grid", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(grid),
       .meaning
       = "exactly one of grid, mesh and cut is required; particle (row, col) rests "
         "at origin + col * spacing * right + row * "
         "spacing * down" },
-    { "mesh", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &mesh_section,
+    { "mesh", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(mesh),
       IN_SCENE(mesh_file), .meaning = "triangles of any outline, instead of a grid" },
-    { "cut", WEFT__MAPPING, .absent = "grid, mesh or cut", .section = &cut_section,
-      IN_SCENE(cut),
+    { "cut", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(cut), IN_SCENE(cut),
       .meaning = "a flat piece that weft makes a mesh of, instead of its file; groups: "
                  "outline, hole0, ..., line0, ..." },
     { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, mass),
@@ -322,7 +309,7 @@ static const weft__key cloth_keys[] = {
       ITEMS(weft_cloth_def, loads, load_count, weft__read_mapping),
       .section = &load_section, .absent = "none",
       .meaning = "point masses added to particles" },
-    { "springs", WEFT__MAPPING, .section = &spring_section, .absent = "none",
+    { "springs", WEFT__MAPPING, CHECKED(springs), .absent = "none",
       .meaning = "families of springs; a missing family has no springs" },
     { "fabric", WEFT__MAPPING, .section = &fabric_section, .absent = "none",
       IN_SCENE(fabric),
@@ -346,9 +333,6 @@ static const weft__key cloth_keys[] = {
                  "later entry wins" },
 };
 
-static const weft__section cloth_section
-    = { SECTION(cloth_keys), .check = weft__check_cloth };
-
 /* ---- forces -------------------------------------------------------------------- */
 
 static const weft__key wind_keys[] = {
@@ -358,18 +342,14 @@ static const weft__key wind_keys[] = {
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
 };
 
-static const weft__section wind_section = { SECTION(wind_keys) };
-
 static const weft__key force_keys[] = {
     { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(body, gravity),
       .meaning = "acceleration of free fall" },
     { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, drag),
       .meaning = "viscous damping of each particle: F = -damping * v" },
-    { "wind", WEFT__MAPPING, .section = &wind_section, .absent = "no wind",
+    { "wind", WEFT__MAPPING, SECTION(wind), .absent = "no wind",
       .meaning = "moving air" },
 };
-
-static const weft__section force_section = { SECTION(force_keys) };
 
 /* ---- contact ------------------------------------------------------------------- */
 
@@ -419,7 +399,7 @@ static const weft__key shape_keys[] = {
 };
 
 static const weft__section shape_section
-    = { .title = "a shape", SECTION(shape_keys), .check = weft__check_shape };
+    = { .title = "a shape", KEYS(shape), .check = weft__check_shape };
 
 static const weft__key contact_keys[] = {
     { "thickness", WEFT__NUMBER, .fallback = "5.0e-3", NUMBER(contact, thickness),
@@ -452,9 +432,6 @@ static const weft__key contact_keys[] = {
       .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },
 };
 
-static const weft__section contact_section
-    = { SECTION(contact_keys), .check = weft__check_contact };
-
 /* ---- limit --------------------------------------------------------------------- */
 
 /* In the order of weft_family. */
@@ -486,9 +463,6 @@ static const weft__key limit_keys[] = {
       .meaning = "fast: sweeps with momentum; sweep: plain sweeps, as in the paper" },
 };
 
-static const weft__section limit_section
-    = { SECTION(limit_keys), .check = weft__check_limit };
-
 /* ---- stepper ------------------------------------------------------------------- */
 
 static const char *const norm_names[] = { "max", "rms", NULL };
@@ -499,8 +473,6 @@ static const weft__key atol_keys[] = {
     { "velocity", WEFT__NUMBER, .required = true, NUMBER(config, atol_velocity),
       .meaning = "tolerance of velocities" },
 };
-
-static const weft__section atol_section = { SECTION(atol_keys) };
 
 static const weft__key butcher_keys[] = {
     { "A", WEFT__ROWS, .required = true, AT(weft__tableau, a),
@@ -519,9 +491,6 @@ static const weft__key butcher_keys[] = {
       .meaning = "order of the embedded solution; b_embedded and embedded_order go "
                  "together" },
 };
-
-static const weft__section butcher_section
-    = { SECTION(butcher_keys), .check = weft__check_butcher };
 
 static const char *const controller_names[] = {
 #define NAME(label, name, gains) #name,
@@ -557,9 +526,6 @@ static const weft__key controller_keys[] = {
       .meaning = "factor of h after repeated rejections" },
 };
 
-static const weft__section controller_section
-    = { SECTION(controller_keys), .check = weft__check_controller };
-
 /* In the order of weft_preconditioner; of weft_jacobian from its second on. */
 static const char *const preconditioner_names[]
     = { "auto", "jacobi", "multigrid", NULL };
@@ -584,9 +550,6 @@ static const weft__key solver_keys[] = {
                  "step sizes up to order 2 only" },
 };
 
-static const weft__section solver_section
-    = { SECTION(solver_keys), .check = weft__check_solver };
-
 static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
       .meaning = "gsl, arkode, verlet, stiff, cvode or any installed stepper plugin" },
@@ -596,7 +559,7 @@ static const weft__key stepper_keys[] = {
     { "rtol", WEFT__NUMBER, .fallback = "1.0e-6", AT(weft_scene, config),
       NUMBER(config, rtol), .meaning = "relative tolerance" },
     { "atol", WEFT__ATOL, NUMBER(config, atol_position), .unit = "m, m/s",
-      .section = &atol_section, .fallback = "1.0e-6",
+      SECTION(atol), .fallback = "1.0e-6",
       .meaning = "absolute tolerance: a number for all, or {position, velocity}" },
     { "norm", WEFT__CHOICE, .names = norm_names, AT(weft_scene, config.norm),
       .fallback = "max", .meaning = "error norm over all components" },
@@ -616,23 +579,20 @@ static const weft__key stepper_keys[] = {
     { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_scene, large_matrices),
       .meaning = "permits more than 1 GB for matrices of methods for small cloths" },
-    { "controller", WEFT__MAPPING, .section = &controller_section,
-      .absent = "the plugin's", AT(weft_scene, control),
+    { "controller", WEFT__MAPPING, CHECKED(controller), .absent = "the plugin's",
+      AT(weft_scene, control),
       .meaning = "step size control, for the methods of plugin arkode with an error "
                  "estimate" },
-    { "solver", WEFT__MAPPING, .section = &solver_section, .absent = "the method's",
+    { "solver", WEFT__MAPPING, CHECKED(solver), .absent = "the method's",
       AT(weft_scene, solver),
       .meaning
       = "linear systems of the implicit methods of plugins stiff, cvode and arkode; "
         "a key that the method does not use is a mistake" },
-    { "butcher", WEFT__MAPPING, .section = &butcher_section, .absent = "none",
+    { "butcher", WEFT__MAPPING, CHECKED(butcher), .absent = "none",
       AT(weft_scene, tableau),
       .meaning = "an explicit Runge-Kutta table, for method custom of plugin "
                  "arkode; values are numbers or fractions such as 19/32" },
 };
-
-static const weft__section stepper_section
-    = { SECTION(stepper_keys), .check = weft__check_stepper };
 
 /* ---- record -------------------------------------------------------------------- */
 
@@ -659,9 +619,6 @@ static const weft__key record_keys[] = {
       .meaning = "write the state at the end to final.csv: some 130 bytes per "
                  "particle" },
 };
-
-static const weft__section record_section
-    = { SECTION(record_keys), .check = weft__check_record };
 
 /* ---- the rest ------------------------------------------------------------------ */
 
@@ -693,10 +650,7 @@ static const weft__key run_keys[] = {
                  "--until" },
 };
 
-static const weft__section run_section
-    = { SECTION(run_keys), .check = weft__check_run };
-
-static const weft__key stop_keys[] = {
+static const weft__key condition_keys[] = {
     { "when", WEFT__CONDITION, .absent = "at_rest", AT(weft_stop_def, quantity),
       .meaning = "ends the run, at that moment: a column of series.csv that comes to "
                  "the number [m, J]" },
@@ -708,33 +662,28 @@ static const weft__key stop_keys[] = {
       .meaning = "the condition must have held for so long" },
 };
 
-static const weft__section stop_section
-    = { SECTION(stop_keys), .check = weft__check_condition };
-
 /* The stepper comes before run and record, which are checked against it. */
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },
-    { "cloth", WEFT__MAPPING, .required = true, .section = &cloth_section,
-      AT(weft_scene, cloth),
+    { "cloth", WEFT__MAPPING, .required = true, CHECKED(cloth), AT(weft_scene, cloth),
       .meaning = "the model: grid or mesh, masses, springs, pins" },
-    { "forces", WEFT__MAPPING, .section = &force_section, .absent = "gravity",
+    { "forces", WEFT__MAPPING, SECTION(force), .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
-    { "contact", WEFT__MAPPING, .section = &contact_section, .absent = "none",
+    { "contact", WEFT__MAPPING, CHECKED(contact), .absent = "none",
       AT(weft_scene, cloth.contact),
       .meaning = "rigid shapes that the cloth touches, and the cloth itself" },
-    { "limit", WEFT__MAPPING, .section = &limit_section, .absent = "none",
-      AT(weft_scene, limit),
+    { "limit", WEFT__MAPPING, CHECKED(limit), .absent = "none", AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },
-    { "stepper", WEFT__MAPPING, .required = true, .section = &stepper_section,
+    { "stepper", WEFT__MAPPING, .required = true, CHECKED(stepper),
       .meaning = "the solver that integrates the cloth" },
-    { "run", WEFT__MAPPING, .required = true, .section = &run_section,
-      AT(weft_scene, run), .meaning = "duration and frames" },
-    { "stop", WEFT__MAPPING, .section = &stop_section, .absent = "at run.duration",
+    { "run", WEFT__MAPPING, .required = true, CHECKED(run), AT(weft_scene, run),
+      .meaning = "duration and frames" },
+    { "stop", WEFT__MAPPING, CHECKED(condition), .absent = "at run.duration",
       AT(weft_scene, run.stop), .meaning = "an earlier end of the run" },
-    { "record", WEFT__MAPPING, .section = &record_section, .absent = "defaults",
+    { "record", WEFT__MAPPING, CHECKED(record), .absent = "defaults",
       AT(weft_scene, record), .meaning = "output of a run" },
     { "sweep", WEFT__SWEEP, .absent = "one run",
       .meaning = "weft batch runs every combination of the values, or, with zip: "
@@ -742,34 +691,7 @@ static const weft__key root_keys[] = {
 };
 
 const weft__section weft__root
-    = { .title = "the scene", SECTION(root_keys), .check = weft__check_root };
+    = { .title = "the scene", KEYS(root), .check = weft__check_root };
 
-weft__read_fn *const weft__readers[WEFT__KINDS] = {
-    [WEFT__MAPPING] = weft__read_mapping,
-    [WEFT__NUMBER] = weft__read_real,
-    [WEFT__INTEGER] = weft__read_integer,
-    [WEFT__VECTOR] = weft__read_vector,
-    [WEFT__TEXT] = weft__read_text,
-    [WEFT__CHOICE] = weft__read_choice,
-    [WEFT__EITHER] = weft__read_choice,
-    [WEFT__NAMES] = weft__read_names,
-    [WEFT__PAIR] = weft__read_vector,
-    [WEFT__ATOL] = weft__read_atol,
-    [WEFT__WARP_WEFT] = weft__read_warp_weft,
-    [WEFT__PRESET] = weft__read_preset,
-    [WEFT__INDEX] = weft__read_index,
-    [WEFT__PLACE] = weft__read_place,
-    [WEFT__VERTEX_LIST] = weft__read_vertices,
-    [WEFT__GROUP] = weft__read_group,
-    [WEFT__NEAREST] = weft__read_near,
-    [WEFT__INSIDE] = weft__read_inside,
-    [WEFT__FABRICS] = weft__read_fabrics,
-    [WEFT__PATH] = weft__read_paths,
-    [WEFT__PATHS] = weft__read_paths,
-    [WEFT__ROW] = weft__read_row,
-    [WEFT__ROWS] = weft__read_rows,
-    [WEFT__BOOLEAN] = weft__read_boolean,
-    [WEFT__ITEMS] = weft__read_items,
-    [WEFT__CONDITION] = weft__read_condition,
-    [WEFT__REST] = weft__read_rest,
-};
+#define READER(kind, reader, text) [WEFT__##kind] = weft__read_##reader,
+weft__read_fn *const weft__readers[WEFT__KINDS] = { WEFT__KIND_LIST(READER) };

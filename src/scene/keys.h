@@ -5,36 +5,44 @@
 #include "base/faults.h"
 #include "scene/diagnostics.h"
 
+/* X(kind, reader, type): the kinds of values, the function weft__read_... that reads
+ * one to what the comment says, and the type as messages call it. */
+#define WEFT__KIND_LIST(X)                                                             \
+    X(MAPPING, mapping, "a mapping")        /* a section */                            \
+    X(NUMBER, real, "a number")             /* double */                               \
+    X(INTEGER, integer, "an integer")       /* of the type of its number */            \
+    X(VECTOR, vector, "a vector [x, y, z]") /* double[3] */                            \
+    X(TEXT, text, "text")                   /* char *, of the tree */                  \
+    X(BOOLEAN, boolean, "true or false")    /* bool */                                 \
+    X(CHOICE, choice, "")                   /* enum: one of names, from `first` on */  \
+    X(EITHER, choice, "")                   /* bool: whether the second of names */    \
+    X(NAMES, names, "a list of ")           /* bool of each of names */                \
+    X(PAIR, vector, "a number")             /* double[2] */                            \
+    X(WARP_WEFT, warp_weft, "a number")     /* of two weft_spring_def */               \
+    X(CONDITION, condition,                                                            \
+      "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'")               \
+    X(REST, rest, "true, false or a number > 0")          /* weft_stop_def */          \
+    X(PRESET, preset, "a name that 'weft fabrics' lists") /* weft_fabric */            \
+    X(ATOL, atol, "a number")                             /* two doubles */            \
+    X(INDEX, index, "an index, [first, last] or all")     /* weft_range */             \
+    X(PLACE, place, "a corner, an edge, [row, column] or {rows, cols}")                \
+    X(VERTEX_LIST, vertices, "a list of numbers of vertices") /* weft__vertices */     \
+    X(GROUP, group, "the name of a group")                    /* the same */           \
+    X(NEAREST, near, "a point [x, y, z]")                     /* the same */           \
+    X(INSIDE, inside, "a mapping")                            /* the same */           \
+    X(FABRICS, fabrics, "a mapping of up to 64 names to mappings as fabric")           \
+    X(PATH, paths, "a list of points [u, v], or {disc: radius}")                       \
+    X(PATHS, paths, "a list, each item points [[u, v], ...] or {disc: radius}")        \
+    X(ITEMS, items, "a list of ")    /* an array of the cloth's definition */          \
+    X(ROW, row, "a list of numbers") /* weft__list: of a Butcher table */              \
+    X(ROWS, rows, "a list of rows")  /* weft__list: its matrix */
+
 typedef enum weft__kind {
-    WEFT__MAPPING,   /* a section */
-    WEFT__NUMBER,    /* double */
-    WEFT__INTEGER,   /* of the type of its number */
-    WEFT__VECTOR,    /* double[3] */
-    WEFT__TEXT,      /* char *, of the tree */
-    WEFT__BOOLEAN,   /* bool */
-    WEFT__CHOICE,    /* enum: one of names, the first stands for `first` */
-    WEFT__EITHER,    /* bool: one of two names, true the second */
-    WEFT__NAMES,     /* bool of each of names: a list of them */
-    WEFT__PAIR,      /* double[2] from a number or a pair */
-    WEFT__WARP_WEFT, /* the same: a number of a weft_spring_def, and that of the weft */
-    WEFT__CONDITION, /* weft_stop_def: "kinetic < 1e-6" */
-    WEFT__REST,      /* weft_stop_def: true, or a number */
-    WEFT__PRESET,    /* weft_fabric from the name of a preset */
-    WEFT__ATOL,      /* two doubles from a number or a mapping */
-    WEFT__INDEX,     /* weft_range of the rows or columns of a place */
-    WEFT__PLACE,     /* weft__place */
-    WEFT__VERTEX_LIST, /* weft__vertices: a list of numbers */
-    WEFT__GROUP,       /* the same: a name in the file of the mesh */
-    WEFT__NEAREST,     /* the same: a point */
-    WEFT__INSIDE,      /* the same: a shape */
-    WEFT__FABRICS,     /* weft__fabrics: mappings by name */
-    WEFT__PATH,        /* weft__cut_paths of one: points, or a disc */
-    WEFT__PATHS,       /* weft__cut_paths: a list of them */
-    WEFT__ITEMS,       /* an array of the cloth's definition: a list of mappings */
-    WEFT__ROW,         /* weft__list: numbers of a Butcher table */
-    WEFT__ROWS,        /* weft__list: its matrix */
-    WEFT__FRACTION,    /* a number of either, in messages */
-    WEFT__SWEEP,       /* taken out of the tree before it is read */
+#define WEFT__KIND(kind, reader, text) WEFT__##kind,
+    WEFT__KIND_LIST(WEFT__KIND)
+#undef WEFT__KIND
+        WEFT__FRACTION, /* a number of a row, in messages */
+    WEFT__SWEEP,        /* taken out of the tree before it is read */
     WEFT__KINDS
 } weft__kind;
 

@@ -238,10 +238,10 @@ const weft__node *weft__later(const weft__node *a, const weft__node *b);
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
-/* read.c: plain values. */
-weft__read_fn weft__read_mapping, weft__read_real, weft__read_integer,
-    weft__read_vector, weft__read_warp_weft, weft__read_atol, weft__read_boolean,
-    weft__read_text, weft__read_names, weft__read_choice, weft__read_items;
+/* Of each kind: in read.c, scene_*.c and butcher.c. */
+#define WEFT__READER(kind, reader, text) extern weft__read_fn weft__read_##reader;
+WEFT__KIND_LIST(WEFT__READER)
+#undef WEFT__READER
 
 /* scene_contact.c */
 weft__read_fn weft__read_shape;
@@ -252,22 +252,19 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
 /* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
 void weft__check_stop(weft__reader *reader, const weft__match *match);
-weft__read_fn weft__read_condition, weft__read_rest;
 weft__check_fn weft__check_condition;
 
 /* scene_fabric.c */
-weft__read_fn weft__read_preset;
 weft__check_fn weft__check_bend, weft__check_fabric;
 
 /* Makes the cloth of its fabric, if that is there; reports keys that it excludes. */
 void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
-weft__read_fn weft__read_index, weft__read_place, weft__read_pin;
+weft__read_fn weft__read_pin;
 weft__check_fn weft__check_place, weft__check_pin, weft__check_load;
 
 /* scene_cut.c */
-weft__read_fn weft__read_paths;
 weft__check_fn weft__check_cut;
 
 /* cut_lines.c: the paths of a cut as lines that do not cross, of the tree. false: what
@@ -276,7 +273,6 @@ bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
                         weft__cut_lines *out);
 
 /* scene_mesh.c */
-weft__read_fn weft__read_fabrics;
 weft__check_fn weft__check_mesh, weft__check_turn;
 
 /* A file beside the scene; in the results of a run its copy there. NULL: no memory, or
@@ -288,8 +284,6 @@ void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);
 void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth);
 
 /* scene_vertices.c */
-weft__read_fn weft__read_vertices, weft__read_group, weft__read_near, weft__read_inside;
-
 /* Whether a pin or a load says on what it is, in the way of its cloth. */
 void weft__check_vertices(weft__reader *reader, const weft__match *match);
 
@@ -297,7 +291,6 @@ void weft__check_vertices(weft__reader *reader, const weft__match *match);
 void weft__check_bands(weft__reader *reader, const weft__match *root);
 
 /* butcher.c */
-weft__read_fn weft__read_row, weft__read_rows;
 weft__check_fn weft__check_butcher;
 
 /* checks.c */
