@@ -16,9 +16,8 @@ static bool has_stages(weft__reader *reader, const weft__key *key,
     if (count == 0) {
         weft__refuse_value(reader, key, node);
     } else if (count > MAX_STAGES) {
-        weft__report_error(reader->report, node->at,
-                           "%s has %zu stages; the most is %d", key->name, count,
-                           MAX_STAGES);
+        ERROR_AT(reader, node, "%s has %zu stages; the most is %d", key->name, count,
+                 MAX_STAGES);
     }
     return count > 0 && count <= MAX_STAGES;
 }
@@ -60,15 +59,15 @@ static bool read_matrix_row(weft__reader *reader, const weft__key *key,
         return false;
     }
     if (count > side) {
-        weft__report_error(reader->report, row->at,
-                           "%s has %zu values, but A has %zu rows", name, count, side);
+        ERROR_AT(reader, row, "%s has %zu values, but A has %zu rows", name, count,
+                 side);
         return false;
     }
     bool good = weft__read_numbers(reader, key, item, row, values);
     for (size_t j = i; j < count; ++j) {
         if (values[j] != 0.0) {
-            weft__report_error(
-                reader->report, weft__item(row, j)->at,
+            ERROR_AT(
+                reader, weft__item(row, j),
                 "%s[%zu] must be 0: the table is explicit, A strictly lower triangular",
                 item, j);
             good = false;
@@ -100,9 +99,8 @@ static void check_length(weft__reader *reader, const weft__match *match,
 {
     const weft__node *node = weft__value_in(match, name);
     if (list->side > 0 && stages > 0 && list->side != stages) {
-        weft__report_error(reader->report, node->at,
-                           "%s has %zu values, but A has %zu rows", name, list->side,
-                           stages);
+        ERROR_AT(reader, node, "%s has %zu values, but A has %zu rows", name,
+                 list->side, stages);
     }
 }
 

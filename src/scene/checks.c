@@ -12,10 +12,10 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     const weft_scene *scene = base;
     const weft__node *version = weft__value_in(match, "weft");
     if (version != NULL && scene->version > 1) {
-        weft__report_error(reader->report, version->at,
-                           "version %zu of the scene format is not known: this is a "
-                           "reader of version 1",
-                           scene->version);
+        ERROR_AT(reader, version,
+                 "version %zu of the scene format is not known: this is a "
+                 "reader of version 1",
+                 scene->version);
     }
     weft__check_stop(reader, match);
     if (reader->report->found->errors == 0 && reader->def->bands > 1) {
@@ -50,16 +50,15 @@ void weft__check_springs(weft__reader *reader, const weft__match *match, void *b
     };
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
         const char *name = weft_family_name((weft_family)i);
-        const weft__node *key = weft__found_in(match, name)->key;
+        const weft__node *key = weft__key_in(match, name);
         weft_spring_def *springs = &cloth->springs[i], *across = &cloth->across[i];
         springs->present = key != NULL && (i != WEFT_BEND || springs->present);
         across->present = i != WEFT_SHEAR
                           && (across->stiffness != springs->stiffness
                               || across->damping != springs->damping);
         if (springs->present && none[i]) {
-            weft__report_warning(reader->report, key->at,
-                                 "a grid of %zu x %zu has no %s springs", cloth->rows,
-                                 cloth->cols, name);
+            WARNING_AT(reader, key, "a grid of %zu x %zu has no %s springs",
+                       cloth->rows, cloth->cols, name);
         }
     }
 }
@@ -101,7 +100,7 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
                         const weft_cloth_def *cloth)
 {
     weft__check_grid_cloth(reader, match);
-    if (weft__found_in(match, "fabric")->key != NULL) {
+    if (weft__key_in(match, "fabric") != NULL) {
         weft__make_fabric(reader, match);
     } else {
         weft__check_one(reader, match, "mass", "density");
@@ -118,7 +117,7 @@ static void check_kind(weft__reader *reader, const weft__match *match)
     const weft__node *first = NULL;
     bool lacks = true;
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
-        const weft__node *key = weft__found_in(match, kinds[i])->key;
+        const weft__node *key = weft__key_in(match, kinds[i]);
         lacks = lacks && weft__lacks(match, kinds[i]);
         if (key != NULL && first != NULL) {
             weft__report_exclusive(reader->report, first, key);
@@ -126,9 +125,9 @@ static void check_kind(weft__reader *reader, const weft__match *match)
         first = first == NULL ? key : first;
     }
     if (lacks) {
-        weft__report_error(reader->report, match->map->at,
-                           "%s lacks 'grid', 'mesh' or 'cut': exactly one is required",
-                           match->title);
+        ERROR_AT(reader, match->map,
+                 "%s lacks 'grid', 'mesh' or 'cut': exactly one is required",
+                 match->title);
     }
 }
 
@@ -138,13 +137,13 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     check_kind(reader, match);
     if (reader->scene->meshed) {
         weft__check_mesh_cloth(reader, match);
-    } else if (weft__found_in(match, "grid")->key != NULL) {
+    } else if (weft__key_in(match, "grid") != NULL) {
         check_sheet(reader, match, cloth);
     }
     if (reader->report->found->errors == 0 && holds_all(reader->scene)) {
-        weft__report_warning(reader->report, weft__found_in(match, "pins")->key->at,
-                             "all %zu particles are pinned: nothing will move freely",
-                             weft__particles_in(reader->scene));
+        WARNING_AT(reader, weft__key_in(match, "pins"),
+                   "all %zu particles are pinned: nothing will move freely",
+                   weft__particles_in(reader->scene));
     }
 }
 
@@ -156,8 +155,8 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     bool limits = false;
     weft__limit_check(limit, &match->faults);
     if (reader->scene->meshed) {
-        weft__report_error(reader->report, match->map->at,
-                           "a strain limit needs a grid: it corrects springs");
+        ERROR_AT(reader, match->map,
+                 "a strain limit needs a grid: it corrects springs");
         return;
     }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
@@ -165,8 +164,8 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
             = limits || (limit->families[i] && reader->scene->cloth.springs[i].present);
     }
     if (!limits && reader->report->found->errors == 0) {
-        weft__report_warning(
-            reader->report, match->map->at,
+        WARNING_AT(
+            reader, match->map,
             "limit has no effect: cloth has no springs of the families it limits");
     }
 }
@@ -179,17 +178,17 @@ static void check_frame(weft__reader *reader, const weft__match *match,
     const double h = reader->scene->config.fixed_step;
     const bool one = run->duration * run->fps < 1.0;
     const double frame = one ? run->duration : 1.0 / run->fps;
-    const weft__node *at = weft__found_in(match, one ? "duration" : "fps")->key;
+    const weft__node *at = weft__key_in(match, one ? "duration" : "fps");
     char advice[80] = "";
     if (run->duration >= h) {
         (void)snprintf(advice, sizeof advice, "; run.fps=%.7g makes frames of %g s",
                        1.0 / h, h);
     }
     if (h * run->fps > 1.0 + 1e-6) {
-        weft__report_warning(reader->report, (at == NULL ? match->map : at)->at,
-                             "fixed_step %g s is longer than %s (%.4g s): every step "
-                             "will be %.4g s%s",
-                             h, one ? "the run" : "a frame", frame, frame, advice);
+        WARNING_AT(reader, (at == NULL ? match->map : at),
+                   "fixed_step %g s is longer than %s (%.4g s): every step "
+                   "will be %.4g s%s",
+                   h, one ? "the run" : "a frame", frame, frame, advice);
     }
 }
 
@@ -202,10 +201,9 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
     if (run->duration * run->fps > MAX_FRAMES) {
         const weft__node *node = weft__value_in(match, "fps");
         node = node == NULL ? weft__value_in(match, "duration") : node;
-        weft__report_error(
-            reader->report, node->at,
-            "%g s at %g frames per second are %.3g frames; a run has at most %g",
-            run->duration, run->fps, run->duration * run->fps, MAX_FRAMES);
+        ERROR_AT(reader, node,
+                 "%g s at %g frames per second are %.3g frames; a run has at most %g",
+                 run->duration, run->fps, run->duration * run->fps, MAX_FRAMES);
     }
     if (!run->interpolate) {
         check_frame(reader, match, run);

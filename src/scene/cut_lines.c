@@ -327,13 +327,11 @@ static void check_holes(const line_maker *self)
     for (size_t i = 0; i < holes->count; ++i) {
         const weft__cut_path *hole = &holes->list[i];
         if (!is_in(self->cut->outline.list, hole->points[0])) {
-            weft__report_error(self->reader->report, hole->node->at,
-                               "hole %zu lies outside the outline", i);
+            ERROR_AT(self->reader, hole->node, "hole %zu lies outside the outline", i);
         }
         for (size_t k = 0; k < holes->count; ++k) {
             if (k != i && is_in(&holes->list[k], hole->points[0])) {
-                weft__report_error(self->reader->report, hole->node->at,
-                                   "hole %zu lies in hole %zu", i, k);
+                ERROR_AT(self->reader, hole->node, "hole %zu lies in hole %zu", i, k);
             }
         }
     }

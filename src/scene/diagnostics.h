@@ -32,6 +32,12 @@ void weft__report_error(weft__report *report, weft__mark at, const char *format,
 WEFT_PRINTF(3, 4)
 void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
 
+/* The same, to the report of whoever has one, at a node. */
+#define ERROR_AT(owner, node, ...)                                                     \
+    weft__report_error((owner)->report, (node)->at, __VA_ARGS__)
+#define WARNING_AT(owner, node, ...)                                                   \
+    weft__report_warning((owner)->report, (node)->at, __VA_ARGS__)
+
 /* weft__reserve; the report knows then that memory ran out. */
 static inline bool weft__report_reserve(weft__report *report, void *to, size_t *room,
                                         size_t count, size_t size)

@@ -296,9 +296,8 @@ static bool read_all(weft__obj *obj, FILE *stream)
 {
     const long size = fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : -1;
     if (size < 0 || (size_t)size > WEFT__OBJ_BYTES) {
-        weft__report_error(obj->report, obj->at,
-                           "%.200s has %ld bytes; an OBJ file has at most %zu",
-                           obj->path, size, WEFT__OBJ_BYTES);
+        ERROR_AT(obj, obj, "%.200s has %ld bytes; an OBJ file has at most %zu",
+                 obj->path, size, WEFT__OBJ_BYTES);
         return false;
     }
     rewind(stream);
@@ -310,8 +309,7 @@ static bool read_all(weft__obj *obj, FILE *stream)
     obj->length = fread(obj->text, 1, (size_t)size, stream);
     obj->text[obj->length] = '\0';
     if (ferror(stream)) {
-        weft__report_error(obj->report, obj->at, "%.200s: %s", obj->path,
-                           strerror(errno));
+        ERROR_AT(obj, obj, "%.200s: %s", obj->path, strerror(errno));
     }
     return !ferror(stream);
 }
@@ -322,7 +320,7 @@ bool weft__obj_load(weft__obj *obj, const char *path)
     FILE *stream = weft__file_open(path, "r", &err);
     obj->path = path;
     if (stream == NULL) {
-        weft__report_error(obj->report, obj->at, "%s", err.message);
+        ERROR_AT(obj, obj, "%s", err.message);
         return false;
     }
     const bool read = read_all(obj, stream);

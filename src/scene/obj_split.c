@@ -148,10 +148,10 @@ bool weft__obj_refine(weft__obj *obj, size_t by)
     enum { MOST = 1 << 26 }; /* triangles */
     const size_t triangles = obj->def.triangles;
     if (by > 1 && ((by & (by - 1)) != 0 || by > MOST || triangles > MOST / by / by)) {
-        weft__report_error(obj->report, obj->at,
-                           "a mesh of %zu triangles is refined by 2, 4, 8, ... to at "
-                           "most %d, not by %zu",
-                           triangles, MOST, by);
+        ERROR_AT(obj, obj,
+                 "a mesh of %zu triangles is refined by 2, 4, 8, ... to at "
+                 "most %d, not by %zu",
+                 triangles, MOST, by);
         return false;
     }
     obj->coarse = obj->def.vertices;

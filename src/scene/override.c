@@ -129,8 +129,8 @@ static const weft__node *put(const graft *self, const weft__node *there, segment
         = past(&part) == self->end || (entry.value == NULL && self->value == NULL);
     const size_t height = is_last && self->value != NULL ? self->value->height : 0;
     if (depth + height > WEFT__MAX_DEPTH) {
-        weft__report_error(self->tree->report, height > 0 ? self->value->at : node->at,
-                           "nested more than 32 deep");
+        ERROR_AT(self->tree, height > 0 ? self->value : node,
+                 "nested more than 32 deep");
         return node;
     }
     entry.value = is_last ? self->value

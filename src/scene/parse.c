@@ -161,9 +161,8 @@ static bool keep_anchor(tree_builder *self, const yaml_char_t *name,
     char where[64];
     if (first != NULL) {
         self->refused = true;
-        weft__report_error(self->tree->report, node->at,
-                           "duplicate anchor (the first is at %s)",
-                           spot(self, first->at, where, sizeof where));
+        ERROR_AT(self->tree, node, "duplicate anchor (the first is at %s)",
+                 spot(self, first->at, where, sizeof where));
     }
     if (name == NULL || first != NULL) {
         return true;
@@ -193,8 +192,8 @@ static void check_tag(const tree_builder *self, const yaml_char_t *tag,
                && strcmp((const char *)tag, known[i].tag) == 0;
     }
     if (!good) {
-        weft__report_error(self->tree->report, node->at,
-                           "tag '%.60s' means nothing in a scene", (const char *)tag);
+        ERROR_AT(self->tree, node, "tag '%.60s' means nothing in a scene",
+                 (const char *)tag);
     }
 }
 

@@ -33,16 +33,15 @@ void weft__refuse(weft__reader *reader, const weft__node *node, const char *name
 {
     char value[64], hint[128];
     if (node->type == WEFT__SCALAR && weft__is_null(node)) {
-        weft__report_error(reader->report, node->at,
-                           "%s must be %s, but there is no value", name, wanted);
+        ERROR_AT(reader, node, "%s must be %s, but there is no value", name, wanted);
         return;
     }
-    weft__report_error(reader->report, node->at, "%s must be %s, not %s%s", name,
-                       wanted, weft__show(node, value, sizeof value),
-                       node->type == WEFT__SCALAR
-                           ? weft__hint(node, number, unit, hint, sizeof hint)
-                       : has_decimal_comma(node) ? " (write a decimal point)"
-                                                 : "");
+    ERROR_AT(reader, node, "%s must be %s, not %s%s", name, wanted,
+             weft__show(node, value, sizeof value),
+             node->type == WEFT__SCALAR
+                 ? weft__hint(node, number, unit, hint, sizeof hint)
+             : has_decimal_comma(node) ? " (write a decimal point)"
+                                       : "");
 }
 
 void weft__refuse_value(weft__reader *reader, const weft__key *key,
@@ -182,12 +181,11 @@ void weft__read_boolean(weft__reader *reader, const weft__key *key,
         *(bool *)to = found->value;
         return;
     }
-    weft__report_error(reader->report, node->at,
-                       "%s must be true or false, not %s (%s)", key->name,
-                       weft__show(node, value, sizeof value),
-                       quoted && found->good ? "remove the quotes"
-                       : found->value        ? "write true"
-                                             : "write false");
+    ERROR_AT(reader, node, "%s must be true or false, not %s (%s)", key->name,
+             weft__show(node, value, sizeof value),
+             quoted && found->good ? "remove the quotes"
+             : found->value        ? "write true"
+                                   : "write false");
 }
 
 void weft__read_text(weft__reader *reader, const weft__key *key, const weft__node *node,
@@ -219,12 +217,11 @@ bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__nod
     if (guess.name == NULL) {
         weft__refuse_value(reader, key, node);
     } else {
-        weft__report_error(reader->report, node->at, "%s must be %s, not %s%s%s",
-                           key->name,
-                           weft__wanted(key, true, false, wanted, sizeof wanted),
-                           weft__show(node, value, sizeof value),
-                           weft__guess_text(&guess, near, sizeof near),
-                           weft__hint(node, false, NULL, hint, sizeof hint));
+        ERROR_AT(reader, node, "%s must be %s, not %s%s%s", key->name,
+                 weft__wanted(key, true, false, wanted, sizeof wanted),
+                 weft__show(node, value, sizeof value),
+                 weft__guess_text(&guess, near, sizeof near),
+                 weft__hint(node, false, NULL, hint, sizeof hint));
     }
     return false;
 }
@@ -325,6 +322,11 @@ const weft__found *weft__found_in(const weft__match *match, const char *name)
     return &match->found[weft__key_named(match->section, name) - match->section->keys];
 }
 
+const weft__node *weft__key_in(const weft__match *match, const char *name)
+{
+    return weft__found_in(match, name)->key;
+}
+
 const weft__node *weft__value_in(const weft__match *match, const char *name)
 {
     return weft__found_in(match, name)->value;
@@ -339,11 +341,11 @@ bool weft__lacks(const weft__match *match, const char *name)
 static void report_no_key(weft__reader *reader, const weft__match *match,
                           const weft__node *node)
 {
-    weft__report_error(reader->report, node->at, "%s where %s must have a key",
-                       node->type == WEFT__SCALAR ? "nothing"
-                       : node->type == WEFT__MAP  ? "a mapping"
-                                                  : "a list",
-                       match->title);
+    ERROR_AT(reader, node, "%s where %s must have a key",
+             node->type == WEFT__SCALAR ? "nothing"
+             : node->type == WEFT__MAP  ? "a mapping"
+                                        : "a list",
+             match->title);
 }
 
 static void report_merge(weft__reader *reader, weft__match *match,
@@ -352,10 +354,9 @@ static void report_merge(weft__reader *reader, weft__match *match,
     for (size_t i = 0; i < match->section->count; ++i) {
         match->found[i].explained = true;
     }
-    weft__report_error(
-        reader->report, node->at,
-        "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
-        match->title);
+    ERROR_AT(reader, node,
+             "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
+             match->title);
 }
 
 /* The key that was probably meant is not reported as missing. */
@@ -370,8 +371,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
     (void)weft__show(node, shown, sizeof shown);
     if (other != NULL && strcmp(name, "at") != 0) {
         meant = "at";
-        weft__report_error(reader->report, node->at, "%s %s", shown,
-                           section->beside_hint);
+        ERROR_AT(reader, node, "%s %s", shown, section->beside_hint);
     } else {
         if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
             strcpy(hint, " (write a decimal point)"); /* {spacing: 1,0} */
@@ -379,8 +379,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
             meant = weft__unknown_hint(reader->root, section, match->title, name, hint,
                                        sizeof hint);
         }
-        weft__report_error(reader->report, node->at, "unknown key %s in %s%s", shown,
-                           match->title, hint);
+        ERROR_AT(reader, node, "unknown key %s in %s%s", shown, match->title, hint);
     }
     weft__found *found = find(match, meant);
     if (found != NULL) {
@@ -400,10 +399,9 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
     } else if (found == NULL) {
         report_unknown(reader, match, pair.key, pair.value);
     } else if (found->key != NULL) {
-        weft__report_error(
-            reader->report, pair.key->at,
-            "duplicate key '%s' in %s (the first is at %s)", name, match->title,
-            weft__place_text(reader->report, found->key->at, where, sizeof where));
+        ERROR_AT(reader, pair.key, "duplicate key '%s' in %s (the first is at %s)",
+                 name, match->title,
+                 weft__place_text(reader->report, found->key->at, where, sizeof where));
     } else if (pair.value != NULL) {
         found->key = pair.key;
         found->value = pair.value;
@@ -414,9 +412,8 @@ static void report_missing(weft__reader *reader, const weft__match *match,
                            const weft__key *key)
 {
     char unit[32];
-    weft__report_error(reader->report, match->map->at,
-                       "%s lacks the required key '%s'%s: %s", match->title, key->name,
-                       weft__unit_text(key, unit, sizeof unit), key->meaning);
+    ERROR_AT(reader, match->map, "%s lacks the required key '%s'%s: %s", match->title,
+             key->name, weft__unit_text(key, unit, sizeof unit), key->meaning);
 }
 
 /* Whether a key goes with the choice in the section's first key, which was read into
@@ -443,9 +440,9 @@ static void report_foreign(weft__reader *reader, const weft__match *match, size_
         }
     }
     if (names[choice] != NULL && match->found[i].key != NULL) {
-        weft__report_error(reader->report, match->found[i].key->at,
-                           "%s does not belong to a %s (it is a key of %s)", key->name,
-                           names[choice], others);
+        ERROR_AT(reader, match->found[i].key,
+                 "%s does not belong to a %s (it is a key of %s)", key->name,
+                 names[choice], others);
     }
 }
 
@@ -537,15 +534,15 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
 void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
                      const char *b)
 {
-    const weft__node *key_a = weft__found_in(match, a)->key;
-    const weft__node *key_b = weft__found_in(match, b)->key;
+    const weft__node *key_a = weft__key_in(match, a);
+    const weft__node *key_b = weft__key_in(match, b);
     char unit_a[32], unit_b[32];
     if (key_a != NULL && key_b != NULL) {
         weft__report_exclusive(reader->report, key_a, key_b);
     } else if (weft__lacks(match, a) && weft__lacks(match, b)) {
-        weft__report_error(
-            reader->report, match->map->at,
-            "%s lacks '%s'%s or '%s'%s: exactly one is required", match->title, a,
+        ERROR_AT(
+            reader, match->map, "%s lacks '%s'%s or '%s'%s: exactly one is required",
+            match->title, a,
             weft__unit_text(weft__key_named(match->section, a), unit_a, sizeof unit_a),
             b,
             weft__unit_text(weft__key_named(match->section, b), unit_b, sizeof unit_b));
@@ -557,13 +554,12 @@ void weft__check_together(weft__reader *reader, const weft__match *match, const 
 {
     const char *const names[] = { a, b };
     for (size_t i = 0; i < 2; ++i) {
-        const weft__node *key = weft__found_in(match, names[i])->key;
+        const weft__node *key = weft__key_in(match, names[i]);
         const weft__key *other = weft__key_named(match->section, names[1 - i]);
         char unit[32];
         if (key != NULL && weft__lacks(match, other->name)) {
-            weft__report_error(reader->report, key->at, "%s has no effect without %s%s",
-                               names[i], other->name,
-                               weft__unit_text(other, unit, sizeof unit));
+            ERROR_AT(reader, key, "%s has no effect without %s%s", names[i],
+                     other->name, weft__unit_text(other, unit, sizeof unit));
         }
     }
 }

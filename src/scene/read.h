@@ -192,7 +192,8 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
 /* A key by its name, which must be one of the section's. */
 const weft__found *weft__found_in(const weft__match *match, const char *name);
 
-/* The value of a key; NULL: it is absent. */
+/* Its node, and its value; NULL: it is absent. */
+const weft__node *weft__key_in(const weft__match *match, const char *name);
 const weft__node *weft__value_in(const weft__match *match, const char *name);
 
 /* Whether a key is absent and no mistake explains it. */

@@ -111,8 +111,7 @@ static void load_tree(weft__base *base)
         weft__report_error(tree->report, start,
                            "the scene is empty: it begins with 'weft: 1'");
     } else if (tree->root->type != WEFT__MAP) {
-        weft__report_error(tree->report, tree->root->at,
-                           "a scene is a mapping that begins with 'weft: 1'");
+        ERROR_AT(tree, tree->root, "a scene is a mapping that begins with 'weft: 1'");
     } else {
         resolve(base);
     }
@@ -294,55 +293,25 @@ void weft_scene_destroy(weft_scene *scene)
 
 /* ---- queries ---------------------------------------------------------------- */
 
-const char *weft_scene_name(const weft_scene *scene)
-{
-    return scene->name;
-}
-
-const weft_cloth_def *weft_scene_cloth(const weft_scene *scene)
-{
-    return &scene->cloth;
-}
-
-const weft_fabric *weft_scene_fabric(const weft_scene *scene)
-{
-    return scene->fabric.density > 0.0 ? &scene->fabric : NULL;
-}
-
-const weft_limit_def *weft_scene_limit(const weft_scene *scene)
-{
-    return &scene->limit;
-}
-
-const weft_run_def *weft_scene_run(const weft_scene *scene)
-{
-    return &scene->run;
-}
-
-const weft_record_def *weft_scene_record(const weft_scene *scene)
-{
-    return &scene->record;
-}
-
-const char *weft_scene_plugin(const weft_scene *scene)
-{
-    return scene->plugin;
-}
-
-const char *weft_scene_method(const weft_scene *scene)
-{
-    return scene->method;
-}
-
-const weft_stepper_type *weft_scene_method_type(const weft_scene *scene)
-{
-    return scene->type;
-}
-
-const weft_stepper_config *weft_scene_config(const weft_scene *scene)
-{
-    return &scene->config;
-}
+#define QUERY(type, name, value)                                                       \
+    type weft_scene_##name(const weft_scene *scene)                                    \
+    {                                                                                  \
+        return value;                                                                  \
+    }
+QUERY(const char *, name, scene->name)
+QUERY(const weft_cloth_def *, cloth, &scene->cloth)
+QUERY(const weft_fabric *, fabric, scene->fabric.density > 0.0 ? &scene->fabric : NULL)
+QUERY(const weft_limit_def *, limit, &scene->limit)
+QUERY(const weft_run_def *, run, &scene->run)
+QUERY(const weft_record_def *, record, &scene->record)
+QUERY(const char *, plugin, scene->plugin)
+QUERY(const char *, method, scene->method)
+QUERY(const weft_stepper_type *, method_type, scene->type)
+QUERY(const weft_stepper_config *, config, &scene->config)
+QUERY(const char *, mesh_file, scene->mesh_path)
+QUERY(const char *, mesh_text, scene->obj.text)
+QUERY(double, step, scene->step)
+QUERY(const char *, text, scene->text)
 
 void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
                         weft_diagnostic *out)
@@ -350,24 +319,4 @@ void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
     *out = scene->refusal;
     weft__fit(out->message, sizeof out->message,
               snprintf(out->message, sizeof out->message, "%s", why->message));
-}
-
-const char *weft_scene_mesh_file(const weft_scene *scene)
-{
-    return scene->mesh_path;
-}
-
-const char *weft_scene_mesh_text(const weft_scene *scene)
-{
-    return scene->obj.text;
-}
-
-double weft_scene_step(const weft_scene *scene)
-{
-    return scene->step;
-}
-
-const char *weft_scene_text(const weft_scene *scene)
-{
-    return scene->text;
 }

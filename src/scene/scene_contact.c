@@ -53,7 +53,7 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
          ++k) {
         char inside[120];
         if (!weft__start_check(def, k, inside, sizeof inside)) {
-            weft__report_error(reader->report, weft__item(shapes, k)->at, "%s", inside);
+            ERROR_AT(reader, weft__item(shapes, k), "%s", inside);
         }
     }
 }
@@ -74,7 +74,7 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
         cloth->self.law.self = true;
         status = weft__start_crossing_error(cloth, &err);
         if (status == WEFT_INVALID) {
-            weft__report_error(reader->report, self->at, "%s", err.message);
+            ERROR_AT(reader, self, "%s", err.message);
         }
     }
     if (status == WEFT_NO_MEMORY) {
@@ -86,10 +86,10 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_contact_def *contact = base;
-    const weft__node *slip = weft__found_in(match, "slip")->key;
+    const weft__node *slip = weft__key_in(match, "slip");
     if (slip != NULL && !has_friction(contact)) {
-        weft__report_error(reader->report, slip->at,
-                           "slip has no effect without friction: it is 0 everywhere");
+        ERROR_AT(reader, slip,
+                 "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
     if (weft__particles_in(reader->scene) > 0) {
@@ -105,9 +105,9 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     if (contact->self) {
         check_crossings(reader, self);
     } else if (contact->shape_count == 0 && self == NULL) {
-        weft__report_warning(reader->report, match->map->at,
-                             "contact has no effect: it has no shapes, and self is "
-                             "not true");
+        WARNING_AT(reader, match->map,
+                   "contact has no effect: it has no shapes, and self is "
+                   "not true");
     }
 }
 
@@ -235,14 +235,14 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     const double h = scene->config.fixed_step;
     const double most = contact->thickness / (2.0 * contact->stopping_speed);
     if (strcmp(scene->method, "velocity_verlet") == 0 && has_friction(contact)) {
-        weft__report_warning(
-            reader->report, method->at,
+        WARNING_AT(
+            reader, method,
             "velocity_verlet takes friction explicitly, which makes large errors of "
             "the energy: use a Runge-Kutta method");
     }
     if (h > most) {
-        weft__report_warning(
-            reader->report, fixed_step->at,
+        WARNING_AT(
+            reader, fixed_step,
             "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
             "%.3g s: steps that may pass through a surface are taken back and halved",
             h, most);

@@ -91,9 +91,9 @@ static void take_disc(weft__reader *reader, double spacing, weft__cut_path *path
     const double around = 6.283185307179586 * path->radius / spacing;
     const double count = fmax(8.0, rint(around));
     if (!(around >= 0.1 && around < MOST_POINTS)) {
-        weft__report_error(reader->report, path->node->at,
-                           "a disc of %g m is %.3g spacings around, of 0.1 to %d",
-                           path->radius, around, MOST_POINTS);
+        ERROR_AT(reader, path->node,
+                 "a disc of %g m is %.3g spacings around, of 0.1 to %d", path->radius,
+                 around, MOST_POINTS);
         return;
     }
     path->points = weft__tree_take(reader->tree, (size_t)count, sizeof *path->points);
@@ -149,8 +149,8 @@ static bool take_paths(weft__reader *reader, weft__cut *cut)
         }
     }
     if (count > MOST_POINTS) {
-        weft__report_error(reader->report, cut->outline.list[0].node->at,
-                           "a cut has at most %d points, not %zu", MOST_POINTS, count);
+        ERROR_AT(reader, cut->outline.list[0].node,
+                 "a cut has at most %d points, not %zu", MOST_POINTS, count);
     }
     return reader->report->mistakes == before && !reader->report->no_memory;
 }
@@ -175,14 +175,13 @@ static bool check_spacing(weft__reader *reader, const weft__node *at,
     const bool good
         = h <= fmin(u, v) && fmax(u, v) <= MOST_ACROSS * h && vertices <= MOST_VERTICES;
     if (!(h <= fmin(u, v))) {
-        weft__report_error(reader->report, at->at,
-                           "spacing %g m is larger than the piece of %g x %g m", h, u,
-                           v);
+        ERROR_AT(reader, at, "spacing %g m is larger than the piece of %g x %g m", h, u,
+                 v);
     } else if (!good) {
-        weft__report_error(reader->report, at->at,
-                           "spacing %g m makes some %.3g vertices of the piece of %g x "
-                           "%g m; a cut has at most %g, and %g spacings across",
-                           h, fmax(vertices, 1.0), u, v, MOST_VERTICES, MOST_ACROSS);
+        ERROR_AT(reader, at,
+                 "spacing %g m makes some %.3g vertices of the piece of %g x "
+                 "%g m; a cut has at most %g, and %g spacings across",
+                 h, fmax(vertices, 1.0), u, v, MOST_VERTICES, MOST_ACROSS);
     }
     return good;
 }
@@ -246,8 +245,8 @@ static void put_groups(writer *to, weft__reader *reader, const weft__cut *cut,
                 mesh->edge[3 * e + 1] + 1);
         }
         if (e == first && p > cut->holes.count) {
-            weft__report_error(reader->report, cut->lines.list[line].node->at,
-                               "this line has no part of its own inside the piece");
+            ERROR_AT(reader, cut->lines.list[line].node,
+                     "this line has no part of its own inside the piece");
         }
     }
 }
@@ -289,11 +288,11 @@ static void warn_of_angle(weft__reader *reader, const weft__node *at,
                           const weft_cut_mesh *mesh)
 {
     if (mesh->least_angle < LEAST_ANGLE) {
-        weft__report_warning(reader->report, at->at,
-                             "the mesh has an angle of %.1f degrees at [%.4g, %.4g] m, "
-                             "below %g",
-                             mesh->least_angle, mesh->least_at[0], mesh->least_at[1],
-                             LEAST_ANGLE);
+        WARNING_AT(reader, at,
+                   "the mesh has an angle of %.1f degrees at [%.4g, %.4g] m, "
+                   "below %g",
+                   mesh->least_angle, mesh->least_at[0], mesh->least_at[1],
+                   LEAST_ANGLE);
     }
 }
 
@@ -305,11 +304,10 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
     weft_cut_mesh mesh = { .vertices = 0 };
     weft_error err;
     if (def->mesh_cut == NULL) {
-        weft__report_error(
-            reader->report, match->map->at,
-            "cut needs the mesher of the program weft, built with Qhull: "
-            "'weft export SCENE --garment FILE.obj' writes a file for "
-            "cloth.mesh");
+        ERROR_AT(reader, match->map,
+                 "cut needs the mesher of the program weft, built with Qhull: "
+                 "'weft export SCENE --garment FILE.obj' writes a file for "
+                 "cloth.mesh");
         return false;
     }
     const weft_cut given
@@ -320,7 +318,7 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
     if (status == WEFT_OK) {
         warn_of_angle(reader, weft__value_in(match, "spacing"), &mesh);
     } else if (status != WEFT_NO_MEMORY) {
-        weft__report_error(reader->report, match->map->at, "%s", err.message);
+        ERROR_AT(reader, match->map, "%s", err.message);
     }
     const bool written = status == WEFT_OK && write_text(reader, cut, lines, &mesh);
     weft__free(memory, mesh.places);

@@ -26,24 +26,23 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
 {
     static const char *const needed[] = { "density", "stretch" };
     weft_fabric *fabric = base;
-    if (weft__found_in(match, "coupling")->key == NULL
-        && weft__found_in(match, "preset")->key == NULL) {
+    if (weft__key_in(match, "coupling") == NULL
+        && weft__key_in(match, "preset") == NULL) {
         fabric->coupling = fabric->shear;
     }
-    if (weft__found_in(match, "preset")->key != NULL) {
+    if (weft__key_in(match, "preset") != NULL) {
         return;
     }
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; ++i) {
         char unit[32];
         const weft__key *key = weft__key_named(match->section, needed[i]);
         if (weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
-            weft__report_error(reader->report, match->map->at,
-                               "%s lacks '%s'%s, which is required without 'preset'",
-                               match->title, needed[i],
-                               weft__unit_text(key, unit, sizeof unit));
+            ERROR_AT(reader, match->map,
+                     "%s lacks '%s'%s, which is required without 'preset'",
+                     match->title, needed[i], weft__unit_text(key, unit, sizeof unit));
         }
     }
-    if (weft__found_in(match, "twist")->key == NULL) {
+    if (weft__key_in(match, "twist") == NULL) {
         fabric->twist = -1.0; /* the default */
     }
 }
@@ -55,7 +54,7 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
     const weft__found *grid = weft__found_in(cloth, "grid");
     weft_error err;
     for (size_t i = 0; i < sizeof excluded / sizeof excluded[0]; ++i) {
-        const weft__node *key = weft__found_in(cloth, excluded[i])->key;
+        const weft__node *key = weft__key_in(cloth, excluded[i]);
         if (key != NULL) {
             weft__report_exclusive(reader->report, fabric->key, key);
         }
@@ -65,8 +64,7 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
     }
     if (weft_fabric_apply(&reader->scene->fabric, &reader->scene->cloth, &err)
         != WEFT_OK) {
-        weft__report_error(reader->report, weft__later(fabric->key, grid->key)->at,
-                           "%s", err.message);
+        ERROR_AT(reader, weft__later(fabric->key, grid->key), "%s", err.message);
     }
 }
 
@@ -76,14 +74,13 @@ void weft__check_bend(weft__reader *reader, const weft__match *match, void *base
     weft_cloth_def *cloth = base;
     weft_spring_def *springs = &cloth->springs[WEFT_BEND];
     weft_spring_def *across = &cloth->across[WEFT_BEND];
-    const weft__node *twist = weft__found_in(match, "twist")->key;
+    const weft__node *twist = weft__key_in(match, "twist");
     const weft__found *damping = weft__found_in(match, "damping");
     weft__check_one(reader, match, "stiffness", "rigidity");
-    springs->present = weft__found_in(match, "stiffness")->key != NULL;
-    if (weft__found_in(match, "rigidity")->key == NULL) {
+    springs->present = weft__key_in(match, "stiffness") != NULL;
+    if (weft__key_in(match, "rigidity") == NULL) {
         if (twist != NULL) {
-            weft__report_error(reader->report, twist->at,
-                               "twist has no effect without rigidity [N m]");
+            ERROR_AT(reader, twist, "twist has no effect without rigidity [N m]");
         }
         return;
     }
@@ -91,8 +88,8 @@ void weft__check_bend(weft__reader *reader, const weft__match *match, void *base
         cloth->bending.twist = -1.0; /* the default */
     }
     if (springs->damping != across->damping) {
-        weft__report_error(reader->report, damping->value->at,
-                           "damping of a rigidity must be one number [s], not a pair");
+        ERROR_AT(reader, damping->value,
+                 "damping of a rigidity must be one number [s], not a pair");
     }
     cloth->bending.damping = springs->damping;
     springs->damping = across->damping = 0.0;

@@ -43,9 +43,8 @@ void weft__check_turn(weft__reader *reader, const weft__match *match, void *base
     const weft__node *axis = weft__value_in(match, "axis");
     if (axis != NULL && !weft__found_in(match, "axis")->wrong
         && !weft__positive(weft__length(turn->axis))) {
-        weft__report_error(reader->report, axis->at,
-                           "axis is [%g, %g, %g], which is no direction", turn->axis[0],
-                           turn->axis[1], turn->axis[2]);
+        ERROR_AT(reader, axis, "axis is [%g, %g, %g], which is no direction",
+                 turn->axis[0], turn->axis[1], turn->axis[2]);
     }
 }
 
@@ -98,11 +97,10 @@ void weft__read_fabrics(weft__reader *reader, const weft__key *key,
         const weft__entry *entry = &node->entries[i];
         const char *name = weft__text_of(entry->key);
         if (name == NULL || entry->value == NULL) {
-            weft__report_error(reader->report, entry->key->at,
-                               "the name of a fabric, as of usemtl, must stand here");
+            ERROR_AT(reader, entry->key,
+                     "the name of a fabric, as of usemtl, must stand here");
         } else if (weft__find_key(node, name, entry->key->count) != i) {
-            weft__report_error(reader->report, entry->key->at, "duplicate fabric '%s'",
-                               name);
+            ERROR_AT(reader, entry->key, "duplicate fabric '%s'", name);
         } else {
             weft__read_section(reader, key->section, name, entry->value,
                                &fabrics->list[i + 1]);
@@ -128,10 +126,8 @@ static void find_fabrics(weft__reader *reader, uint32_t *of)
         }
         if (!used) {
             char near[80];
-            weft__report_error(
-                reader->report, name->at, "the mesh has no usemtl '%.60s'%s",
-                name->text,
-                weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
+            ERROR_AT(reader, name, "the mesh has no usemtl '%.60s'%s", name->text,
+                     weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
         }
     }
 }
@@ -168,9 +164,9 @@ static void find_part(void *ctx, weft__mesh_part part, size_t index,
     const weft__match *cloth = ctx;
     weft_scene *scene = cloth->reader->scene;
     if (part == WEFT__MESH_FABRIC) {
-        const weft__node *at = index == 0 ? weft__found_in(cloth, "fabric")->key
+        const weft__node *at = index == 0 ? weft__key_in(cloth, "fabric")
                                           : scene->fabrics.node->entries[index - 1].key;
-        weft__report_error(cloth->reader->report, at->at, "%s", message);
+        ERROR_AT(cloth->reader, at, "%s", message);
     } else {
         weft__obj_fault(&scene->obj, part, index, message);
     }
@@ -180,19 +176,18 @@ static void find_fault(void *ctx, size_t field, size_t other, const char *messag
 {
     const weft__match *cloth = ctx;
     const bool held = field == offsetof(weft_cloth_def, pins);
-    const weft__node *pins = weft__found_in(cloth, "pins")->key;
+    const weft__node *pins = weft__key_in(cloth, "pins");
     (void)other;
-    weft__report_error(cloth->reader->report,
-                       (held && pins != NULL ? pins : cloth->map)->at, "%s", message);
+    ERROR_AT(cloth->reader, (held && pins != NULL ? pins : cloth->map), "%s", message);
 }
 
 static void report_excluded(weft__reader *reader, const weft__match *cloth,
                             const char *const *names, const char *rule)
 {
     for (; *names != NULL; ++names) {
-        const weft__node *key = weft__found_in(cloth, *names)->key;
+        const weft__node *key = weft__key_in(cloth, *names);
         if (key != NULL) {
-            weft__report_error(reader->report, key->at, "'%s' %s", *names, rule);
+            ERROR_AT(reader, key, "'%s' %s", *names, rule);
         }
     }
 }
@@ -206,9 +201,9 @@ void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth)
                             : weft__find_key(fabric, "coupling", strlen("coupling"));
     report_excluded(reader, cloth, excluded, "needs a mesh of triangles");
     if (fabric != NULL && fabric->type == WEFT__MAP && slot < fabric->count) {
-        weft__report_error(reader->report, fabric->entries[slot].key->at,
-                           "coupling needs a mesh of triangles: the springs of a grid "
-                           "make it equal to shear");
+        ERROR_AT(reader, fabric->entries[slot].key,
+                 "coupling needs a mesh of triangles: the springs of a grid "
+                 "make it equal to shear");
     }
 }
 
@@ -219,11 +214,10 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
     report_excluded(reader, cloth, excluded,
                     "needs a grid: a mesh of triangles has a fabric");
     if (weft__lacks(cloth, "fabric")) {
-        weft__report_error(
-            reader->report, cloth->map->at,
-            "cloth lacks 'fabric', which a mesh of triangles is made of");
+        ERROR_AT(reader, cloth->map,
+                 "cloth lacks 'fabric', which a mesh of triangles is made of");
     }
-    if (scene->cloth.mesh == NULL || weft__found_in(cloth, "fabric")->key == NULL) {
+    if (scene->cloth.mesh == NULL || weft__key_in(cloth, "fabric") == NULL) {
         return;
     }
     if (scene->fabrics.node != NULL) {

@@ -82,11 +82,11 @@ static void split_method(resolver *self)
     if (plugin.text != NULL
         && (strncmp(plugin.text, text, length) != 0 || plugin.text[length] != '\0')
         && !(plugin.rank == IN_FILE && method.rank > IN_FILE)) {
-        weft__report_error(self->reader->report, method.value->at,
-                           "method '%.80s' is of another plugin than '%.40s' (%s)",
-                           text, plugin.text,
-                           weft__place_text(self->reader->report, plugin.key->at, where,
-                                            sizeof where));
+        ERROR_AT(self->reader, method.value,
+                 "method '%.80s' is of another plugin than '%.40s' (%s)", text,
+                 plugin.text,
+                 weft__place_text(self->reader->report, plugin.key->at, where,
+                                  sizeof where));
     }
     const weft__node *id = part_of(self, method.value, 0, length);
     const weft__node *name
@@ -128,8 +128,7 @@ static void drop_earlier(resolver *self, const char *const *keys, size_t count,
         }
     }
     if (list[0] != '\0') {
-        weft__report_warning(self->reader->report, later.key->at, "%s dropped: %s",
-                             list, why);
+        WARNING_AT(self->reader, later.key, "%s dropped: %s", list, why);
     }
 }
 
@@ -145,8 +144,8 @@ static void refuse_unused(resolver *self, const char *const *keys, size_t count,
     for (size_t i = 0; i < count; ++i) {
         const weft__node *key = find(self, keys[i]).key;
         if (key != NULL) {
-            weft__report_error(
-                self->reader->report, key->at,
+            ERROR_AT(
+                self->reader, key,
                 "%s would not be used by method '%.40s' of plugin '%.40s', which %s",
                 keys[i], method.text, plugin.text, why);
         }

@@ -44,10 +44,10 @@ static bool read_one(weft__reader *reader, const axis *along, const char *name,
         return false;
     }
     if (count > 0 && (index < -count || index >= count)) {
-        weft__report_error(reader->report, node->at,
-                           "%s %lld is outside the grid: it has %s 0 to %td, or from "
-                           "the end %td to -1",
-                           name, index, along->what, count - 1, -count);
+        ERROR_AT(reader, node,
+                 "%s %lld is outside the grid: it has %s 0 to %td, or from "
+                 "the end %td to -1",
+                 name, index, along->what, count - 1, -count);
         return false;
     }
     *out = (ptrdiff_t)index;
@@ -65,9 +65,9 @@ static bool read_pair(weft__reader *reader, const axis *along, const char *name,
         return false;
     }
     if (along->count > 0 && !weft__range_resolve(range, along->count, &from, &to)) {
-        weft__report_error(reader->report, node->at,
-                           "%s [%td, %td] hold nothing: the first is behind the last",
-                           name, range.first, range.last);
+        ERROR_AT(reader, node,
+                 "%s [%td, %td] hold nothing: the first is behind the last", name,
+                 range.first, range.last);
         return false;
     }
     *out = range;
@@ -140,15 +140,15 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
 static void check_axis(weft__reader *reader, const weft__match *match,
                        const char *plural, const char *singular)
 {
-    const weft__node *many = weft__found_in(match, plural)->key;
-    const weft__node *one = weft__found_in(match, singular)->key;
+    const weft__node *many = weft__key_in(match, plural);
+    const weft__node *one = weft__key_in(match, singular);
     if (many != NULL && one != NULL) {
         weft__report_exclusive(reader->report, many, one);
     } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
-        weft__report_error(reader->report, match->map->at,
-                           "%s lacks '%s': rows and cols are both needed, each an "
-                           "index, [first, last] or all",
-                           match->title, plural);
+        ERROR_AT(reader, match->map,
+                 "%s lacks '%s': rows and cols are both needed, each an "
+                 "index, [first, last] or all",
+                 match->title, plural);
     }
 }
 
@@ -170,10 +170,10 @@ bool weft__check_motion(weft__reader *reader, const weft__match *match,
     const weft__node *at = weft__value_in(match, fast ? "frequency" : "amplitude");
     weft__check_together(reader, match, "amplitude", "frequency");
     if (at != NULL && !weft__motion_usable(&motion)) {
-        weft__report_error(reader->report, at->at,
-                           "accelerations of (2 pi frequency)^2 amplitude, with "
-                           "frequency %g Hz, are beyond %.2g m/s^2",
-                           frequency, DBL_MAX);
+        ERROR_AT(reader, at,
+                 "accelerations of (2 pi frequency)^2 amplitude, with "
+                 "frequency %g Hz, are beyond %.2g m/s^2",
+                 frequency, DBL_MAX);
     }
     return weft__motion_usable(&motion);
 }

@@ -25,10 +25,9 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
         const weft__node *b = weft__value_in(match, sizes[j].name);
         const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
         if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
-            weft__report_error(reader->report, weft__later(a, b)->at,
-                               "%s, %g s%s, is above %s, %g s", sizes[i].name,
-                               sizes[i].h, a == NULL ? " by default" : "",
-                               sizes[j].name, sizes[j].h);
+            ERROR_AT(reader, weft__later(a, b), "%s, %g s%s, is above %s, %g s",
+                     sizes[i].name, sizes[i].h, a == NULL ? " by default" : "",
+                     sizes[j].name, sizes[j].h);
         }
     }
 }
@@ -46,8 +45,7 @@ static void report_method(weft__reader *reader, const weft__match *match,
         count += others[count] != NULL;
     }
     (void)weft__method_named(plugin, reader->scene->method, others, &why);
-    weft__report_error(reader->report, weft__value_in(match, "method")->at, "%s",
-                       why.message);
+    ERROR_AT(reader, weft__value_in(match, "method"), "%s", why.message);
 }
 
 /* An id becomes part of a file's name and of a function's. */
@@ -64,9 +62,9 @@ static bool check_id(weft__reader *reader, const weft__match *match)
     if (weft__is_plugin_id(id)) {
         return true;
     }
-    weft__report_error(
-        reader->report, weft__value_in(match, "plugin")->at,
-        "plugin '%.40s' is no plugin's name: at most 48 letters, digits and _", id);
+    ERROR_AT(reader, weft__value_in(match, "plugin"),
+             "plugin '%.40s' is no plugin's name: at most 48 letters, digits and _",
+             id);
     return false;
 }
 
@@ -93,9 +91,8 @@ static void report_type(weft__reader *reader, const weft__match *match)
         report_method(reader, match, plugin);
     } else if (plugin == NULL && !asks_for_table(scene)) {
         char near[80];
-        weft__report_error(reader->report, weft__value_in(match, "plugin")->at, "%s%s",
-                           why.message,
-                           weft__plugin_guess(scene->plugin, near, sizeof near));
+        ERROR_AT(reader, weft__value_in(match, "plugin"), "%s%s", why.message,
+                 weft__plugin_guess(scene->plugin, near, sizeof near));
     }
 }
 
@@ -104,18 +101,18 @@ static void report_type(weft__reader *reader, const weft__match *match)
 static void check_table(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
-    const weft__node *table = weft__found_in(match, "butcher")->key;
+    const weft__node *table = weft__key_in(match, "butcher");
     if (weft__lacks(match, "butcher")) {
-        weft__report_error(reader->report, weft__value_in(match, "method")->at,
-                           "method '%.40s' of plugin '%.40s' needs a table: butcher "
-                           "with A, b, c and order",
-                           scene->method, scene->plugin);
+        ERROR_AT(reader, weft__value_in(match, "method"),
+                 "method '%.40s' of plugin '%.40s' needs a table: butcher "
+                 "with A, b, c and order",
+                 scene->method, scene->plugin);
     } else if (table != NULL && weft__value_in(match, "fixed_step") == NULL
                && scene->tableau.b_embedded.side == 0
                && scene->tableau.embedded_order == 0) {
-        weft__report_error(reader->report, table->at,
-                           "without b_embedded and embedded_order there is no error "
-                           "control: fixed_step [s] is needed");
+        ERROR_AT(reader, table,
+                 "without b_embedded and embedded_order there is no error "
+                 "control: fixed_step [s] is needed");
     }
 }
 
@@ -132,12 +129,10 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
     reader->scene->config.controller = set;
     const weft__node *gains = weft__value_in(match, "gains");
     if (gains != NULL && set->type == WEFT_CONTROLLER_DEFAULT) {
-        weft__report_error(reader->report, gains->at,
-                           "gains need the type that they are for");
+        ERROR_AT(reader, gains, "gains need the type that they are for");
     } else if (control->gains.count > 0 && control->gains.count != counts[set->type]) {
-        weft__report_error(reader->report, gains->at,
-                           "%zu gains, where this type takes %zu", control->gains.count,
-                           counts[set->type]);
+        ERROR_AT(reader, gains, "%zu gains, where this type takes %zu",
+                 control->gains.count, counts[set->type]);
     } else {
         for (size_t i = 0; i < control->gains.count; ++i) {
             set->gains[i] = control->gains.values[i];
@@ -209,10 +204,9 @@ static void check_solver_use(weft__reader *reader, const weft__match *match,
     for (size_t i = 0; i < keys.map->count; ++i) {
         const weft__node *key = keys.map->entries[i].key;
         if (!keys.used[i]) {
-            weft__report_error(
-                reader->report, key->at,
-                "%s would not be used by method '%.40s' of plugin '%.40s'", key->text,
-                scene->method, scene->plugin);
+            ERROR_AT(reader, key,
+                     "%s would not be used by method '%.40s' of plugin '%.40s'",
+                     key->text, scene->method, scene->plugin);
         }
     }
 }
@@ -222,8 +216,8 @@ static void check_solver_use(weft__reader *reader, const weft__match *match,
 static void check_creation(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
-    const weft__node *table = weft__found_in(match, "butcher")->key;
-    const weft__node *solver = weft__found_in(match, "solver")->key;
+    const weft__node *table = weft__key_in(match, "butcher");
+    const weft__node *solver = weft__key_in(match, "solver");
     const weft_structure structure = weft__one_structure(NULL);
     weft_stepper_config config = scene->config;
     weft_error why = { 0 };
@@ -238,11 +232,11 @@ static void check_creation(weft__reader *reader, const weft__match *match)
     } else if (status == WEFT_NO_MEMORY) {
         reader->report->no_memory = true;
     } else {
-        weft__report_error(reader->report,
-                           table != NULL    ? table->at
-                           : solver != NULL ? solver->at
-                                            : weft__value_in(match, "method")->at,
-                           "%s", why.message);
+        ERROR_AT(reader,
+                 table != NULL    ? table
+                 : solver != NULL ? solver
+                                  : weft__value_in(match, "method"),
+                 "%s", why.message);
     }
 }
 
@@ -260,8 +254,8 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
         check_matrices(reader, match);
         if ((type->flags & WEFT_STEPPER_FIXED_ONLY) != 0
             && weft__lacks(match, "fixed_step")) {
-            weft__report_error(
-                reader->report, weft__value_in(match, "method")->at,
+            ERROR_AT(
+                reader, weft__value_in(match, "method"),
                 "method '%.40s' has no error control: it needs stepper.fixed_step [s]",
                 scene->method);
         }

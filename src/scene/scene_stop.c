@@ -72,25 +72,25 @@ void weft__check_condition(weft__reader *reader, const weft__match *match, void 
 
 void weft__check_stop(weft__reader *reader, const weft__match *match)
 {
-    const weft__node *limit = weft__found_in(match, "limit")->key;
-    const weft__node *stop = weft__found_in(match, "stop")->key;
+    const weft__node *limit = weft__key_in(match, "limit");
+    const weft__node *stop = weft__key_in(match, "stop");
     const double *g = reader->scene->cloth.gravity;
     if (reader->scene->run.stop.quantity == WEFT_STOP_REST && g[0] == 0.0 && g[1] == 0.0
         && g[2] == 0.0) {
-        weft__report_error(reader->report, stop->at,
-                           "stop.at_rest compares with the work of gravity, and "
-                           "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
+        ERROR_AT(reader, stop,
+                 "stop.at_rest compares with the work of gravity, and "
+                 "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
     }
     if (limit != NULL && stop != NULL) {
         weft__report_exclusive(reader->report, limit, stop);
     } else if (limit != NULL && reader->scene->run.interpolate) {
-        weft__report_error(reader->report, limit->at,
-                           "limit excludes run.frames: interpolate: it changes states "
-                           "at the ends of steps");
+        ERROR_AT(reader, limit,
+                 "limit excludes run.frames: interpolate: it changes states "
+                 "at the ends of steps");
     } else if (reader->scene->run.stop.quantity == WEFT_STOP_GAP
                && reader->scene->cloth.contact.shape_count == 0) {
-        weft__report_warning(reader->report, stop->at,
-                             "stop has no effect: min_gap is the gap to shapes, and "
-                             "the scene has none");
+        WARNING_AT(reader, stop,
+                   "stop has no effect: min_gap is the gap to shapes, and "
+                   "the scene has none");
     }
 }

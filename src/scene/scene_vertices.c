@@ -37,14 +37,12 @@ static bool read_vertex(weft__reader *reader, const weft__node *node, size_t *ou
         return false;
     }
     if (number < 0 || (unsigned long long)number >= obj->vertices) {
-        weft__report_error(reader->report, node->at,
-                           "vertex %lld is not there: the mesh has 0 to %zu", number,
-                           obj->vertices - 1);
+        ERROR_AT(reader, node, "vertex %lld is not there: the mesh has 0 to %zu",
+                 number, obj->vertices - 1);
         return false;
     }
     if (obj->vertex_of[number] == WEFT__NONE) {
-        weft__report_error(reader->report, node->at, "vertex %lld belongs to no face",
-                           number);
+        ERROR_AT(reader, node, "vertex %lld belongs to no face", number);
         return false;
     }
     *out = obj->vertex_of[number];
@@ -59,9 +57,9 @@ void weft__read_vertices(weft__reader *reader, const weft__key *key,
     if (node->type != WEFT__LIST || count == 0) {
         weft__refuse_value(reader, key, node);
     } else if (reader->scene->renumbered) {
-        weft__report_error(reader->report, node->at,
-                           "vertices have other numbers in a finer cut: group, near or "
-                           "inside hold there");
+        ERROR_AT(reader, node,
+                 "vertices have other numbers in a finer cut: group, near or "
+                 "inside hold there");
         return;
     }
     if (reader->scene->cloth.mesh == NULL || count == 0) {
@@ -95,9 +93,8 @@ void weft__read_group(weft__reader *reader, const weft__key *key,
     } else if (weft__obj_group(&reader->scene->obj, name, member)) {
         put_members(reader, member, to);
     } else {
-        weft__report_error(
-            reader->report, node->at, "the mesh has no group '%.60s'%s", name,
-            weft__obj_near(&reader->scene->obj.groups, name, near, sizeof near));
+        ERROR_AT(reader, node, "the mesh has no group '%.60s'%s", name,
+                 weft__obj_near(&reader->scene->obj.groups, name, near, sizeof near));
     }
     weft__free(reader->report->memory, member);
 }
@@ -149,9 +146,8 @@ void weft__read_inside(weft__reader *reader, const weft__key *key,
     }
     put_members(reader, member, vertices);
     if (vertices->count == 0) {
-        weft__report_error(reader->report, node->at,
-                           "no vertex of the mesh starts inside this %s",
-                           weft_shape_name(shape.kind));
+        ERROR_AT(reader, node, "no vertex of the mesh starts inside this %s",
+                 weft_shape_name(shape.kind));
     }
     weft__free(reader->report->memory, member);
 }
@@ -162,32 +158,31 @@ void weft__check_vertices(weft__reader *reader, const weft__match *match)
 {
     static const char *const names[] = { "vertices", "group", "near", "inside" };
     const bool meshed = reader->scene->meshed;
-    const weft__node *at = weft__found_in(match, "at")->key, *first = NULL;
+    const weft__node *at = weft__key_in(match, "at"), *first = NULL;
     bool explained = false;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        const weft__node *key = weft__found_in(match, names[i])->key;
+        const weft__node *key = weft__key_in(match, names[i]);
         explained = explained || weft__found_in(match, names[i])->explained;
         if (key != NULL && !meshed) {
-            weft__report_error(reader->report, key->at,
-                               "'%s' needs a mesh of triangles: places of a grid are "
-                               "given by 'at'",
-                               names[i]);
+            ERROR_AT(reader, key,
+                     "'%s' needs a mesh of triangles: places of a grid are "
+                     "given by 'at'",
+                     names[i]);
         } else if (key != NULL && first != NULL) {
             weft__report_exclusive(reader->report, first, key);
         }
         first = first == NULL ? key : first;
     }
     if (meshed && at != NULL) {
-        weft__report_error(
-            reader->report, at->at,
-            "'at' needs a grid: vertices of a mesh are given by vertices, "
-            "group, near or inside");
+        ERROR_AT(reader, at,
+                 "'at' needs a grid: vertices of a mesh are given by vertices, "
+                 "group, near or inside");
     } else if (meshed ? first == NULL && !explained
                       : first == NULL && weft__lacks(match, "at")) {
-        weft__report_error(reader->report, match->map->at,
-                           meshed ? "%s lacks 'vertices', 'group', 'near' or 'inside', "
-                                    "one of which is required"
-                                  : "%s lacks the required key 'at': which particles",
-                           match->title);
+        ERROR_AT(reader, match->map,
+                 meshed ? "%s lacks 'vertices', 'group', 'near' or 'inside', "
+                          "one of which is required"
+                        : "%s lacks the required key 'at': which particles",
+                 match->title);
     }
 }

@@ -40,9 +40,8 @@ static void check_overlap(const taker *self, const weft__node *key)
     for (size_t i = 0; i < self->out->keys; ++i) {
         const weft__node *other = self->out->axis[i].key;
         if (overlap(key->text, key->count, other->text, other->count)) {
-            weft__report_error(
-                self->report, key->at, "%s is varied twice (first at %s)", key->text,
-                weft__place_text(self->report, other->at, where, sizeof where));
+            ERROR_AT(self, key, "%s is varied twice (first at %s)", key->text,
+                     weft__place_text(self->report, other->at, where, sizeof where));
         }
     }
     for (size_t i = 1; i <= self->set_count; ++i) {
@@ -60,16 +59,14 @@ static void take_axis(taker *self, const weft__node *key, const weft__node *list
 {
     char shown[64];
     if (list->type != WEFT__LIST) {
-        weft__report_error(self->report, list->at,
-                           "%s must be a list of values to run, not %s", key->text,
-                           weft__show(list, shown, sizeof shown));
+        ERROR_AT(self, list, "%s must be a list of values to run, not %s", key->text,
+                 weft__show(list, shown, sizeof shown));
     } else if (list->count == 0) {
-        weft__report_error(self->report, list->at, "%s has no value to run", key->text);
+        ERROR_AT(self, list, "%s has no value to run", key->text);
     } else if (leads_to("sweep", 5, key->text, key->count)) {
-        weft__report_error(self->report, key->at, "a sweep cannot vary itself");
+        ERROR_AT(self, key, "a sweep cannot vary itself");
     } else if (self->out->keys == WEFT__SWEEP_KEYS) {
-        weft__report_error(self->report, key->at, "more than %d keys",
-                           WEFT__SWEEP_KEYS);
+        ERROR_AT(self, key, "more than %d keys", WEFT__SWEEP_KEYS);
     } else {
         check_overlap(self, key);
         self->out->axis[self->out->keys++] = (weft__axis){ key, list };
@@ -86,8 +83,7 @@ static void take_pairs(taker *self, const weft__node *map)
             continue; /* an override removed it */
         }
         if (name == NULL) {
-            weft__report_error(self->report, key->at,
-                               "the keys of a sweep are paths as stepper.method");
+            ERROR_AT(self, key, "the keys of a sweep are paths as stepper.method");
         } else if (strcmp(name, "zip") == 0) {
             weft__read_boolean(&(weft__reader){ .report = self->report }, &zip, value,
                                &self->out->zip);
@@ -106,9 +102,8 @@ static void check_cost(const taker *self)
         nodes += out->axis[i].list->size / out->axis[i].list->count;
     }
     if (out->runs > MAX_READ / nodes) {
-        weft__report_error(self->report, out->at,
-                           "%zu runs of a scene of %zu nodes: more than %d in all",
-                           out->runs, nodes, MAX_READ);
+        ERROR_AT(self, out, "%zu runs of a scene of %zu nodes: more than %d in all",
+                 out->runs, nodes, MAX_READ);
     }
 }
 
@@ -121,16 +116,14 @@ static void count_runs(taker *self)
     for (size_t i = 0; i < out->keys; ++i) {
         const weft__node *list = out->axis[i].list;
         if (out->zip && list->count != runs) {
-            weft__report_error(
-                self->report, list->at,
-                "%zu values, but %s has %zu: zip takes lists of one length",
-                list->count, out->axis[0].key->text, runs);
+            ERROR_AT(self, list,
+                     "%zu values, but %s has %zu: zip takes lists of one length",
+                     list->count, out->axis[0].key->text, runs);
         }
         runs = out->zip ? runs
                         : runs * (list->count < MAX_RUNS ? list->count : MAX_RUNS + 1);
         if (runs > MAX_RUNS) {
-            weft__report_error(self->report, out->at, "more than %d combinations",
-                               MAX_RUNS);
+            ERROR_AT(self, out, "more than %d combinations", MAX_RUNS);
             return;
         }
     }
@@ -155,8 +148,8 @@ static weft__entry take_out(const taker *self)
             if (first.key == NULL) {
                 first = pair;
             } else {
-                weft__report_error(
-                    self->report, pair.key->at,
+                ERROR_AT(
+                    self, pair.key,
                     "duplicate key 'sweep' in the scene (the first is at %s)",
                     weft__place_text(self->report, first.key->at, where, sizeof where));
             }

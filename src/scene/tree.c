@@ -111,8 +111,7 @@ bool weft__node_add(weft__tree *tree, weft__node *parent, weft__entry entry)
         }
     }
     if (parent->size > WEFT__MAX_NODES) {
-        weft__report_error(tree->report, parent->at,
-                           "anchors expand to more than 1000000 nodes");
+        ERROR_AT(tree, parent, "anchors expand to more than 1000000 nodes");
     }
     return parent->size <= WEFT__MAX_NODES;
 }
