@@ -43,7 +43,8 @@ struct weft__pool {
     atomic_size_t helped;     /* parts that helpers have taken */
     weft__task *task;
     void *ctx;
-    fp_mode mode; /* the caller's, for all parts */
+    fp_mode mode;     /* the caller's, for all parts */
+    pthread_t caller; /* of the job */
 
     pthread_mutex_t lock; /* of sleeping threads */
     pthread_cond_t news;
@@ -149,6 +150,7 @@ void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count)
     pool->task = task;
     pool->ctx = ctx;
     fp_mode_get(&pool->mode);
+    pool->caller = pthread_self();
     atomic_store(&pool->done, 0);
     atomic_store(&pool->helped, 0);
     atomic_store(&pool->job, number << 32 | (uint_fast64_t)count << 16);
@@ -218,6 +220,17 @@ void weft__pool_destroy(weft__pool *pool)
     (void)pthread_mutex_destroy(&pool->lock);
     const weft_allocator memory = pool->memory;
     weft__free(&memory, pool);
+}
+
+bool weft__pool_in_caller(const weft__pool *pool)
+{
+    return pool == NULL || pthread_equal(pthread_self(), pool->caller);
+}
+
+const char *weft__pool_refusal(size_t threads)
+{
+    (void)threads;
+    return NULL;
 }
 
 size_t weft__pool_threads(const weft__pool *pool)

@@ -8,6 +8,9 @@
 
 typedef struct weft__pool weft__pool;
 
+/* NULL, or why this platform can never run so many threads. */
+const char *weft__pool_refusal(size_t threads);
+
 /* Part i of a job. */
 typedef void weft__task(void *ctx, size_t i);
 
@@ -23,5 +26,8 @@ size_t weft__pool_threads(const weft__pool *pool);
  * alone. */
 enum { WEFT_PARTS = 0xffff };
 void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count);
+
+/* In a part: whether it runs in the thread that called weft__pool_run. */
+bool weft__pool_in_caller(const weft__pool *pool);
 
 #endif

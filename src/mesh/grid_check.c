@@ -3,7 +3,7 @@
 #include "base/finite.h"
 #include "mesh/grid_def.h"
 
-#define MAX_PARTICLES ((size_t)1 << 31)
+#define MAX_PARTICLES ((size_t)1 << (sizeof(size_t) < 8 ? 24 : 31))
 #define FIELD(name)   offsetof(weft_cloth_def, name)
 #define POSITIVE      .strict = true
 #define NOT_NEGATIVE  .least = 0.0

@@ -9,9 +9,9 @@
 #include "base/faults.h"
 #include "weft/cloth.h"
 
-#if SIZE_MAX < UINT64_MAX || DBL_MANT_DIG != 53 || FLT_EVAL_METHOD != 0                \
-    || __FINITE_MATH_ONLY__
-#error "weft needs a 64-bit target with IEEE double arithmetic: \
+#if (SIZE_MAX < UINT64_MAX && !defined __wasm__) || DBL_MANT_DIG != 53                 \
+    || FLT_EVAL_METHOD != 0 || __FINITE_MATH_ONLY__
+#error "weft needs a 64-bit target or WebAssembly, with IEEE double arithmetic: \
 no -m32, -mfpmath=387 or -ffast-math"
 #elif defined __GNUC__ && !defined __clang__ && __GNUC__ < 12
 #error "weft needs gcc 12 or later, or clang, for __builtin_shufflevector"

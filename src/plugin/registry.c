@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* registry.c -- the plugins a program has, linked in or loaded from weft-<id>.so. */
-#define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 #include "plugin/plugin_check.h"
 
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,6 +12,7 @@
 #include "base/given.h"
 #include "base/memory.h"
 #include "base/sized.h"
+#include "plugin/loading.h"
 
 typedef struct entry {
     const weft_plugin *plugin;
@@ -31,33 +29,6 @@ struct weft_registry {
     void *admit_ctx;
     weft_allocator memory;
 };
-
-/* The directory of the installed plugins: beside the library, also after that was
- * moved. A message names it if it is missing or cannot be read. "": there is none, or
- * the library is a static one. */
-static void find_installed(char *directory, size_t size)
-{
-    static const char here = 0;
-    Dl_info info;
-    char library[PATH_MAX];
-    struct stat status;
-    directory[0] = '\0';
-    if (dladdr(&here, &info) == 0 || realpath(info.dli_fname, library) == NULL) {
-        return;
-    }
-    char *slash = strrchr(library, '/');
-    if (strncmp(slash, "/libweft.so", 11) != 0) {
-        return; /* linked into something else, which may lie anywhere */
-    }
-    *slash = '\0';
-    const int length
-        = snprintf(directory, size, "%s/weft/plugins-%u", library, WEFT_STEPPER_ABI);
-    const bool tree
-        = stat(directory, &status) != 0 && errno == ENOTDIR; /* of the build */
-    if (tree || length >= (int)size) {
-        directory[0] = '\0';
-    }
-}
 
 void weft_registry_def_init(weft_registry_def *def, size_t size)
 {
@@ -98,7 +69,7 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
     }
     char installed[2048] = "";
     if (def->installed) {
-        find_installed(installed, sizeof installed);
+        weft__installed_plugins(installed, sizeof installed);
     }
     const char *const lists[LISTS] = {
         def->path,
@@ -119,8 +90,18 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
     registry->admit = def->admit;
     registry->admit_ctx = def->admit_ctx;
     registry->memory = memory;
-    *out = registry;
-    return WEFT_OK;
+    weft_status status = WEFT_OK;
+    const weft_plugin *plugin;
+    for (size_t i = 0; status == WEFT_OK && (plugin = weft__plugin_built_in(i)) != NULL;
+         ++i) {
+        status = weft_registry_add(registry, plugin, err);
+    }
+    if (status == WEFT_OK) {
+        *out = registry;
+    } else {
+        weft_registry_destroy(registry);
+    }
+    return status;
 }
 
 void weft_registry_destroy(weft_registry *registry)
@@ -131,7 +112,7 @@ void weft_registry_destroy(weft_registry *registry)
     const weft_allocator memory = registry->memory;
     for (size_t i = 0; i < registry->count; ++i) {
         if (registry->entries[i].handle != NULL) {
-            dlclose(registry->entries[i].handle);
+            weft__plugin_close(registry->entries[i].handle);
         }
         weft__free(&memory, registry->entries[i].file);
     }
@@ -203,25 +184,6 @@ static bool id_of_file(const char *file, char *id, size_t size)
     return true;
 }
 
-/* weft_plugin_<id> of an open plugin, called; NULL if it has none. */
-static weft_status call_entry(void *handle, const char *id, const weft_plugin **plugin,
-                              weft_error *err)
-{
-    char name[128];
-    (void)snprintf(name, sizeof name, "weft_plugin_%s", id);
-    void *symbol = dlsym(handle, name);
-    if (symbol == NULL) {
-        return weft_error_set(
-            err, WEFT_BAD_PLUGIN,
-            "it has no function %s() (is it exported, with WEFT_API?)", name);
-    }
-    /* POSIX allows this conversion, ISO C does not. */
-    weft_plugin_fn *function;
-    memcpy(&function, &symbol, sizeof function);
-    *plugin = function();
-    return WEFT_OK;
-}
-
 /* Whether a file may be loaded. dlopen reports a missing one. */
 static weft_status check_file(const weft_registry *registry, const char *file,
                               const char *id, weft_error *err)
@@ -238,47 +200,22 @@ static weft_status check_file(const weft_registry *registry, const char *file,
                                    : registry->admit(registry->admit_ctx, file, err);
 }
 
-/* dlopen would search the system's libraries for a name without a slash. */
-static void *open_file(const char *file)
-{
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
-                   file);
-    return dlopen(path, RTLD_NOW | RTLD_LOCAL);
-}
-
-/* dlerror's text often begins with "file: ", the name that open_file passed. */
-static const char *without_name(const char *reason, const char *file)
-{
-    const size_t length = strlen(file);
-    reason += strchr(file, '/') == NULL && strncmp(reason, "./", 2) == 0 ? 2 : 0;
-    return strncmp(reason, file, length) == 0 && strncmp(reason + length, ": ", 2) == 0
-               ? reason + length + 2
-               : reason;
-}
-
 weft_status weft_registry_load(weft_registry *registry, const char *file,
                                weft_error *err)
 {
     weft_error why = { 0 };
     char id[64];
     void *handle = NULL;
+    const weft_plugin *plugin = NULL;
     weft_status status
         = check_file(registry, file, id_of_file(file, id, sizeof id) ? id : NULL, &why);
-    if (status == WEFT_OK && (handle = open_file(file)) == NULL) {
-        const char *reason = dlerror();
-        status = weft_error_set(&why, WEFT_BAD_PLUGIN, "%s",
-                                reason == NULL ? "it cannot be opened"
-                                               : without_name(reason, file));
-    } else if (status == WEFT_OK) {
-        const weft_plugin *plugin = NULL;
-        status = call_entry(handle, id, &plugin, &why);
-        status = status == WEFT_OK ? add_entry(registry, plugin, id, handle, file, &why)
-                                   : status;
-    }
+    status = status == WEFT_OK ? weft__plugin_open(file, id, &handle, &plugin, &why)
+                               : status;
+    status = status == WEFT_OK ? add_entry(registry, plugin, id, handle, file, &why)
+                               : status;
     if (status != WEFT_OK) {
         if (handle != NULL) {
-            dlclose(handle);
+            weft__plugin_close(handle);
         }
         weft_error_set(err, status, "plugin refused: %s: %s", file, why.message);
         weft__log(&registry->log, WEFT_LOG_WARNING, "plugin refused: %s: %s", file,
@@ -309,9 +246,7 @@ static const char *searched(const weft_registry *registry, char *out, size_t siz
     char directory[2048], inside[2048 + 2];
     size_t used = 0;
     const char *list = registry->path;
-    (void)snprintf(out, size, "%s",
-                   "an empty search path; set WEFT_PLUGIN_PATH or "
-                   "weft_registry_def.path");
+    (void)snprintf(out, size, "%s", weft__no_search_path);
     while (used < size
            && (list = next_directory(list, directory, sizeof directory)) != NULL) {
         (void)snprintf(inside, sizeof inside, "%s/.", directory);

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/finite.h"
+#include "base/thread_pool.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "scene/read.h"
@@ -204,6 +205,11 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
         ERROR_AT(reader, node,
                  "%g s at %g frames per second are %.3g frames; a run has at most %g",
                  run->duration, run->fps, run->duration * run->fps, MAX_FRAMES);
+    }
+    const char *refusal = weft__pool_refusal(run->threads);
+    if (refusal != NULL) {
+        weft__report_error(reader->report, weft__value_in(match, "threads")->at,
+                           "threads is %zu: %s", run->threads, refusal);
     }
     if (!run->interpolate) {
         check_frame(reader, match, run);

@@ -3,7 +3,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdatomic.h>
 
 #include "cloth/model.h"
@@ -202,7 +201,6 @@ typedef struct band_rhs {
     size_t first, end; /* own rows */
     size_t low, high;  /* of them those that no other band waits for */
     size_t parts;      /* of [low, high) */
-    pthread_t caller;  /* the thread that may call the comm */
     atomic_int failed;
 } band_rhs;
 
@@ -229,7 +227,7 @@ static void do_inner(void *ctx, size_t i)
     const size_t rows = self->high - self->low;
     evaluate(self, self->low + rows * i / self->parts,
              self->low + rows * (i + 1) / self->parts);
-    if (comm->poke != NULL && pthread_equal(pthread_self(), self->caller)) {
+    if (comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
         comm->poke(comm->self);
     }
 }
@@ -262,8 +260,7 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                      .end = end,
                      .low = low,
                      .high = high,
-                     .parts = inner_parts(forces, high - low),
-                     .caller = pthread_self() };
+                     .parts = inner_parts(forces, high - low) };
     const weft_rows rows = { .first = dydt + 3 * n,
                              .planes = 3,
                              .stride = n,

@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/sized.h"
+#include "base/thread_pool.h"
 #include "cloth/model.h"
 #include "plugin/methods.h"
 #include "plugin/plugin_check.h"
@@ -50,6 +51,11 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               "method '%.40s' cannot keep the energy ledger: it "
                               "integrates no quadratures",
                               def->method->name);
+    }
+    const char *refusal = weft__pool_refusal(config->threads);
+    if (refusal != NULL) {
+        return weft_error_set(err, WEFT_UNSUPPORTED, "%zu threads: %s", config->threads,
+                              refusal);
     }
     if (def->comm != NULL && def->cloth->self.law.self) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
