@@ -401,11 +401,12 @@ deps:
 	    WITH_MPI='$(WITH_MPI)' tools/deps
 
 include install.mk
+include wasm/build.mk
 
 # ---- care ------------------------------------------------------------------------
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.[ch] bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.[ch] wasm/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint: all
 	@tools/lint $(C_FILES)
@@ -546,7 +547,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

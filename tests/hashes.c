@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* hashes.c -- print the hash of the state at the frames of scenes: hashes PLUGINS
- * SECONDS SCENE... For tools/check-determinism, which compares what different builds
+/* hashes.c -- print the hash of the state at the frames of a scene, and of the bytes of
+ * the simulation when it is saved after them: hashes PLUGINS SECONDS SCENE... For
+ * tools/check-determinism and wasm/check.mjs, which compare what different builds
  * print. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/hash.h"
 #include "weft/weft.h"
 
 static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err)
@@ -14,6 +16,22 @@ static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err
     const weft_plugin *plugin = NULL;
     (void)weft_registry_find((weft_registry *)ctx, id, &plugin, err);
     return plugin;
+}
+
+static weft_status print_saved(weft_sim *sim, weft_error *err)
+{
+    const size_t size = weft_sim_save_size(sim);
+    unsigned char *bytes = malloc(size);
+    uint64_t sum = WEFT__HASH_START;
+    const weft_status status = weft_sim_save(sim, bytes, size, err);
+    for (size_t i = 0; status == WEFT_OK && i < size; ++i) {
+        sum = weft__hash_byte(sum, bytes[i]);
+    }
+    free(bytes);
+    if (status == WEFT_OK) {
+        printf("%016" PRIx64 " saved in %zu bytes\n", sum, size);
+    }
+    return status;
 }
 
 static weft_status play(const weft_scene *scene, double seconds, weft_error *err)
@@ -32,6 +50,7 @@ static weft_status play(const weft_scene *scene, double seconds, weft_error *err
         status = weft_sim_advance(sim, i / fps, err);
         printf("%016" PRIx64 "\n", weft_sim_measure(sim).hash);
     }
+    status = status == WEFT_OK ? print_saved(sim, err) : status;
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     return status;
