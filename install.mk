@@ -3,7 +3,7 @@
 #
 #   make install PREFIX=/usr/local DESTDIR=     installs everything that was built
 #   make uninstall PREFIX= DESTDIR=             removes the same files
-#   make bundle PREFIX=                         library, plugins and program alone, for a package of another language
+#   make bundle PREFIX=                         library, plugins, program and scenes alone, for a package of another language
 
 # Recipes, and the files written for pkg-config and CMake, hold these names unquoted. This comes first, before
 # make expands them.
@@ -77,7 +77,8 @@ uninstall:
 BUNDLED := $(BUILD)/libweft.so $(PLUGIN_SO) $(if $(HAVE_HDF5),$(BUILD)/weft)
 bundle: $(BUNDLED)
 	@DESTDIR= tools/install put $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(SOVERSION) \
-	    $(PLUGIN_SO:%=%:$(PLUGINDIR)/) $(if $(HAVE_HDF5),$(BUILD)/weft:$(BINDIR)/)
+	    $(PLUGIN_SO:%=%:$(PLUGINDIR)/) $(if $(HAVE_HDF5),$(BUILD)/weft:$(BINDIR)/) \
+	    $(foreach s,$(wildcard scenes/*),$(s):$(DOCDIR)/scenes/)
 
 # Installs weft, moves it, builds the examples as C11 to C++17, removes it.
 check-install: all $(EXAMPLES)

@@ -48,6 +48,7 @@ def declarations():
 OURS = """
 extern "Python" int weftpy_force(void *, double, const double *, double *);
 extern "Python" bool weftpy_correct(void *, double, double, double *);
+extern "Python" double weftpy_event(void *, const weft_cloth *, double, const double *);
 extern "Python" void weftpy_log(void *, weft_log_level, const char *);
 extern "Python" void weftpy_refused(void *, const weft_error *);
 extern "Python" void weftpy_line(void *, const char *);
@@ -58,6 +59,8 @@ weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_
 void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
 void weftpy_index(const weft_cloth *, size_t *);
+weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
+void weftpy_stop(weft_sim_def *, const weft_run_def *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
 """
 
@@ -118,6 +121,87 @@ static void weftpy_pinned(const weft_cloth *cloth, bool *pinned)
     }
 }
 
+/* A method that takes no step, and gets to know what forces join as an implicit one does. */
+typedef struct weftpy_pairs {
+    weft_stepper_type type;
+    uint32_t *pairs; /* of places in a state; NULL: count alone */
+    size_t count;
+} weftpy_pairs;
+
+static void weftpy_pair(weftpy_pairs *to, size_t p, size_t q)
+{
+    if (to->pairs != NULL) {
+        to->pairs[2 * to->count] = (uint32_t)p;
+        to->pairs[2 * to->count + 1] = (uint32_t)q;
+    }
+    ++to->count;
+}
+
+static weft_status weftpy_pairs_create(const weft_stepper_type *type, const weft_ode *ode,
+                                       const weft_stepper_config *config, void **self, weft_error *err)
+{
+    weftpy_pairs *to = (weftpy_pairs *)type;
+    const weft_structure *of = weft_stepper_structure(config);
+    (void)ode, (void)err;
+    *self = to;
+    for (size_t i = 0; i < of->run_count; ++i) {
+        for (size_t k = 0; k < of->runs[i].count; ++k) {
+            weftpy_pair(to, of->runs[i].p + k, of->runs[i].q + k);
+        }
+    }
+    for (size_t i = 0; i < of->link_count; ++i) {
+        weftpy_pair(to, of->links[i].p, of->links[i].q);
+    }
+    for (size_t i = 0; i < of->tie_count; ++i) {
+        weftpy_pair(to, of->ties[i].p, of->ties[i].q);
+    }
+    return WEFT_OK;
+}
+
+static weft_status weftpy_no_step(void *self, double t_end, double *t, double *y, weft_error *err)
+{
+    (void)self, (void)t_end, (void)t, (void)y;
+    return weft_error_set(err, WEFT_UNSUPPORTED, "takes no steps");
+}
+
+static void weftpy_nothing(void *self)
+{
+    (void)self;
+}
+
+static void weftpy_no_stats(const void *self, weft_stepper_stats *out)
+{
+    (void)self, (void)out;
+}
+
+/* Particles p and q whose forces depend on each other, by springs, membrane or bending. */
+static weft_status weftpy_joined(const weft_cloth *cloth, uint32_t *pairs, size_t *count, weft_error *err)
+{
+    weftpy_pairs to = { { .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type), .name = "pairs",
+                          .reference = "", .license = "",
+                          .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINKS,
+                          .create = weftpy_pairs_create, .step = weftpy_no_step, .state_changed = weftpy_nothing,
+                          .stats = weftpy_no_stats, .destroy = weftpy_nothing },
+                        pairs, 0 };
+    weft_sim *sim = NULL;
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = cloth;
+    def.method = &to.type;
+    const weft_status status = weft_sim_create(&def, &sim, err);
+    weft_sim_destroy(sim);
+    *count = to.count;
+    return status;
+}
+
+/* The end that a scene gives a run, as the program does. */
+static weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
+void weftpy_stop(weft_sim_def *def, const weft_run_def *run)
+{
+    def->event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
+    def->event_ctx = (void *)&run->stop; /* which reads it alone */
+    def->event_hold = run->stop.hold;
+}
+
 static double weftpy_clock(void)
 {
     struct timespec now;
@@ -126,7 +210,7 @@ static double weftpy_clock(void)
 }
 
 /* weft_sim_advance for about `seconds` on the clock, or until a callback has raised: Python handles
- * signals between two calls. */
+ * signals between two calls. An event ends it, too. */
 static weft_status weftpy_advance(weft_sim *sim, double t_end, double seconds, const bool *raised,
                                   weft_error *err)
 {
@@ -134,7 +218,7 @@ static weft_status weftpy_advance(weft_sim *sim, double t_end, double seconds, c
     weft_status status = WEFT_OK;
     while (weft_sim_time(sim) != t_end && status == WEFT_OK && !*raised) {
         status = weft_sim_step(sim, t_end, err);
-        if (weftpy_clock() >= end) {
+        if (weftpy_clock() >= end || weft_sim_event(sim)) {
             break;
         }
     }

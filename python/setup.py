@@ -13,7 +13,7 @@ from setuptools import setup
 from setuptools.command.build_ext import build_ext
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from _build import IN_TREE, INCLUDES, TREE, pkg_config  # noqa: E402
+from _build import HERE, IN_TREE, INCLUDES, TREE, pkg_config  # noqa: E402
 
 
 def version():
@@ -27,16 +27,17 @@ def bundle(prefix):
     env = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS", "DESTDIR")}
     to = os.path.relpath(prefix, TREE)  # make would take a blank in the name of the tree for the end of a word
     command = [os.environ.get("MAKE", "make"), "--no-print-directory", "-C", TREE, "-j", str(os.cpu_count()),
-               "bundle", "PREFIX=" + to, "LIBDIR=" + to + "/lib", "BINDIR=" + to + "/bin"]
+               "bundle", "PREFIX=" + to, "LIBDIR=" + to + "/lib", "BINDIR=" + to + "/bin",
+               "DOCDIR=" + to + "/share/doc/weft"]
     if subprocess.call(command, env=env) != 0:
         raise SystemExit("building weft failed; `make deps` in " + TREE + " installs the packages that it needs")
 
 
 class Build(build_ext):
     def run(self):
+        package = os.path.dirname(os.path.abspath(self.get_ext_fullpath("weft._weft")))
         for ext in self.extensions:
             if IN_TREE:
-                package = os.path.dirname(os.path.abspath(self.get_ext_fullpath("weft._weft")))
                 bundle(os.path.join(package, "prefix"))
                 ext.extra_objects += glob.glob(os.path.join(package, "prefix", "lib", "libweft.so.*"))
                 ext.runtime_library_dirs.append("$ORIGIN/prefix/lib")
@@ -48,6 +49,8 @@ class Build(build_ext):
             prefix = "" if IN_TREE else pkg_config("--variable=prefix")
             ext.define_macros.append(("WEFTPY_PREFIX", '"%s"' % prefix))
         super().run()
+        objects = self.compiler.compile([os.path.join(HERE, "own.c")], output_dir=self.build_temp, include_dirs=INCLUDES)
+        self.compiler.link_shared_object(objects, os.path.join(package, "weft-own.so"))
 
 
 def places():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Callable
 from typing import Any, Optional
 
@@ -14,9 +15,12 @@ from weft.library import Array
 Force = Callable[[float, Array, Array, Array], None]
 Correction = Callable[[float, float, Array, Array], Optional[bool]]
 
-# Signatures for numba.cfunc, of forces and of corrections in C: weft_force_fn, weft_correct_fn.
+Event = Callable[[float, Array, Array], float]
+
+# Signatures for numba.cfunc, of functions in C: weft_force_fn, weft_correct_fn, weft_event_fn.
 FORCE = "int32(voidptr, float64, CPointer(float64), CPointer(float64))"
 CORRECT = "boolean(voidptr, float64, float64, CPointer(float64))"
+EVENT = "float64(voidptr, voidptr, float64, CPointer(float64))"
 
 
 class PerformanceWarning(UserWarning):
@@ -34,6 +38,7 @@ class Hooks:
     def __init__(self, n: int) -> None:
         self.force: Optional[Force] = None
         self.correct: Optional[Correction] = None
+        self.event: Optional[Event] = None
         self.y, self.f = np.zeros(6 * n), np.zeros(3 * n)
         self.x, self.v = as_particles(self.y[:3 * n], n), as_particles(self.y[3 * n:], n)
         self.forces = as_particles(self.f, n)
@@ -87,6 +92,17 @@ def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
         hooks.keep(error)
         return False
     return True
+
+
+@ffi.def_extern()
+def weftpy_event(ctx: Any, _cloth: Any, t: float, y: Any) -> float:
+    hooks = ffi.from_handle(ctx)
+    try:
+        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
+        return float(hooks.event(t, *hooks.read))
+    except BaseException as error:
+        hooks.keep(error)
+        return math.nan
 
 
 def c_function(value: Any, kind: str) -> Optional[tuple[Any, Any, Any]]:

@@ -337,6 +337,20 @@ def yaml_text(value: Any, margin: str = "") -> str:
     raise TypeError("a scene has no values of type %s" % type(value).__name__)
 
 
+def fabrics() -> dict[str, dict[str, Any]]:
+    """The measured fabrics of `weft fabrics`, in the words of cloth.fabric: density [kg/m^2], stretch [N/m] and bend
+    [N m] along (warp, weft), shear [N/m], twist [N m].
+
+    >>> weft.fabrics()["11oz-black-denim"]["density"]
+    0.324
+    """
+    count = ffi.new("size_t *")
+    presets = lib.weft_fabric_presets(count)
+    return {text(of.name): {"density": of.density, "stretch": tuple(of.stretch), "shear": of.shear,
+                            "bend": tuple(of.bend), "twist": of.twist}
+            for of in (presets[i] for i in range(count[0]))}
+
+
 def settings(overrides: Optional[Mapping[str, Any]]) -> list[str]:
     """Overrides as `--set` of the program takes them."""
     return [key + "=" + yaml_text(value) for key, value in (overrides or {}).items()]

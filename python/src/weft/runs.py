@@ -2,25 +2,34 @@
 """The program weft, run as a process of its own, and the directories that it writes."""
 from __future__ import annotations
 
+import html
+import io
 import math
 import os
 import signal
 import subprocess
+import sys
 import tempfile
 import warnings
+import webbrowser
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from urllib.parse import unquote, urlsplit
 
 import numpy as np
 
 from weft._weft import ffi, lib
 from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
 from weft.mesh import Mesh, has_mesh, with_file
+from weft.own import Method, served
 from weft.simulation import Scene
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+RunLike = Union[PathLike, "Run"]
 
 
 class RunError(Error):
@@ -32,32 +41,57 @@ class RunError(Error):
         self.directory = directory
 
 
+def _prefix() -> Path:
+    prefix = ffi.string(lib.weftpy_prefix).decode()
+    return Path(prefix) if prefix else Path(__file__).parent / "prefix"
+
+
 def program() -> Path:
     """The path of the program weft that this package uses."""
-    prefix = ffi.string(lib.weftpy_prefix).decode()
-    path = (Path(prefix) if prefix else Path(__file__).parent / "prefix") / "bin" / "weft"
+    path = _prefix() / "bin" / "weft"
     if not path.exists():
         raise Error("there is no %s: weft was built without HDF5 (package libhdf5-dev)" % path)
     return path
 
 
-def _call(arguments: Sequence[str], folder: str, directory: PathLike, allowed: Sequence[int] = (0,)) -> None:
-    """Runs the program on scenes in a temporary folder, which no message names. Ctrl-C passes one SIGINT on, which
-    ends the run with its files complete."""
-    process = subprocess.Popen([str(program()), *arguments, "--quiet"], stdin=subprocess.DEVNULL, text=True,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
-    try:
-        said = process.communicate()[1].strip().replace(folder + os.sep, "")
-    except BaseException:
-        process.send_signal(signal.SIGINT)
-        process.communicate()
-        raise
+def scene(name: str) -> Path:
+    """The file of a scene that comes with weft, such as "flag", for load(), run() and all others.
+
+    >>> weft.load(weft.scene("two-corners")).particles
+    289
+    """
+    folder = _prefix() / "share" / "doc" / "weft" / "scenes"
+    path = folder / (name + ".yaml")
+    if not path.exists():
+        raise ValueError("there is no scene %r; there are %s" % (name, ", ".join(sorted(p.stem for p in folder.glob("*.yaml")))))
+    return path
+
+
+def _call(arguments: Sequence[str], folder: str = "", directory: PathLike = "", allowed: Sequence[int] = (0,),
+          own: Optional[Mapping[str, Method]] = None) -> tuple[int, str]:
+    """Runs the program on scenes in a temporary folder, which no message names; its exit code, and what it printed.
+    Ctrl-C passes one SIGINT on, which ends the run with its files complete."""
+    with served(own) as (environment, server):
+        process = subprocess.Popen([str(program()), *arguments], stdin=subprocess.DEVNULL, text=True, env=environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+        if server is not None:
+            server.stop = process.terminate
+        try:
+            printed, said = process.communicate()
+        except BaseException:
+            process.send_signal(signal.SIGINT)
+            process.communicate()
+            raise
+        if server is not None and server.error is not None:
+            raise server.error
+    said = said.strip().replace(folder + os.sep, "") if folder else said.strip()
     if process.returncode == 3:
         raise SceneError(said)
     if process.returncode not in allowed:
         raise RunError(said, process.returncode, Path(directory))
     if said:
         warnings.warn(said, SceneWarning, stacklevel=3)
+    return process.returncode, printed
 
 
 def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
@@ -78,20 +112,29 @@ def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
     return paths
 
 
+def _sets(overrides: Optional[Mapping[str, Any]]) -> list[str]:
+    return [argument for setting in settings(overrides) for argument in ("--set", setting)]
+
+
 def _options(out: PathLike, overrides: Optional[Mapping[str, Any]], force: bool) -> list[str]:
-    sets = [argument for setting in settings(overrides) for argument in ("--set", setting)]
-    return ["--out", os.fspath(out), *sets, *(["--force"] if force else [])]
+    return ["--out", os.fspath(out), "--quiet", *_sets(overrides), *(["--force"] if force else [])]
 
 
-def _table(path: PathLike) -> pd.DataFrame:
+def _table(path: Any) -> pd.DataFrame:
     import pandas as pd
     exact = {"float_precision": "round_trip"}  # pandas 3.1 always reads numbers so, and warns of it
     newer = tuple(map(int, pd.__version__.split(".")[:2])) >= (3, 1)
     return pd.read_csv(path, dtype={"hash": str}, **({} if newer else exact))
 
 
-def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *, force: bool = False) -> Run:
+def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *, force: bool = False,
+        own: Optional[Mapping[str, Method]] = None) -> Run:
     """Runs a scene as `weft run` does, into the directory `out`, new or empty (force: replaces an earlier run).
+
+    own: methods of one's own, {"mine": step}, for scenes with stepper.plugin "own" and stepper.method "mine", and a
+    fixed_step. step(rhs, t, y, h) returns the state at t + h [s] that follows from y, at t; rhs(t, y) is dy/dt. States
+    are arrays of any even length: positions, then velocities. The program, which looks for the largest stable step of
+    the method, too, calls it from several threads, and takes nothing to be kept from call to call.
 
     Raises SceneError; RunError, if the simulation failed: weft.open(out) has its frames.
 
@@ -100,7 +143,7 @@ def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = No
     """
     with tempfile.TemporaryDirectory() as folder:
         path, = _files([scene], folder)
-        _call(["run", path, *_options(out, overrides, force)], folder, out)
+        _call(["run", path, *_options(out, overrides, force)], folder, out, own=own)
     return Run(out)
 
 
@@ -125,16 +168,116 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
 
 def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *,
             methods: Optional[Sequence[str]] = None, until: Optional[float] = None, jobs: int = 1,
-            force: bool = False) -> pd.DataFrame:
+            force: bool = False, own: Optional[Mapping[str, Method]] = None) -> pd.DataFrame:
     """Runs a scene with every method of every plugin (or `methods`, such as "gsl" or "arkode/heun_euler"), over a
     ladder of tolerances or steps, as `weft compare` does, up to `until` [s]. Returns compare.csv: one row per run, with
-    error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md). The page compare.html is in `out`."""
+    error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md). The page compare.html is in `out`; weft.Page shows it.
+
+    own: methods of one's own, as of run(), which take part; their time is without that of Python.
+
+    >>> def heun(rhs, t, y, h):
+    ...     k = rhs(t, y)
+    ...     return y + h / 2 * (k + rhs(t + h, y + h * k))
+    ...
+    >>> table = weft.compare(scene, tmp / "compared", methods=["verlet"], until=0.04, own={"heun": heun})
+    >>> bool(table[table["method"] == "heun"]["error"].min() < 1e-6)
+    True
+    """
     with tempfile.TemporaryDirectory() as folder:
-        more = [] if methods is None else ["--methods", ",".join(methods)]
+        more = [] if methods is None else ["--methods", ",".join([*methods, *(["own"] if own else [])])]
         more += [] if until is None else ["--until", repr(float(until))]
         path, = _files([scene], folder)
-        _call(["compare", path, *_options(out, overrides, force), *more, "--jobs", str(jobs)], folder, out)
+        _call(["compare", path, *_options(out, overrides, force), *more, "--jobs", str(jobs)], folder, out, own=own)
     return _table(Path(out, "compare.csv"))
+
+
+def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str, Any]] = None, *,
+             at: Union[str, Sequence[str]] = (), clamp_midway: bool = False, jobs: int = 1) -> pd.DataFrame:
+    """Refines a cloth to `sizes` particles along its larger extent, as `weft converge` does. `at`: columns of
+    series.csv, or particles such as "tip" or "3,4.x". Returns one row per quantity and size, with value, difference,
+    order and the extrapolated limit.
+
+    >>> table = weft.converge(scene, [10, 19], {"run.duration": 0.1, "stepper.fixed_step": 2e-4}, at="gravitational")
+    >>> list(table["size"])
+    [10, 19]
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path, = _files([scene], folder)
+        wanted = [argument for what in ([at] if isinstance(at, str) else at) for argument in ("--at", what)]
+        more = ["--clamp-midway"] if clamp_midway else []
+        _, printed = _call(["converge", path, "--sizes", ",".join(map(str, sizes)), *wanted, *more, "--csv", "--quiet",
+                            "--jobs", str(jobs), *_sets(overrides)], folder)
+    return _table(io.StringIO(printed))
+
+
+class Difference(NamedTuple):
+    """Whether two runs are equal, and what `weft diff` prints of them."""
+
+    equal: bool
+    report: str
+
+
+def diff(a: RunLike, b: RunLike, tolerance: Optional[float] = None) -> Difference:
+    """Compares two runs bit for bit at their common times, or with a tolerance [m] of the recorded positions, as
+    `weft diff` does. RunError: their grids differ, or files are missing.
+
+    >>> weft.diff(weft.run(scene, tmp / "once"), weft.run(scene, tmp / "twice")).equal
+    True
+    """
+    code, printed = _call(["diff", os.fspath(a), os.fspath(b),
+                           *([] if tolerance is None else ["--tol", repr(float(tolerance))])], allowed=(0, 1))
+    return Difference(code == 0, printed.strip())
+
+
+def export(run: RunLike, format: str, frame: Union[int, str] = "last") -> list[Path]:  # noqa: A002 - as the program's
+    """Writes frames of a run (or "all") for other programs into its directory, as `weft export` does; format: obj,
+    ply, csv, and of all frames mdd, pc2, pvd. Returns the files.
+
+    >>> [path.name for path in weft.export(weft.run(scene, tmp / "exported"), "obj", 30)]
+    ['frame-000030.obj']
+    """
+    frames = [] if format in ("mdd", "pc2", "pvd") else ["--frame", str(frame)]
+    return [Path(line) for line in _call(["export", os.fspath(run), "--format", format, *frames])[1].splitlines()]
+
+
+class Page:
+    """A page of weft in a file. A notebook shows it; show() opens a browser elsewhere."""
+
+    def __init__(self, path: PathLike, height: int = 640) -> None:
+        self.path, self.height = Path(path).resolve(strict=True), height
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        return "<weft.Page %s>" % self.path
+
+    def _repr_html_(self) -> str:
+        """The page within the notebook: it needs no file and no server, but has no access to the notebook."""
+        return ('<iframe sandbox="allow-scripts allow-downloads allow-popups" allow="fullscreen" width="100%%" '
+                'height="%d" style="border: 0" srcdoc="%s"></iframe>'
+                % (self.height, html.escape(self.path.read_text(encoding="utf-8"))))
+
+    def show(self) -> None:
+        """In a notebook, also amid a cell; else in a browser."""
+        ipython = sys.modules.get("IPython")
+        shell = ipython.get_ipython() if ipython else None
+        if shell is not None and hasattr(shell, "kernel"):
+            from IPython.display import display
+            display(self)  # type: ignore[no-untyped-call]
+        else:
+            webbrowser.open(self.path.as_uri())
+
+
+def view(*runs: RunLike, out: Optional[PathLike] = None, height: int = 640) -> Page:
+    """Makes a page of a run, of two side by side, or of a directory of batch(), as `weft view` does, in the file `out`
+    (default: run.html, compare.html or batch.html in the first directory). Its height in a notebook: [pixels].
+
+    >>> weft.view(weft.run(scene, tmp / "viewed")).path.name
+    'run.html'
+    """
+    _, url = _call(["view", *[os.fspath(of) for of in runs], *([] if out is None else ["--out", os.fspath(out)])])
+    return Page(unquote(urlsplit(url.strip()).path), height)
 
 
 class Run:
@@ -145,8 +288,19 @@ class Run:
         if not (self.directory / "scene.yaml").exists():
             raise FileNotFoundError("%s holds no run: it has no scene.yaml" % self.directory)
 
+    def __fspath__(self) -> str:
+        return str(self.directory)
+
     def __repr__(self) -> str:
         return "<weft.Run %s>" % self.directory
+
+    def _repr_html_(self) -> str:
+        return view(self)._repr_html_()
+
+    def show(self, height: int = 640) -> None:
+        """Plays the frames, in a notebook at this height [pixels], else in a browser. A run that ends a cell of a
+        notebook is shown, too."""
+        view(self, height=height).show()
 
     def _yaml(self, name: str) -> dict[str, Any]:
         import yaml

@@ -120,7 +120,8 @@ class _Memory:
                                     "shape": (count,), "data": (int(ffi.cast("uintptr_t", pointer)), True)}
 
 
-def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: Any = None, correct: Any = None) -> Sim:
+def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: Any = None, correct: Any = None,
+         event: Any = None, event_hold: float = 0.0, dense: bool = False) -> Sim:
     """Makes a simulation of a scene, at t = 0.
 
     scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
@@ -132,8 +133,11 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     correct(t, h, x, v) may edit x and v in place, except for pinned particles, after each step of h [s] that ended at
     t; it returns False if it did not. x, v and f are the same arrays in every call: copy what must stay. Those of
     triangles have the order of `state`: vertex i is x[sim.index[i]].
-    An exception in either ends the step, and step() or advance() raises it. Instead of a Python function, which costs
-    some microseconds per call (PerformanceWarning), both take a C function, weft_force_fn or weft_correct_fn:
+    event(t, x, v) is a number that falls from > 0 to <= 0 at an event, which ends step(), advance() and frames(): `event`
+    of the simulation is True then. event_hold [s] > 0: when it has been 0 or below for so long. Default: that of
+    run.stop in the scene. dense: keeps what between() needs. Neither goes with a strain limit or `correct`.
+    An exception in one of them ends the step, and step() or advance() raises it. Instead of a Python function, which
+    costs some microseconds per call (PerformanceWarning), each takes a C function, weft_force_fn and so on:
     numba.cfunc(weft.FORCE), numba.cfunc(weft.CORRECT), of ctypes or of cffi, alone or as (function, array), whose
     memory is the function's ctx.
 
@@ -144,17 +148,18 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     >>> sim.time, sim.positions.shape
     (0.5, (80, 3))
     """
+    own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
     if isinstance(scene, Mapping) and has_mesh(scene):
-        return Sim(None, MeshScene(scene, overrides), [], force, correct)
+        return Sim(None, MeshScene(scene, overrides), [], own)
     if isinstance(scene, Mapping):
-        return Sim(None, yaml_text(scene), settings(overrides), force, correct)
+        return Sim(None, yaml_text(scene), settings(overrides), own)
     if isinstance(scene, str) and "\n" in scene:
-        return Sim(None, scene, settings(overrides), force, correct)
-    return Sim(os.fspath(scene), None, settings(overrides), force, correct)
+        return Sim(None, scene, settings(overrides), own)
+    return Sim(os.fspath(scene), None, settings(overrides), own)
 
 
-def _revive(name: str, content: Any, saved: bytes, force: Any, correct: Any) -> Sim:
-    sim = Sim(name, MeshScene(content) if isinstance(content, Mapping) else content, [], force, correct)
+def _revive(name: str, content: Any, saved: bytes, own: dict[str, Any]) -> Sim:
+    sim = Sim(name, MeshScene(content) if isinstance(content, Mapping) else content, [], own)
     sim.restore(saved)
     return sim
 
@@ -169,10 +174,10 @@ class Sim:
     r * cols + c.
     """
 
-    def __init__(self, file: Optional[str], content: Union[str, MeshScene, None], sets: list[str], force: Any,
-                 correct: Any) -> None:
+    def __init__(self, file: Optional[str], content: Union[str, MeshScene, None], sets: list[str],
+                 own: dict[str, Any]) -> None:
         self._exclusion, self._process = Exclusion(), os.getpid()
-        self._name, self._given = file or "scene", (force, correct)
+        self._name, self._given = file or "scene", own
         self._meshed = content if isinstance(content, MeshScene) else None
         self._scene, found = (content.read() if isinstance(content, MeshScene) else read_scene(file, content, sets))
         for warning in found:
@@ -189,9 +194,14 @@ class Sim:
         definition.ledger = lib.weft_scene_record(self._scene).ledger
         definition.log = lib.weftpy_log_of()
         self._definition = definition
-        self._hooks = Hooks(self.particles if callable(force) or callable(correct) else 0)
-        self._kept = [self._hook("force", "weft_force_fn *", force),
-                      self._hook("correct", "weft_correct_fn *", correct)]
+        definition.dense = own["dense"]
+        lib.weftpy_stop(definition, lib.weft_scene_run(self._scene))
+        if own["event"] is not None:
+            definition.event_hold = own["event_hold"]
+        hooks, self._kept = ("force", "correct", "event"), []
+        self._hooks = Hooks(self.particles if any(callable(own[name]) for name in hooks) else 0)
+        for name in hooks:  # no comprehension: it would be a level of the stack
+            self._kept.append(self._hook(name, "weft_%s_fn *" % name, own[name]))
         check(lib.weft_sim_create(definition, sim, err), err)
         self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth))
         self._present = lib.weft_sim_cloth(self._sim)
@@ -235,7 +245,7 @@ class Sim:
 
     def __reduce__(self) -> Any:
         content = self.scene if self._meshed is None else self._meshed.scene
-        return _revive, (self._name, content, self.save(), *self._given)
+        return _revive, (self._name, content, self.save(), self._given)
 
     @contextmanager
     def _alone(self) -> Iterator[Any]:
@@ -378,14 +388,44 @@ class Sim:
         return end
 
     def advance(self, t: float) -> None:
-        """Steps until the time is exactly t [s], as a double; frame i of a scene is at i / fps. Raises StepError."""
+        """Steps until the time is exactly t [s], as a double, or an event; frame i of a scene is at i / fps. Raises
+        StepError."""
         with self._alone() as err:
             end = self._later(t)
             while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
                 status = lib.weftpy_advance(self._sim, end, 0.05, self._hooks.raised, err)
                 self._finish(status, err)
-                if self.time == end:
+                if self.time == end or self._at_event():
                     return
+
+    def _at_event(self) -> bool:
+        return bool(lib.weft_sim_event(self._sim))
+
+    @property
+    def event(self) -> bool:
+        """Whether an event ended the last step; it is at `time`, to 1e-10 s.
+
+        >>> sim = weft.load(scene, event=lambda t, x, v: x[:, 1].min() + 0.75)
+        >>> sim.advance(1.0)
+        >>> sim.event, bool(abs(sim.positions[:, 1].min() + 0.75) < 1e-8)
+        (True, True)
+        """
+        with self._exclusion.read():
+            return self._at_event()
+
+    def between(self, t: float) -> Array:
+        """The state (6 N,) at t [s] within the last step or at its end, of an order of at least that of the method less
+        one; needs load(dense=True) or an event.
+
+        >>> sim = weft.load(scene, dense=True)
+        >>> h = sim.step()
+        >>> sim.between(h / 2)[:80].shape
+        (80,)
+        """
+        out = np.empty(6 * self.particles)
+        with self._alone() as err:
+            check(lib.weft_sim_between(self._sim, float(real(t, "a time", ())), ffi.from_buffer("double[]", out), err), err)
+        return out
 
     def _frame_after(self, t: float) -> float:
         run = lib.weft_scene_run(self._scene)
@@ -403,6 +443,8 @@ class Sim:
         >>> sim = weft.load(scene, {"run.duration": 0.1})
         >>> [round(sim.time, 3) for i in sim.frames()]
         [0.0, 0.033, 0.067, 0.1]
+
+        An event is the last frame.
         """
         run = lib.weft_scene_run(self._scene)
         last = int(lib.weft_run_last_frame(run))
@@ -412,6 +454,8 @@ class Sim:
                 continue
             self.advance(t)
             yield i
+            if self.event:
+                return
             if run.checkpoint > 0 and i > 0 and i % run.checkpoint == 0 and i < last:
                 self.restart()
 
@@ -484,6 +528,21 @@ class Sim:
     def grid_velocities(self) -> Array:
         """(rows, cols, 3) [m/s]; a view."""
         return self.state[3 * self.particles:].reshape(3, self.rows, self.cols).transpose(1, 2, 0)
+
+    @property
+    def normals(self) -> Array:
+        """(N, 3), unit normals of the vertices: of their triangles, weighted by area; 0 where these have none.
+
+        >>> weft.load(scene).normals[0].round(12) + 0.0
+        array([0., 0., 1.])
+        """
+        corners, xyz = self.triangles, self.positions
+        a, b, c = (xyz[corners[:, k]] for k in range(3))
+        sums = np.zeros_like(xyz)
+        for k in range(3):
+            np.add.at(sums, corners[:, k], np.cross(b - a, c - a))
+        length = np.linalg.norm(sums, axis=1, keepdims=True)
+        return sums / np.where(length > 0, length, 1)
 
     def _triples(self, values: Any, name: str) -> tuple[Any, Any]:
         if values is None:
@@ -607,6 +666,28 @@ class Sim:
                                                ffi.from_buffer("double[]", out)) != 0:
                 out[:] = np.nan
         return out
+
+    def jacobian(self, t: Optional[float] = None, y: Any = None) -> Any:
+        """J (6 N, 6 N), the derivative of the cloth's rhs, as scipy.sparse.csc_matrix, in the present state or at t [s]
+        in y: that of jacobian_product(), so without contact of the cloth with itself and an own force. Needs SciPy.
+
+        >>> sim = weft.load(scene)
+        >>> J, dy = sim.jacobian(), np.ones(480)
+        >>> bool(abs(J @ dy - sim.jacobian_product(0, sim.state, dy)).max() < 1e-9)
+        True
+        """
+        from weft.jacobian import assemble
+        return assemble(self, self.time if t is None else t, self.state if y is None else y)
+
+    def _joined(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
+        """(P, 2), places in a state of particles whose forces depend on each other."""
+        count, err, none = ffi.new("size_t *"), ffi.new("weft_error *"), ffi.NULL
+        ends = np.empty((lib.weft_cloth_edges(self._cloth, none), 2), dtype=np.uint32)  # of wind
+        lib.weft_cloth_edges(self._cloth, ffi.from_buffer("uint32_t[]", ends))
+        check(lib.weftpy_joined(self._cloth, none, count, err), err)
+        pairs = np.empty((count[0], 2), dtype=np.uint32)
+        check(lib.weftpy_joined(self._cloth, ffi.from_buffer("uint32_t[]", pairs), count, err), err)
+        return np.concatenate([pairs, ends if self._index_of is None else self._index_of[ends]])
 
     def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
         """Guaranteed bounds of all modes in the present state, or in any (`anywhere`); sharpened, no longer
