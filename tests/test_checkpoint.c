@@ -10,7 +10,7 @@
 #include "saved_sim.h"
 #include "saved_sum.h"
 #include "shell.h"
-#include "sim/ledger.h"
+#include "sim/simulation.h"
 
 #define OUT BUILD_DIR "/checkpoint"
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 
 __extension__ typedef __int128 wide;
 

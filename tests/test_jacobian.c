@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance/structured.h"
+#include "conformance/oscillators.h"
 #include "meshes.h"
 #include "structured.h"
 

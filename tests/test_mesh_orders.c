@@ -4,7 +4,6 @@
  * and under tolerances with them. */
 #include <math.h>
 
-#include "conformance/measured_order.h"
 #include "conformance/oscillators.h"
 #include "meshes.h"
 #include "verify/verify.h"

@@ -73,4 +73,17 @@ static inline void weft__free(const weft_allocator *memory, void *block)
     }
 }
 
+/* Frees all blocks that are given, of which any may be NULL. */
+#define WEFT__FREE_ALL(memory, ...)                                                    \
+    weft__free_list((memory), (void *const[]){ __VA_ARGS__ },                          \
+                    sizeof((void *const[]){ __VA_ARGS__ }) / sizeof(void *))
+
+static inline void weft__free_list(const weft_allocator *memory, void *const *blocks,
+                                   size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        weft__free(memory, blocks[i]);
+    }
+}
+
 #endif

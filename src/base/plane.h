@@ -28,6 +28,13 @@ static inline weft__ends weft__ends_of(uint32_t a, uint32_t b, uint32_t number)
     return a < b ? (weft__ends){ a, b, number } : (weft__ends){ b, a, number };
 }
 
+/* For qsort, of uint32_t. */
+static inline int weft__ascending(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
 /* For qsort and bsearch; the number does not count. */
 static inline int weft__compare_ends(const void *a, const void *b)
 {

@@ -31,4 +31,15 @@ weft_status weft__def_read(void *def, size_t size, const void *from, size_t most
     (*(def) = type##_default(),                                                        \
      weft__def_read(def, sizeof(type), from, most, #type, err))
 
+/* WEFT_INVALID for a public function without its definition, or a place for its result.
+ */
+static inline weft_status weft__given(const void *def, const void *out,
+                                      const char *function, weft_error *err)
+{
+    return def != NULL && out != NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID, "%s: the %s is NULL", function,
+                                def == NULL ? "definition" : "place for the result");
+}
+
 #endif

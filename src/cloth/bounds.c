@@ -64,10 +64,8 @@ static weft__sides sides_of(const weft_cloth *cloth, const double *y)
 {
     weft__sides sides
         = { .count = 3, .way = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
-    for (size_t k = 0; y != NULL && k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->ratios != NULL) {
-            weft__table[k].force->ratios(weft__own(cloth, k), &sides);
-        }
+    if (y != NULL) {
+        WEFT__EACH_FORCE(cloth, ratios, &sides)
     }
     return sides;
 }
@@ -118,8 +116,9 @@ static void bound_of(const weft_cloth *cloth, const weft__state *at, size_t i,
 {
     memset(sums, 0, sides->count * sizeof *sums);
     for (size_t k = WEFT__FORCES; k-- > 0;) {
-        if (weft__table[k].force->bound != NULL) {
-            weft__table[k].force->bound(weft__own(cloth, k), at, i, sides, sums);
+        const weft__force *force = weft__force_at(cloth, k);
+        if (force != NULL && force->bound != NULL) {
+            force->bound(weft__own(cloth, k), at, i, sides, sums);
         }
     }
 }
@@ -130,12 +129,7 @@ static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t f
 {
     weft__grip grips[BLOCK] = { 0 };
     double sums[WEFT__SIDES][6];
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->grip != NULL) {
-            weft__table[k].force->grip(weft__own(cloth, k), at, first, end - first,
-                                       grips);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, grip, at, first, end - first, grips)
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
             bound_of(cloth, at, i, sides, sums);
@@ -196,12 +190,7 @@ static void multiply(const weft_cloth *cloth, const weft__state *at,
 {
     const size_t n = cloth->mesh.particles;
     memset(out, 0, 3 * n * sizeof *out);
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->multiply != NULL) {
-            weft__table[k].force->multiply(weft__own(cloth, k), at, way[0], way[1], x,
-                                           out);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, multiply, at, way[0], way[1], x, out)
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= cloth->mesh.inverse_mass[j % n];
     }

@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/given.h"
 #include "base/memory.h"
 #include "base/sized.h"
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
@@ -249,14 +248,11 @@ void weft_cloth_destroy(weft_cloth *cloth)
     if (cloth != NULL) {
         const weft_allocator memory = cloth->memory;
         if (!cloth->copied) {
-            weft__free(&memory, cloth->mesh.mass);
-            weft__free(&memory, cloth->mesh.motions);
+            WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions);
             weft__triangles_destroy(cloth->mesh.triangles, &memory);
         }
-        weft__free(&memory, cloth->mesh.inverse_mass);
-        weft__free(&memory, cloth->mesh.pin);
-        weft__free(&memory, cloth->mesh.pins);
-        weft__free(&memory, cloth->mesh.coast);
+        WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
+                       cloth->mesh.pins, cloth->mesh.coast);
         for (size_t k = 0; k < WEFT__FORCES; ++k) {
             if (weft__table[k].force->free != NULL) {
                 weft__table[k].force->free(weft__own_of(cloth, k), &memory);
@@ -378,8 +374,10 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
               ? 0
               : weft__triangles_bytes(cloth->mesh.triangles, cloth->mesh.particles);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        more += force->bytes != NULL ? force->bytes(weft__own(cloth, k)) : 0;
+        const weft__force *force = weft__force_at(cloth, k);
+        more += force != NULL && force->bytes != NULL
+                    ? force->bytes(weft__own(cloth, k))
+                    : 0;
     }
     return sizeof *cloth + more + cloth->mesh.particles * each
            + WEFT_PAST * sizeof *cloth->mesh.inverse_mass

@@ -4,7 +4,7 @@
 
 #include "base/sized.h"
 #include "cloth/model.h"
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 #include "mesh/surface.h"
 
 size_t weft_cloth_shapes(const weft_cloth *cloth)

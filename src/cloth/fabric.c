@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabric.c -- measured fabrics: the springs that have their moduli, the moduli that
  * springs have, and presets. */
-#include "base/given.h"
+#include "base/sized.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "weft/elementary.h"

@@ -6,10 +6,11 @@
 
 weft__run_count weft__list_runs(const weft_cloth *cloth, size_t k, weft_bonds *runs)
 {
-    const weft__force *force = weft__table[k].force;
+    const weft__force *force = weft__force_at(cloth, k);
+    const bool has = force != NULL && force->runs != NULL;
     weft_bonds some[WEFT_GROUPS];
     weft__run_count all = { 0, 0 };
-    for (size_t b = 0; force->runs != NULL && b < weft__blocks(&cloth->mesh); ++b) {
+    for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
         const size_t count = force->runs(weft__own(cloth, k), b, some);
         for (size_t i = 0; i < count; ++i) {
             if (runs != NULL) {
@@ -32,13 +33,13 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
         memset(blocks, 0, 15 * cloth->mesh.particles * sizeof *blocks);
     }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
+        const weft__force *force = weft__force_at(cloth, k);
         const void *own = weft__own(cloth, k);
-        for (size_t b = 0; force->bonds != NULL && b < weft__blocks(&cloth->mesh);
-             ++b) {
+        const bool has = force != NULL && force->bonds != NULL;
+        for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
             planes = force->bonds(own, &at, b, planes, bonds, &bad);
         }
-        if (force->blocks != NULL && blocks != NULL) {
+        if (force != NULL && force->blocks != NULL && blocks != NULL) {
             failed |= force->blocks(own, &at, blocks);
         }
     }
@@ -48,26 +49,14 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
 size_t weft__list_links(const weft_cloth *cloth, weft_link *links)
 {
     size_t count = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        if (force->links != NULL) {
-            count += force->links(weft__own(cloth, k),
-                                  links != NULL ? links + count : NULL);
-        }
-    }
+    WEFT__FROM_EACH_FORCE(count +=, cloth, links, links != NULL ? links + count : NULL)
     return count;
 }
 
 size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties)
 {
     size_t count = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        if (force->ties != NULL) {
-            count
-                += force->ties(weft__own(cloth, k), ties != NULL ? ties + count : NULL);
-        }
-    }
+    WEFT__FROM_EACH_FORCE(count +=, cloth, ties, ties != NULL ? ties + count : NULL)
     return count;
 }
 
@@ -75,14 +64,7 @@ int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
                           double *numbers)
 {
     const weft__state at = { .t = t, .y = y };
-    int failed = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        const void *own = weft__own(cloth, k);
-        if (force->links != NULL) {
-            failed |= force->link_numbers(own, &at, numbers);
-            numbers += WEFT_LINK_NUMBERS * force->links(own, NULL);
-        }
-    }
+    int failed = 0; /* links are of one force alone */
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, link_numbers, &at, numbers)
     return failed;
 }

@@ -21,21 +21,13 @@ void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b
             sum->energy.kinetic += 0.5 * mesh->mass[i] * weft__dot(v, v);
         }
     }
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->energy != NULL) {
-            weft__table[k].force->energy(weft__own(cloth, k), at, b, sum);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, energy, at, b, sum)
 }
 
 void weft__block_power(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->power != NULL) {
-            weft__table[k].force->power(weft__own(cloth, k), at, b, sum);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, power, at, b, sum)
 }
 
 static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_t b,
@@ -56,11 +48,7 @@ static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_
 void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->worst != NULL) {
-            weft__table[k].force->worst(weft__own(cloth, k), at, b, sum);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, worst, at, b, sum)
 }
 
 static uint64_t block_hash(const double *y, size_t n, size_t first, size_t end)
@@ -127,12 +115,7 @@ void weft__measures_add(weft_measures *sum, const weft_measures *block)
 void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
                        const weft__state *at, weft_measures *sum)
 {
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->measure_all != NULL) {
-            weft__table[k].force->measure_all(
-                weft__own(cloth, k), spaces != NULL ? spaces[k] : NULL, at, sum);
-        }
-    }
+    WEFT__EACH_FORCE(cloth, measure_all, spaces != NULL ? spaces[k_] : NULL, at, sum)
 }
 
 static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
@@ -233,12 +216,8 @@ void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = none;
     }
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        for (size_t b = 0; force->strains != NULL && b < weft__blocks(&cloth->mesh);
-             ++b) {
-            force->strains(weft__own(cloth, k), &at, b, strain);
-        }
+    for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
+        WEFT__EACH_FORCE(cloth, strains, &at, b, strain)
     }
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = strain[i] == none ? 0.0 : strain[i];

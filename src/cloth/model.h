@@ -19,8 +19,7 @@ struct weft_cloth {
 /* The forces with their places in a cloth, in the order of summation:
  *
  *     for (size_t k = 0; k < WEFT__FORCES; ++k)
- *         weft__forces_of[k].force, weft__own(cloth, k)
- */
+ *         weft__table[k].force, weft__own(cloth, k) */
 #define WEFT_FORCE_PLACE(name) WEFT__FORCE_##name,
 enum { WEFT_FORCES(WEFT_FORCE_PLACE) WEFT__FORCES };
 #undef WEFT_FORCE_PLACE
@@ -39,6 +38,25 @@ static inline void *weft__own_of(weft_cloth *of, size_t k)
 {
     return (char *)of + weft__table[k].at;
 }
+
+/* The force, or NULL where the cloth has none of it. */
+static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
+{
+    const weft__force *force = weft__table[k].force;
+    return force->present == NULL || force->present(weft__own(of, k)) ? force : NULL;
+}
+
+/* Calls `member` of each force of a cloth that has one, with own and the rest; what it
+ * returns goes `into`, as in: failed |= */
+#define WEFT__FROM_EACH_FORCE(into, cloth, member, ...)                                \
+    for (size_t k_ = 0; k_ < WEFT__FORCES; ++k_) {                                     \
+        const weft__force *force_ = weft__force_at((cloth), k_);                       \
+        if (force_ != NULL && force_->member != NULL) {                                \
+            into force_->member(weft__own((cloth), k_), __VA_ARGS__);                  \
+        }                                                                              \
+    }
+#define WEFT__EACH_FORCE(cloth, member, ...)                                           \
+    WEFT__FROM_EACH_FORCE((void), cloth, member, __VA_ARGS__)
 
 /* rhs.c: all of dy/dt of blocks [first, end) but what add_all adds. Returns 0, or 1 if
  * a number is not finite. The bits do not depend on how blocks are divided among calls.

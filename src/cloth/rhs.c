@@ -19,13 +19,17 @@ static int sum(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
                double *to, size_t first, size_t end)
 {
     double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.particles;
+    const weft__state along = { .y = at->along };
     int failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
                                              unit, to, first, end);
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        weft__add_fn *add = at->along != NULL ? force->change : force->add;
+        const weft__force *force = weft__force_at(cloth, k);
+        const bool change = at->along != NULL && force != NULL && !force->linear;
+        weft__add_fn *add = force == NULL ? NULL : change ? force->change : force->add;
         if (add != NULL) {
-            failed |= add(weft__own(cloth, k), at, unit, planes, first, end);
+            failed
+                |= add(weft__own(cloth, k), at->along != NULL && !change ? &along : at,
+                       unit, planes, first, end);
         }
     }
     return failed;
@@ -47,13 +51,8 @@ int weft__rhs_all(const weft_cloth *cloth, void *const *spaces, const weft__stat
                   weft__unit unit, double *dvdt)
 {
     int failed = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__table[k].force;
-        if (force->add_all != NULL) {
-            failed |= force->add_all(weft__own(cloth, k),
-                                     spaces != NULL ? spaces[k] : NULL, at, unit, dvdt);
-        }
-    }
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, add_all, spaces != NULL ? spaces[k_] : NULL,
+                          at, unit, dvdt)
     return failed;
 }
 

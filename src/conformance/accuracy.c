@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* accuracy.c -- checks of the order and of the tolerance. */
-#include "conformance/measured_order.h"
+#include "conformance/oscillators.h"
 #include "conformance/trial.h"
 
 const char *weft__order_not_measured(const weft_stepper_type *type)

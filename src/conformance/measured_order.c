@@ -17,7 +17,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "conformance/measured_order.h"
 #include "conformance/oscillators.h"
 
 enum {

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <pthread.h>
 
-#include "conformance/merson.h"
+#include "weft/stepper.h"
 
 enum { DIM = 6, APART = 3 /* quadratures at most */, WEFT__DIM_MOST = 30 };
 
@@ -111,6 +111,20 @@ static inline double weft__allowed(const weft_stepper_type *type)
     return type->order == 1 ? 5e-3 : 1e-4;
 }
 
+/* A Butcher table for methods that take one: R. H. Merson's of order 4,
+ * with an embedded solution of order 3. */
+static inline const weft_butcher *merson(void)
+{
+    static const double a[25]
+        = { [5] = 1.0 / 3, [10] = 1.0 / 6, [11] = 1.0 / 6, [15] = 0.125,
+            [17] = 0.375,  [20] = 0.5,     [22] = -1.5,    [23] = 2.0 };
+    static const double b[5] = { 1.0 / 6, 0, 0, 2.0 / 3, 1.0 / 6 };
+    static const double c[5] = { 0, 1.0 / 3, 1.0 / 3, 0.5, 1 };
+    static const double b3[5] = { 0.1, 0, 0.3, 0.4, 0.2 };
+    static const weft_butcher table = { 5, 4, 3, a, b, c, b3 };
+    return &table;
+}
+
 /* Adds Merson's table for a method that needs a table and has none. */
 static inline weft_stepper_config weft__with_table(const weft_stepper_type *type,
                                                    weft_stepper_config config)
@@ -120,5 +134,34 @@ static inline weft_stepper_config weft__with_table(const weft_stepper_type *type
     }
     return config;
 }
+
+/* ---- measured_order.c: the order of a method ---------------------------------------
+ */
+
+enum { WEFT__ORDER_MOST = 9 };
+#define WEFT__ORDER_BOUND 0.2
+
+/* The order claimed by the method, or by the table it gets here; 0: variable, or
+ * not to be measured in fixed steps. */
+int weft__order_claimed(const weft_stepper_type *type);
+
+/* log2 of the ratio of the errors with h and h/2, measured for the order `claimed`, at
+ * most WEFT__ORDER_MOST; INFINITY if the errors are roundoff, as the order is higher
+ * then. Errors: those of create and step. */
+weft_status weft__order(const weft_stepper_type *type, int claimed, double *order,
+                        weft_error *err);
+
+/* ---- structured.c: a string of beads, the first held, with a structure -------------
+ */
+
+enum { WEFT__STRING = 30 /* numbers of its state; <= WEFT__DIM_MOST */ };
+
+int weft__string_rhs(double t, const double *y, double *dydt, void *ctx);
+
+/* Level, stretched a little, and moving. */
+void weft__string_start(double y[WEFT__STRING]);
+
+/* To a method that knows links some springs are given as such. */
+void weft__string_init(weft_structure *at, bool knows_links);
 
 #endif

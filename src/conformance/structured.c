@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* structured.c -- config->structure: with that of a string of beads, the first of which
  * is held, a method has the solution that it has without. */
-#include "conformance/structured.h"
+#include "conformance/oscillators.h"
 
 #include "conformance/trial.h"
 

@@ -58,9 +58,12 @@ typedef struct weft__force {
     void (*free)(void *own, const weft_allocator *memory);
     size_t (*bytes)(const void *own); /* of its tables of triangles */
 
-    /* Its law. The first of the table starts a sum, the others add
-     * to it. `change`: the derivative of add
-     * along at->along. */
+    /* Whether a cloth has it, else all below is left out; NULL: always. */
+    bool (*present)(const void *own);
+
+    /* Its law. The first of the table starts a sum, the others add to it. `change`: the
+     * derivative of add along at->along, which of a linear force is add itself. */
+    bool linear;
     weft__start_fn *start;
     weft__add_fn *add, *change;
     weft__block_fn *energy, *power; /* [J]; [W] */
@@ -103,6 +106,20 @@ typedef struct weft__force {
     void (*measure_all)(const void *own, void *space, const weft__state *at,
                         weft_measures *sum);
 } weft__force;
+
+/* Adds a force [N] on particle i, in the unit, to three planes; returns 0 or NaN. */
+static inline double weft__force_add(const weft__mesh *mesh, weft__unit unit, size_t i,
+                                     const double force[3], double *to)
+{
+    const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
+    double bad = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        double *sum = to + k * mesh->particles + i;
+        *sum += share * force[k];
+        bad += *sum * 0.0;
+    }
+    return bad;
+}
 
 /* Keeps the one of larger strain, the first of equal ones; NaN is larger than every
  * number. */

@@ -536,11 +536,8 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
     if (out != NULL && !at.failed) {
         fill(&at);
     }
-    void *const scratch[] = { at.bad, at.clockwise, at.halves, at.first, at.piece,
-                              at.key, at.place_key, at.order,  at.other };
-    for (size_t i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {
-        weft__free(memory, scratch[i]);
-    }
+    WEFT__FREE_ALL(memory, at.bad, at.clockwise, at.halves, at.first, at.piece, at.key,
+                   at.place_key, at.order, at.other);
     *no_memory = at.no_memory;
     if (at.failed) {
         weft__triangles_destroy(at.out, memory);
@@ -571,14 +568,10 @@ void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
     if (of == NULL) {
         return;
     }
-    void *const blocks[] = { of->corner,       of->place,   of->edge,   of->piece,
-                             of->fabric,       of->area,    of->rest,   of->particle,
-                             of->edge_list,    of->start,   of->lumped, of->vertex,
-                             of->of_vertex,    of->fabrics, of->name,   of->mirrored,
-                             of->around_first, of->around,  of };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(memory, of->corner, of->place, of->edge, of->piece, of->fabric,
+                   of->area, of->rest, of->particle, of->edge_list, of->start,
+                   of->lumped, of->vertex, of->of_vertex, of->fabrics, of->name,
+                   of->mirrored, of->around_first, of->around, of);
 }
 
 void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,

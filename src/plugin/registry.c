@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/given.h"
 #include "base/memory.h"
 #include "base/sized.h"
 #include "plugin/loading.h"
@@ -81,8 +80,7 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
     weft_registry *registry = weft__zeroed(&memory, 1, sizeof *registry);
     char *path = join_paths(&memory, lists);
     if (registry == NULL || path == NULL) {
-        weft__free(&memory, registry);
-        weft__free(&memory, path);
+        WEFT__FREE_ALL(&memory, registry, path);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin registry");
     }
     registry->path = path;
@@ -116,9 +114,7 @@ void weft_registry_destroy(weft_registry *registry)
         }
         weft__free(&memory, registry->entries[i].file);
     }
-    weft__free(&memory, registry->entries);
-    weft__free(&memory, registry->path);
-    weft__free(&memory, registry);
+    WEFT__FREE_ALL(&memory, registry->entries, registry->path, registry);
 }
 
 static const weft_plugin *find_loaded(const weft_registry *registry, const char *id)

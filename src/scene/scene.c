@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/given.h"
 #include "base/sized.h"
 #include "scene/read.h"
 #include "scene/sweep.h"

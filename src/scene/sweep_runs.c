@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/given.h"
+#include "base/sized.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 

@@ -8,7 +8,6 @@
  * each node adds an order (W. H. Enright, K. R. Jackson, S. P. Norsett, P. G. Thomsen,
  * Interpolants for Runge-Kutta formulas, ACM TOMS 12(3), 1986). Quadratures have values
  * at the ends and rates everywhere: degree 3 + nodes. Derived in docs/physics.md. */
-#include "sim/between.h"
 
 #include <math.h>
 #include <string.h>

@@ -57,8 +57,7 @@ void weft__forces_destroy(weft__forces *forces)
 {
     weft__self_list_destroy(forces->self);
     weft__pool_destroy(forces->pool);
-    weft__free(&forces->memory, forces->measures);
-    weft__free(&forces->memory, forces->all);
+    WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all);
 }
 
 /* The first block of a band, the last that of none. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "sim/ledger.h"
+#include "sim/simulation.h"
 
 #include <math.h>
 #include <stddef.h>

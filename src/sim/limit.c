@@ -14,7 +14,7 @@
  * step, so growth is possible: it restarts too, and bounds t for the rest of the step.
  * Differences of states move no centre of mass and no pin, so neither does the
  * momentum. */
-#include "sim/limit.h"
+#include "sim/simulation.h"
 
 #include <math.h>
 #include <string.h>

@@ -336,10 +336,7 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
             exchange(sim, &to);
         }
     }
-    weft__free(&sim->memory, to.shapes);
-    weft__free(&sim->memory, to.front);
-    weft__free(&sim->memory, to.holds);
-    weft__free(&sim->memory, to.y);
+    WEFT__FREE_ALL(&sim->memory, to.shapes, to.front, to.holds, to.y);
     return status;
 }
 

@@ -242,9 +242,7 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
               : WEFT_OK;
     status = weft_comm_agree(sim->def.comm, status, err);
     status = status == WEFT_OK ? put_all(sim, &to, err) : status;
-    weft__free(memory, to.front);
-    weft__free(memory, to.holds);
-    weft__free(memory, to.plane);
+    WEFT__FREE_ALL(memory, to.front, to.holds, to.plane);
     return status;
 }
 

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/given.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/sized.h"
@@ -204,12 +203,8 @@ void weft_sim_destroy(weft_sim *sim)
         weft__forces_destroy(&sim->forces);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
-        void *const own[]
-            = { sim->limit.x, sim->runs, sim->masses, sim->links,        sim->ties,
-                sim->added,   sim->y,    sim->start,  sim->between.start };
-        for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i) {
-            weft__free(&memory, own[i]);
-        }
-        weft__free(&memory, sim);
+        WEFT__FREE_ALL(&memory, sim->limit.x, sim->runs, sim->masses, sim->links,
+                       sim->ties, sim->added, sim->y, sim->start, sim->between.start,
+                       sim);
     }
 }

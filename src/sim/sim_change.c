@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sim_change.c -- changes of a simulation from outside, between two steps. */
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 #include "mesh/triangles.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"

@@ -2,7 +2,7 @@
 /* sim_pins.c -- pins that change while a simulation runs. */
 #include <math.h>
 
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
 #include "sim/simulation.h"

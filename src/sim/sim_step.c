@@ -3,7 +3,7 @@
 #include <inttypes.h>
 
 #include "base/log.h"
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 #include "sim/simulation.h"
 
 static bool limit(weft_sim *sim, double h)

@@ -4,11 +4,53 @@
 #define WEFT_SIM_SIMULATION_H
 
 #include "base/finite.h"
-#include "sim/between.h"
 #include "sim/forces.h"
-#include "sim/ledger.h"
-#include "sim/limit.h"
 #include "sim/step_check.h"
+#include "weft/sim.h"
+
+/* between.c: the state within the last step, of any method. */
+enum { WEFT__NODES = 4 };
+
+/* The step behind. */
+typedef struct weft__between {
+    double t0;      /* [s] where it began; INFINITY: it is not known */
+    double *start;  /* the state then, with quadratures; NULL: steps are not kept */
+    unsigned nodes; /* inner ones, of the order of the method */
+    unsigned
+        levels; /* 1 + nodes whose rates are known; 0: not even those of the ends */
+    double *rates[2 + WEFT__NODES]; /* of both ends, then of the inner nodes */
+    double *shown; /* the state that weft__between_show hides, else room */
+    double behind; /* [s] of the hidden state */
+    bool showing;
+} weft__between;
+
+/* limit.c: the strain limit as a correction after an accepted step. */
+typedef struct weft__limit {
+    weft_limit_def def; /* without a method it has no families */
+    const weft_cloth *cloth;
+    weft_limit_stats stats;
+    double last_step; /* [s] */
+    size_t count;     /* 3 N */
+    double *x;        /* positions under correction */
+    double *previous; /* fast: x_k */
+    double *start;    /* fast: z, that the last sweep started from */
+    double t, most;   /* fast: t_k and its bound */
+    double least2;    /* fast: the smallest squared movement of a sweep */
+} weft__limit;
+
+/* ledger.c: the energy gained and lost by a simulation.
+ *
+ * The powers of weft_cloth_power and that of the embedder's force are integrated with
+ * the state, as quadratures after its 6 N numbers. Changes between the steps are
+ * counted as work. */
+typedef struct weft__ledger {
+    bool on;                         /* off: these functions do nothing */
+    double start;                    /* [J] energy at t = 0 */
+    double marked;                   /* [J] energy at the last mark */
+    double limit_work, outside_work; /* [J] */
+} weft__ledger;
+
+enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
 struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
@@ -138,5 +180,57 @@ static inline bool weft__wind_usable(const double velocity[3], double drag)
  * method; `config` is its config, completed, which the method has accepted. */
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);
+
+/* ---- between.c ---------------------------------------------------------------------
+ */
+
+/* Room for a definition that asks for it. */
+weft_status weft__between_init(weft_sim *sim, weft_error *err);
+
+/* Before a step. */
+void weft__between_begin(weft_sim *sim);
+/* After a change from outside: no time is behind. */
+void weft__between_forget(weft_sim *sim);
+
+/* Between the two, the simulation is as it was at t within the last step, and no
+ * function may change it. Errors: those of weft_sim_between. */
+weft_status weft__between_show(weft_sim *sim, double t, weft_error *err);
+void weft__between_hide(weft_sim *sim);
+
+/* ---- limit.c -----------------------------------------------------------------------
+ */
+
+/* All 0 where the definition has no method. */
+weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
+                             const weft_cloth *cloth, const weft_allocator *memory,
+                             weft_error *err);
+
+/* Corrects y[6 N] after a step of size h [s]. Returns whether it changed anything. */
+bool weft__limit_apply(weft__limit *limit, double h, double *y);
+
+/* ---- ledger.c ----------------------------------------------------------------------
+ */
+
+/* Writes the powers at t to rates[WEFT__QUADRATURES]; returns whether all are finite.
+ */
+bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
+                        double force_power, double *rates);
+
+/* y is the state at t = 0; zeroes the quadratures behind it. */
+void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);
+
+/* Around corrections: mark before the first; after each that changed y, account adds
+ * the change of energy to *work, a field of the ledger. */
+void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
+                       const double *y);
+void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,
+                          const double *y, double *work);
+
+weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
+                              double t, const double *y);
+
+/* [J] all heat; NaN if it is off. */
+double weft__ledger_heat(const weft__ledger *ledger, const weft_cloth *cloth,
+                         const double *y);
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* step_check.h -- no free particle gets into a shape or through it, and no part of the
- * cloth through another: the conditions of cloth/ccd.h and cloth/self.h, on the
+ * cloth through another: the conditions of contact.h and self.h, on the
  * threads of a simulation. */
 #ifndef WEFT_SIM_STEP_CHECK_H
 #define WEFT_SIM_STEP_CHECK_H
 
-#include "forces/contact/ccd.h"
+#include "forces/contact/contact.h"
 #include "sim/forces.h"
 
 /* A free particle that is in a shape, or may have passed through it; or two primitives

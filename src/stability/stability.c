@@ -24,7 +24,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/given.h"
+#include "base/sized.h"
 #include "plugin/methods.h"
 #include "plugin/plugin_check.h"
 #include "weft/elementary.h"

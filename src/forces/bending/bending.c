@@ -85,6 +85,11 @@ static void choose(void *own, weft__isa isa)
     ((weft__bending *)own)->fast = WEFT_FORM(isa, bending);
 }
 
+static bool present(const void *own)
+{
+    return ((const weft__bending *)own)->present;
+}
+
 /* ---- the force ------------------------------------------------------------------- */
 
 /* A plane of x and one of v; v NULL: x alone. */
@@ -146,14 +151,16 @@ static double resistance(const field *of, size_t i)
            + (across - (moment - column_moment(of, weft__before(r), c)));
 }
 
-/* [N] of plane k of a state. */
-static double resistance_of(const weft__bending *own, const double *y, size_t i,
-                            size_t k)
+/* [N] on particle i in a state. */
+static void force_on(const weft__bending *own, const double *y, size_t i,
+                     double force[3])
 {
-    const double *x = y + k * own->mesh->particles;
-    const bool damped = own->damping != 0.0;
-    const field plane = { own, x, damped ? x + 3 * own->mesh->particles : NULL };
-    return resistance(&plane, i);
+    const size_t n = own->mesh->particles;
+    for (size_t k = 0; k < 3; ++k) {
+        const double *x = y + k * n;
+        const field plane = { own, x, own->damping != 0.0 ? x + 3 * n : NULL };
+        force[k] = -resistance(&plane, i);
+    }
 }
 
 int weft__bending_loops(const void *own, const weft__state *at, weft__unit unit,
@@ -163,12 +170,9 @@ int weft__bending_loops(const void *own, const weft__state *at, weft__unit unit,
     const weft__mesh *mesh = of->mesh;
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
-        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        for (size_t k = 0; k < 3; ++k) {
-            double *plane = to + k * mesh->particles;
-            plane[i] -= share * resistance_of(of, at->y, i, k);
-            bad += plane[i] * 0.0;
-        }
+        double force[3];
+        force_on(of, at->y, i, force);
+        bad += weft__force_add(mesh, unit, i, force, to);
     }
     return bad == 0.0 ? 0 : 1;
 }
@@ -178,15 +182,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
 {
     const weft__bending *of = own;
     weft__add_fn *form = unit == WEFT__FORCE ? weft__bending_loops : of->fast;
-    return of->present ? form(own, at, unit, to, first, end) : 0;
-}
-
-/* The force is linear: its change is the force of the direction. */
-static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
-                  size_t first, size_t end)
-{
-    const weft__state along = { .y = at->along };
-    return add(own, &along, unit, to, first, end);
+    return form(own, at, unit, to, first, end);
 }
 
 static void multiply(const void *own, const weft__state *at, double a, double b,
@@ -196,7 +192,7 @@ static void multiply(const void *own, const weft__state *at, double a, double b,
     const size_t n = of->mesh->particles;
     const double scale = a + b * of->damping;
     (void)at;
-    for (size_t j = 0; of->present && j < 3 * n; ++j) {
+    for (size_t j = 0; j < 3 * n; ++j) {
         const field plane = { of, x + j / n * n, NULL };
         out[j] += scale * resistance(&plane, j % n);
     }
@@ -231,22 +227,20 @@ static double row_square(const weft__bending *own, const double *x, size_t r)
 
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
-    const weft__bending *of = own;
-    if (of->present) {
-        sum->energy.elastic[WEFT_BEND] += 0.5 * row_square(of, at->y, b);
-    }
+    sum->energy.elastic[WEFT_BEND] += 0.5 * row_square(own, at->y, b);
 }
 
 /* Of the pins that move in row r. */
 static double pin_power(const weft__bending *own, const weft__state *at, size_t r)
 {
     const weft__mesh *mesh = own->mesh;
-    double power = 0.0, rate[6];
+    double power = 0.0, rate[6], force[3];
     for (size_t i = r * mesh->cols; i < (r + 1) * mesh->cols; ++i) {
         if (weft__pin_moves(mesh, i)) {
             weft__pin_rate(mesh, i, at->t, rate);
+            force_on(own, at->y, i, force);
             for (size_t k = 0; k < 3; ++k) {
-                power += resistance_of(own, at->y, i, k) * rate[k];
+                power -= force[k] * rate[k];
             }
         }
     }
@@ -257,10 +251,8 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 {
     const weft__bending *of = own;
     const double *v = at->y + 3 * of->mesh->particles;
-    if (of->present) {
-        sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
-    }
-    if (of->present && of->damping != 0.0) {
+    sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
+    if (of->damping != 0.0) {
         sum->power[WEFT_POWER_SPRINGS] += of->damping * row_square(of, v, b);
     }
 }
@@ -301,19 +293,12 @@ static void bound(const void *own, const weft__state *at, size_t i,
                   const weft__sides *sides, double (*sums)[6])
 {
     const weft__bending *of = own;
-    const double most = of->present ? row_sum(of, i) * of->mesh->inverse_mass[i] : 0.0;
+    const double most = row_sum(of, i) * of->mesh->inverse_mass[i];
     (void)at;
     for (size_t s = 0; s < sides->count; ++s) {
         const double scale = sides->way[s][0] + sides->way[s][1] * of->damping;
         weft__bound_add(sums[s], fmax(0.0, scale) * most);
     }
-}
-
-/* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
- * one of WEFT_GROUPS ways are a group without a law; false: there are none. */
-static bool pairs_of(const weft__bending *own, size_t way, weft__group *pairs)
-{
-    return own->present && weft__group_init(own->mesh, way, pairs);
 }
 
 /* 2 for each of `at` and the next one where three particles are centred. */
@@ -323,7 +308,8 @@ static double centred(size_t at, size_t count)
            + (weft__inner(at + 1, count) ? 2.0 : 0.0);
 }
 
-/* [N/m] q of the pair of that way that begins at (r, c). */
+/* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
+ * one of WEFT_GROUPS ways are a group without a law. [N/m] q of the one at (r, c): */
 static double pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
 {
     const size_t rows = own->mesh->rows, cols = own->mesh->cols;
@@ -342,12 +328,12 @@ static double pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
 
 static size_t runs(const void *own, size_t b, weft_bonds *to)
 {
+    const weft__mesh *mesh = ((const weft__bending *)own)->mesh;
     size_t count = 0;
     for (size_t way = 0; way < WEFT_GROUPS; ++way) {
         weft__group of;
-        if (pairs_of(own, way, &of)) {
-            count += weft__group_run(((const weft__bending *)own)->mesh, &of, b,
-                                     to + count);
+        if (weft__group_init(mesh, way, &of)) {
+            count += weft__group_run(mesh, &of, b, to + count);
         }
     }
     return count;
@@ -359,7 +345,8 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
     (void)at, (void)bad;
     for (size_t way = 0; way < WEFT_GROUPS; ++way) {
         weft__group of;
-        if (!pairs_of(own, way, &of) || b >= of.end_row) {
+        if (!weft__group_init(((const weft__bending *)own)->mesh, way, &of)
+            || b >= of.end_row) {
             continue;
         }
         for (size_t c = of.first_col; c < of.end_col; ++c, ++planes) {
@@ -377,8 +364,9 @@ const weft__force weft__bending_force = { .name = "bending",
                                           .init = init,
                                           .hash = hash_of,
                                           .choose = choose,
+                                          .present = present,
                                           .add = add,
-                                          .change = change,
+                                          .linear = true,
                                           .energy = energy,
                                           .power = power,
                                           .ratios = ratios,

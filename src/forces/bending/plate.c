@@ -8,9 +8,9 @@
 #include "forces/bounds.h"
 #include "mesh/triangles_work.h"
 
-static bool present(const weft__plate *of)
+static bool present(const void *own)
 {
-    return of->matrix.first != NULL;
+    return ((const weft__plate *)own)->matrix.first != NULL;
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */
@@ -72,7 +72,7 @@ static void bound(const void *own, const weft__state *at, size_t i,
     const weft__plate *of = own;
     const double *tau = of->matrix.tau;
     (void)at;
-    for (size_t s = 0; present(of) && s < sides->count; ++s) {
+    for (size_t s = 0; s < sides->count; ++s) {
         const double a = sides->way[s][0], b = sides->way[s][1];
         const double scale = fmax(a + b * tau[0], a + b * tau[1]);
         const double most
@@ -86,7 +86,7 @@ static void bound(const void *own, const weft__state *at, size_t i,
 static void ratios(const void *own, weft__sides *to)
 {
     const weft__plate *of = own;
-    for (size_t k = 0; present(of) && k < 2; ++k) {
+    for (size_t k = 0; k < 2; ++k) {
         weft__sides_add(to, of->matrix.tau[k]);
     }
 }
@@ -228,15 +228,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     const weft__plate *of = own;
     weft__add_fn *form
         = of->matrix.near > WEFT__PLATE_ROOM ? weft__plate_loops : of->fast;
-    return present(of) ? form(own, at, unit, to, first, end) : 0;
-}
-
-/* The force is linear: its change is the force of the direction. */
-static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
-                  size_t first, size_t end)
-{
-    const weft__state along = { .y = at->along };
-    return add(own, &along, unit, to, first, end);
+    return form(own, at, unit, to, first, end);
 }
 
 static void multiply(const void *own, const weft__state *at, double a, double b,
@@ -247,7 +239,7 @@ static void multiply(const void *own, const weft__state *at, double a, double b,
     (void)at;
     const weft__plate_term stiff = { of->entry, x, 0.0 },
                            damped = { of->damping, x, 0.0 };
-    for (size_t j = 0; of->first != NULL && j < 3 * n; ++j) {
+    for (size_t j = 0; j < 3 * n; ++j) {
         out[j] += (a + b * weft__plate_tau(of)) * row(of, &stiff, j % n, j / n);
         if (of->damping != NULL) {
             out[j] += b * row(of, &damped, j % n, j / n);
@@ -280,10 +272,8 @@ static double block_square(const weft__plate *own, const double *entry, const do
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__plate *of = own;
-    if (present(of)) {
-        sum->energy.elastic[WEFT_BEND]
-            += 0.5 * block_square(of, of->matrix.entry, at->y, b);
-    }
+    sum->energy.elastic[WEFT_BEND]
+        += 0.5 * block_square(of, of->matrix.entry, at->y, b);
 }
 
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
@@ -293,9 +283,8 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const double *v = at->y + 3 * mesh->particles;
     weft__plate_term terms[2];
     double rate[6];
-    const size_t end = present(of) ? weft__block(mesh, b + 1) : 0;
     const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
-    for (size_t i = weft__block(mesh, b); i < end; ++i) {
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (weft__pin_moves(mesh, i)) {
             weft__pin_rate(mesh, i, at->t, rate);
             for (size_t m = 0; m < 3 * count; ++m) {
@@ -305,7 +294,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
         }
     }
     const double tau = weft__plate_tau(&of->matrix);
-    if (present(of) && tau != 0.0) {
+    if (tau != 0.0) {
         sum->power[WEFT_POWER_SPRINGS]
             += tau * block_square(of, of->matrix.entry, v, b);
     }
@@ -319,7 +308,7 @@ static size_t ties(const void *own, weft_tie *to)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     size_t count = 0;
-    for (size_t i = 0; of->first != NULL && i < of->particles; ++i) {
+    for (size_t i = 0; i < of->particles; ++i) {
         const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
         for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
             const size_t p = weft__plate_particle(of, i, of->column[j]);
@@ -342,9 +331,6 @@ static size_t bytes(const void *own)
 {
     const weft__plate *of = own;
     const weft__plate_matrix *k = &of->matrix;
-    if (k->first == NULL) {
-        return 0;
-    }
     const size_t groups = (k->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t blocks = weft__blocks(of->mesh);
     const size_t tables = k->damping != NULL ? 2 : 1;
@@ -363,8 +349,9 @@ const weft__force weft__plate_force = { .name = "plate",
                                         .copy = copy,
                                         .free = free_matrix,
                                         .bytes = bytes,
+                                        .present = present,
                                         .add = add,
-                                        .change = change,
+                                        .linear = true,
                                         .energy = energy,
                                         .power = power,
                                         .ratios = ratios,

@@ -2,7 +2,7 @@
 /* plate_matrix.c -- the second derivatives of each triangle by Morley's element (L. S.
  * D. Morley, Aeronautical Quarterly 19, 1968), whose slopes come from plate_slope.h,
  * and the sum of their squares. */
-#include "forces/bending/plate_matrix.h"
+#include "forces/bending/plate.h"
 
 #include "base/memory.h"
 #include "forces/bending/plate_slope.h"
@@ -201,15 +201,11 @@ static bool stencil(stencils *of, uint32_t triangle)
 static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
 {
     const weft__triangles *mesh = of->mesh;
-    of->held = weft__alloc(of->memory, mesh->count, sizeof *of->held);
+    of->held = weft__held_triangles(mesh, pin, of->memory);
     of->slot = weft__zeroed(of->memory, particles, sizeof *of->slot);
     of->first = weft__zeroed(of->memory, mesh->count + 1, sizeof *of->first);
-    bool made = of->held != NULL && of->slot != NULL && of->first != NULL;
-    for (size_t t = 0; made && t < mesh->count; ++t) {
-        const uint32_t *corner = mesh->corner[t];
-        of->held[t] = pin[corner[0]] != 0 && pin[corner[1]] != 0 && pin[corner[2]] != 0;
-    }
-    made = made && weft__slopes_create(&of->slopes, mesh, of->held, of->memory);
+    bool made = of->held != NULL && of->slot != NULL && of->first != NULL
+                && weft__slopes_create(&of->slopes, mesh, of->held, false, of->memory);
     for (uint32_t t = 0; made && t < mesh->count; ++t) {
         made = of->held[t] || stencil(of, t);
         of->first[t + 1] = of->count;
@@ -245,11 +241,8 @@ static bool turn(stencils *of, size_t particles)
 
 static void stencils_free(stencils *of)
 {
-    void *const blocks[] = { of->held, of->slot,  of->first, of->particle,
-                             of->r,    of->begin, of->item,  of->triangle };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(of->memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(of->memory, of->held, of->slot, of->first, of->particle, of->r,
+                   of->begin, of->item, of->triangle);
 }
 
 /* ---- rows ------------------------------------------------------------------------ */
@@ -445,10 +438,7 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
 
 void weft__plate_matrix_free(weft__plate_matrix *of, const weft_allocator *memory)
 {
-    void *const blocks[]
-        = { of->first, of->column, of->entry, of->damping, of->reach, of->halo };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(memory, of->first, of->column, of->entry, of->damping, of->reach,
+                   of->halo);
     *of = (weft__plate_matrix){ .particles = 0 };
 }

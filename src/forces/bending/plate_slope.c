@@ -3,7 +3,10 @@
  * + - * / and square roots: the same bits everywhere. */
 #include "forces/bending/plate_slope.h"
 
+#include <stdlib.h>
+
 #include "base/memory.h"
+#include "base/plane.h"
 
 enum {
     TERMS = 6,                /* 1, a, b, a^2/2, b^2/2, a b */
@@ -50,6 +53,17 @@ static bool edge_live(const search *s, const weft__edge *edge)
     return live(s, edge->triangle[0]) || live(s, edge->triangle[1]);
 }
 
+bool *weft__held_triangles(const weft__triangles *of, const uint32_t *pin,
+                           const weft_allocator *memory)
+{
+    bool *held = weft__alloc(memory, of->count, sizeof *held);
+    for (size_t t = 0; held != NULL && t < of->count; ++t) {
+        const uint32_t *corner = of->corner[t];
+        held[t] = pin[corner[0]] != 0 && pin[corner[1]] != 0 && pin[corner[2]] != 0;
+    }
+    return held;
+}
+
 /* ---- neighbours ------------------------------------------------------------------ */
 
 static bool reserve(search *s)
@@ -94,21 +108,6 @@ static void join(search *s)
 }
 
 /* ---- the patch ------------------------------------------------------------------- */
-
-/* Puts the last points, from `begin` on, in the order of places. */
-static void sort(uint32_t *points, size_t begin, size_t end)
-{
-    for (size_t gap = (end - begin) / 2; gap > 0; gap /= 2) {
-        for (size_t i = begin + gap; i < end; ++i) {
-            const uint32_t point = points[i];
-            size_t j = i;
-            for (; j >= begin + gap && points[j - gap] > point; j -= gap) {
-                points[j] = points[j - gap];
-            }
-            points[j] = point;
-        }
-    }
-}
 
 static void take(search *s, uint32_t place, size_t e, uint32_t *to, size_t *count)
 {
@@ -165,7 +164,7 @@ static void patch(search *s, size_t e)
             take(s, s->near[j], e, s->points, &s->count);
         }
     }
-    sort(s->points, 0, s->count);
+    qsort(s->points, s->count, sizeof *s->points, weft__ascending);
     const double *a = s->mesh->rest[edge->place[0]], *b = s->mesh->rest[edge->place[1]];
     const double t[2] = { b[0] - a[0], b[1] - a[1] };
     const double length = sqrt(t[0] * t[0] + t[1] * t[1]);
@@ -219,7 +218,7 @@ static bool widen(search *s, size_t e)
             ++k;
         }
     }
-    sort(s->points, before, s->count);
+    qsort(s->points + before, s->count - before, sizeof *s->points, weft__ascending);
     return s->count > before;
 }
 
@@ -480,8 +479,8 @@ static bool needed(const search *s, const weft__edge *edge)
            && (edge_live(s, edge) || edge_live(s, &s->mesh->edge_list[edge->sewn]));
 }
 
-static bool create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                   const weft_allocator *memory, bool curved)
+bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         bool curved, const weft_allocator *memory)
 {
     search s = { .mesh = of, .held = held, .memory = memory, .out = out };
     *out = (weft__slopes){ .first
@@ -498,27 +497,11 @@ static bool create(weft__slopes *out, const weft__triangles *of, const bool *hel
         }
         out->first[e + 1] = out->count;
     }
-    weft__free(memory, s.first);
-    weft__free(memory, s.lists);
-    weft__free(memory, s.work);
+    WEFT__FREE_ALL(memory, s.first, s.lists, s.work);
     return made;
-}
-
-bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         const weft_allocator *memory)
-{
-    return create(out, of, held, memory, false);
-}
-
-bool weft__curves_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         const weft_allocator *memory)
-{
-    return create(out, of, held, memory, true);
 }
 
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory)
 {
-    weft__free(memory, of->first);
-    weft__free(memory, of->particle);
-    weft__free(memory, of->share);
+    WEFT__FREE_ALL(memory, of->first, of->particle, of->share);
 }

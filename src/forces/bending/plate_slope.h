@@ -21,18 +21,18 @@ static inline bool weft__bends(const weft__triangles *mesh, const weft__edge *ed
     return edge->sewn != WEFT__NONE && mesh->seams == WEFT_SEAM_BEND;
 }
 
-/* Of all edges that live triangles need: `held` are those whose corners are all pinned,
- * the others are live. An edge of a held triangle has the slope of that one; a rim has
- * none. Each side of a seam has its own. False: no memory. Free them in either case. */
-bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         const weft_allocator *memory);
+/* Whether each triangle is held: its corners are all pinned. NULL: no memory. */
+bool *weft__held_triangles(const weft__triangles *of, const uint32_t *pin,
+                           const weft_allocator *memory);
 
-/* Likewise h of all edges, L^2 / sqrt(12) times the second derivative along them, L
- * their length, with shares in [1]. Those of held triangles, and those without a good
- * fit of few points, have none. */
+/* Of all edges that live triangles need, those not held. An edge of a held triangle has
+ * the slope of that one; a rim has none. Each side of a seam has its own. `curved`:
+ * instead h of all edges, L^2 / sqrt(12) times the second derivative along them, L
+ * their length, with shares in [1]; those of held triangles, and those without a good
+ * fit of few points, have none. False: no memory. Free them in either case. */
 enum { WEFT__CURVE_PARTS = 40 };
-bool weft__curves_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         const weft_allocator *memory);
+bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
+                         bool curved, const weft_allocator *memory);
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);
 
 #endif

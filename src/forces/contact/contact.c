@@ -5,7 +5,6 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
-#include "forces/contact/contact_bounds.h"
 #include "forces/contact/contact_law.h"
 
 void weft__touch_forces(const weft_contact_def *law, double friction,
@@ -113,7 +112,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
 {
     const weft__contact *of = own;
     weft__add_fn *form = unit == WEFT__FORCE ? weft__contact_loops : of->fast;
-    return of->shape_count > 0 ? form(own, at, unit, to, first, end) : 0;
+    return form(own, at, unit, to, first, end);
 }
 
 static weft__touches of_block(const weft__contact *of, const weft__state *at, size_t b)

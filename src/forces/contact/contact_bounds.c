@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/contact/contact_bounds.h"
+#include "forces/contact/contact.h"
 
 /* The derivatives of a contact, by mass. */
 typedef struct slopes {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_fast.c -- the contact of contact.h and the check of ccd.h, LANES particles at
+/* contact_fast.c -- the contact of contact.h and the check of ccd.c, LANES particles at
  * a time, by the law of contact_law.h. Blocks of particles are compared with the
  * bounding box of a shape first, as most of them are far from most shapes. */
 #include "forces/lanes.h"

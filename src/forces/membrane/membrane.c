@@ -2,7 +2,11 @@
 /* membrane.c -- the membrane of membrane.h as a weft__force: its energy and powers. */
 #include "base/hash.h"
 #include "forces/membrane/membrane_law.h"
-#include "forces/membrane/membrane_loops.h"
+
+static bool present(const void *own)
+{
+    return ((const weft__membrane *)own)->blocks != NULL;
+}
 
 static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
                size_t first, size_t end)
@@ -11,7 +15,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     const bool change = at->along != NULL;
     weft__add_fn *form
         = unit == WEFT__FORCE || change ? weft__membrane_loops : of->fast;
-    int failed = of->blocks != NULL ? form(own, at, unit, to, first, end) : 0;
+    int failed = form(own, at, unit, to, first, end);
     if (of->arc.begin != NULL) {
         form = change ? weft__arc_loops : of->arc.fast;
         failed |= form(own, at, unit, to, first, end);
@@ -86,8 +90,7 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    for (size_t next = 0;
-         of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
+    for (size_t next = 0; weft__membrane_each_own(of, b, &next, &tri);) {
         triangle_energy(of, &tri, at->y, &sum->energy);
     }
 }
@@ -135,9 +138,6 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    if (of->blocks == NULL) {
-        return;
-    }
     sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
     for (size_t next = 0; of->damped && weft__membrane_each_own(of, b, &next, &tri);) {
         sum->power[WEFT_POWER_SPRINGS] += heat_of(of, &tri, at->y);
@@ -166,8 +166,7 @@ static void worst(const void *own, const weft__state *at, size_t b, weft_measure
     const weft__membrane *of = own;
     weft__triangle tri;
     const bool wanted = at->families == NULL || at->families[WEFT_STRETCH];
-    for (size_t next = 0;
-         of->blocks != NULL && wanted && weft__membrane_each_own(of, b, &next, &tri);) {
+    for (size_t next = 0; wanted && weft__membrane_each_own(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
             const weft_spring edge = strain_of(of, &tri, at->y, i);
             weft__keep_worst(&sum->worst, &edge);
@@ -179,8 +178,7 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    for (size_t next = 0;
-         of->blocks != NULL && weft__membrane_each_own(of, b, &next, &tri);) {
+    for (size_t next = 0; weft__membrane_each_own(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
             const weft_spring edge = strain_of(of, &tri, at->y, i);
             const size_t p = weft__vertex_of(of->mesh, edge.p);
@@ -194,9 +192,6 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
 static size_t bytes(const void *own)
 {
     const weft__membrane *of = own;
-    if (of->blocks == NULL) {
-        return 0;
-    }
     const size_t blocks = weft__blocks(of->mesh);
     return of->blocks[blocks].batch * (sizeof *of->batches + sizeof *of->corners)
            + of->blocks[blocks].halo * sizeof *of->halo
@@ -214,6 +209,7 @@ const weft__force weft__membrane_force = { .name = "membrane",
                                            .copy = weft__membrane_copy,
                                            .free = weft__membrane_free,
                                            .bytes = bytes,
+                                           .present = present,
                                            .add = add,
                                            .change = add,
                                            .energy = energy,

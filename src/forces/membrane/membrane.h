@@ -116,4 +116,72 @@ void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
 void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
                              const double *x, double *out);
 
+/* ---- membrane_loops.c: the triangles, one by one ----------------------------------
+ */
+
+/* A triangle in a state, or in a direction of it. */
+typedef struct weft__sides3 {
+    double d[3][3]; /* [m] edges: d[i] is opposite corner i */
+    double w[3][3]; /* [m/s] their rates */
+} weft__sides3;
+
+/* One triangle of a batch. */
+typedef struct weft__triangle {
+    const double *of;       /* its constants, WEFT__WIDTH apart */
+    const uint32_t *corner; /* its particles */
+    size_t number;
+} weft__triangle;
+
+void weft__membrane_sides(const weft__mesh *mesh, const uint32_t corner[3],
+                          const double *y, weft__sides3 *out);
+
+/* [m^2] */
+void weft__membrane_squares(const weft__sides3 *at, double square[3]);
+
+/* Finds those of block b, one after the other; false: no more. *next is 0 before the
+ * first. */
+bool weft__membrane_each(const weft__membrane *of, size_t b, size_t *next,
+                         weft__triangle *out);
+
+/* The same, of those whose lowest particle is in the block: each triangle once. */
+bool weft__membrane_each_own(const weft__membrane *of, size_t b, size_t *next,
+                             weft__triangle *out);
+
+/* [N] on the own particles of block b, or its change along at->along. */
+void weft__membrane_forces(const weft__membrane *own, const weft__state *at, size_t b,
+                           double force[WEFT__MESH_BLOCK][3]);
+
+/* ---- membrane_bounds.c: a triangle at rest and in a state --------------------------
+ */
+
+/* What a triangle is at rest. */
+typedef struct weft__rest {
+    const weft_fabric *fabric;
+    double area, grad[3][2]; /* [m^2], [1/m] */
+} weft__rest;
+
+weft__rest weft__rest_of(const weft__triangles *of, size_t t);
+
+/* What a state makes of a triangle; S by its parts above and below 0, as 11, 22, 12. */
+typedef struct weft__load {
+    double square;            /* of the largest stretch */
+    double taut[3], slack[3]; /* [N/m] */
+    double d[3][3], q[3];     /* [m], [m^2] edges and their squares */
+    double arc[3];            /* [m^2] |h|^2 of the arcs */
+    double press;             /* [N/m] above the stress of any slack, without a state */
+    weft__barrier barrier;
+    double of[WEFT__CONSTANTS * WEFT__WIDTH];
+} weft__load;
+
+void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,
+                   const double *y, weft__load *out);
+
+/* [N/m^3] g_a.S g_b of a part S of the stress */
+static inline double weft__geometric(const weft__rest *of, const double s[3], size_t a,
+                                     size_t b)
+{
+    const double *g = of->grad[a], *h = of->grad[b];
+    return g[0] * s[0] * h[0] + g[1] * s[1] * h[1] + s[2] * (g[0] * h[1] + g[1] * h[0]);
+}
+
 #endif

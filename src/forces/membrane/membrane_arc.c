@@ -138,16 +138,10 @@ void weft__arc_force(const weft__membrane *own, const weft__state *at, size_t i,
 double weft__arc_particles(const weft__membrane *own, const weft__state *at,
                            weft__unit unit, double *to, size_t first, size_t end)
 {
-    const weft__mesh *mesh = own->mesh;
     double force[3], bad = 0.0;
     for (size_t i = first; i < end; ++i) {
-        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
         weft__arc_force(own, at, i, force);
-        for (size_t k = 0; k < 3; ++k) {
-            double *sum = to + k * mesh->particles + i;
-            *sum += share * force[k];
-            bad += *sum * 0.0;
-        }
+        bad += weft__force_add(own->mesh, unit, i, force, to);
     }
     return bad;
 }

@@ -31,9 +31,9 @@ typedef struct weft__arc_edge {
 } weft__arc_edge;
 
 typedef struct weft__arc_triangle {
+    uint32_t triangle;               /* first, for weft__ascending */
+    uint16_t edge[3];                /* in the list */
     double stiff[6], square[3], lag; /* as weft__batch has them */
-    uint32_t triangle;
-    uint16_t edge[3]; /* in the list */
 } weft__arc_triangle;
 
 /* Where a group begins in the lists; one more ends them. Without edges: too large. */

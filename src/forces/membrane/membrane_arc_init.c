@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/plane.h"
 #include "forces/membrane/membrane.h"
 
 typedef struct arc_maker {
@@ -116,13 +117,6 @@ static bool take_triangle(arc_maker *by, uint32_t t)
     return true;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const uint32_t x = ((const weft__arc_triangle *)a)->triangle,
-                   y = ((const weft__arc_triangle *)b)->triangle;
-    return (x > y) - (x < y);
-}
-
 static bool take_edges(arc_maker *by, const weft__arc_group *from,
                        weft__arc_triangle *tri)
 {
@@ -159,7 +153,7 @@ static bool gather(arc_maker *by, const weft__arc_group *from, size_t first, siz
     }
     if (made) {
         qsort(arc->triangle + from->triangle, arc->triangles - from->triangle,
-              sizeof *arc->triangle, ascending);
+              sizeof *arc->triangle, weft__ascending);
     }
     for (size_t j = from->triangle; j < arc->triangles; ++j) {
         by->triangle[arc->triangle[j].triangle] = 0;
@@ -243,38 +237,27 @@ static bool reach(arc_maker *by)
 bool weft__arc_create(weft__membrane *own, const weft_allocator *memory)
 {
     const weft__triangles *of = own->mesh->triangles;
-    const uint32_t *pin = own->mesh->pin;
     arc_maker by = { .own = own, .of = of, .memory = memory };
     if (!of->arc) {
         return true;
     }
-    bool *held = weft__alloc(memory, of->count, sizeof *held);
+    bool *held = weft__held_triangles(of, own->mesh->pin, memory);
     by.edge = weft__zeroed(memory, of->edges, sizeof *by.edge);
     by.triangle = weft__zeroed(memory, of->count, sizeof *by.triangle);
     by.near = weft__zeroed(memory, own->mesh->particles, sizeof *by.near);
-    for (size_t t = 0; held != NULL && t < of->count; ++t) {
-        const uint32_t *corner = of->corner[t];
-        held[t] = pin[corner[0]] != 0 && pin[corner[1]] != 0 && pin[corner[2]] != 0;
-    }
     const bool made = held != NULL && by.edge != NULL && by.triangle != NULL
                       && by.near != NULL
-                      && weft__curves_create(&own->arc.rows, of, held, memory)
+                      && weft__slopes_create(&own->arc.rows, of, held, true, memory)
                       && list_parts(&by) && reach(&by) && make_groups(&by);
-    weft__free(memory, held);
-    weft__free(memory, by.edge);
-    weft__free(memory, by.triangle);
-    weft__free(memory, by.near);
+    WEFT__FREE_ALL(memory, held, by.edge, by.triangle, by.near);
     return made;
 }
 
 void weft__arc_free(weft__arc *of, const weft_allocator *memory)
 {
-    void *const blocks[] = { of->begin, of->part, of->reach,    of->block, of->group,
-                             of->near,  of->edge, of->triangle, of->row,   of->share };
     weft__slopes_free(&of->rows, memory);
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(memory, of->begin, of->part, of->reach, of->block, of->group,
+                   of->near, of->edge, of->triangle, of->row, of->share);
 }
 
 size_t weft__arc_bytes(const weft__membrane *own)

@@ -21,7 +21,6 @@
 #include "base/memory.h"
 #include "forces/bounds.h"
 #include "forces/membrane/membrane_law.h"
-#include "forces/membrane/membrane_load.h"
 
 /* Without a state, stretches lie between 0 and this. */
 #define MOST_STRETCH 1.1
@@ -261,8 +260,7 @@ void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
 {
     const weft__membrane *of = own;
     const weft__triangles *tri = of->mesh->triangles;
-    const size_t end = tri != NULL ? tri->around_first[i + 1] : 0;
-    for (size_t j = tri != NULL ? tri->around_first[i] : 0; j < end; ++j) {
+    for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t t = tri->around[j], *corner = tri->corner[t];
         const size_t a = corner[0] == i ? 0 : corner[1] == i ? 1 : 2;
         const weft__rest rest = weft__rest_of(tri, t);
@@ -287,7 +285,7 @@ void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
 void weft__membrane_ratios(const void *own, weft__sides *to)
 {
     const weft__triangles *of = ((const weft__membrane *)own)->mesh->triangles;
-    for (size_t f = 0; of != NULL && f < of->fabric_count; ++f) {
+    for (size_t f = 0; f < of->fabric_count; ++f) {
         weft__sides_add(to, of->fabrics[f].damping[0]);
     }
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/plane.h"
 #include "forces/membrane/membrane.h"
 #include "mesh/triangles_work.h"
 
@@ -24,12 +25,6 @@ static void shrink(const maker *by, void *array, size_t count, size_t size)
 {
     void **at = array, *less = weft__resize(by->memory, *at, count, size);
     *at = less != NULL ? less : *at;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
 }
 
 /* Numbers the particles of the `count` triangles listed, own ones first. */
@@ -54,7 +49,7 @@ static bool number_particles(maker *by, size_t b, size_t count)
     }
     if (by->halos > begin) {
         qsort(by->own->halo + begin, by->halos - begin, sizeof *by->own->halo,
-              ascending);
+              weft__ascending);
     }
     for (size_t j = begin; j < by->halos; ++j) {
         by->near[by->own->halo[j]] = (uint32_t)(own + (j - begin));
@@ -190,10 +185,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     const bool made = make(&by) && weft__membrane_weigh(of, memory)
                       && weft__arc_create(of, memory)
                       && weft__membrane_number_links(of, memory);
-    weft__free(memory, by.near);
-    weft__free(memory, by.taken);
-    weft__free(memory, by.list);
-    weft__free(memory, by.next);
+    WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);
     return made;
 }
 
@@ -232,13 +224,8 @@ void weft__membrane_free(void *own, const weft_allocator *memory)
 {
     weft__membrane *of = own;
     if (!of->shared) {
-        weft__free(memory, of->blocks);
-        weft__free(memory, of->room);
-        weft__free(memory, of->corners);
-        weft__free(memory, of->halo);
-        weft__free(memory, of->link_first);
-        weft__free(memory, of->link);
+        WEFT__FREE_ALL(memory, of->blocks, of->room, of->corners, of->halo,
+                       of->link_first, of->link, of->weight);
         weft__arc_free(&of->arc, memory);
-        weft__free(memory, of->weight);
     }
 }

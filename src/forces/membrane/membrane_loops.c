@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* membrane_loops.c -- the plain loops of membrane.h; membrane_fast.c has the same bits.
  */
-#include "forces/membrane/membrane_loops.h"
 
 #include <string.h>
 
@@ -158,12 +157,7 @@ int weft__membrane_loops(const void *own, const weft__state *at, weft__unit unit
         const size_t low = weft__block(mesh, b), high = weft__block(mesh, b + 1);
         weft__membrane_forces(of, at, b, force);
         for (size_t i = low; i < high; ++i) {
-            const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-            for (size_t k = 0; k < 3; ++k) {
-                double *sum = to + k * mesh->particles + i;
-                *sum += share * force[i - low][k];
-                bad += *sum * 0.0;
-            }
+            bad += weft__force_add(mesh, unit, i, force[i - low], to);
         }
     }
     return bad == 0.0 ? 0 : 1;

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/plane.h"
 #include "forces/membrane/membrane_law.h"
-#include "forces/membrane/membrane_load.h"
 
 /* Adds (a K + b C) x of triangle t to out. K is never negative: stress below 0 is left
  * out, and the barrier has its curvature in r alone. Edge i pulls with
@@ -64,7 +64,7 @@ void weft__membrane_multiply(const void *own, const weft__state *at, double a, d
 {
     const weft__membrane *of = own;
     const weft__triangles *tri = of->mesh->triangles;
-    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
+    for (size_t t = 0; t < tri->count; ++t) {
         multiply_triangle(of, at, t, a, b, x, out);
     }
 }
@@ -144,13 +144,13 @@ static void add_link(const weft__load *now, const double s[3], const mover *a,
 size_t weft__membrane_links(const void *own, weft_link *to)
 {
     const weft__membrane *of = own;
-    const size_t n = of->blocks != NULL ? of->mesh->particles : 0;
+    const size_t n = of->mesh->particles;
     for (size_t p = 0; to != NULL && p < n; ++p) {
         for (size_t j = of->link_first[p]; j < of->link_first[p + 1]; ++j) {
             to[j] = (weft_link){ (uint32_t)p, of->link[j] };
         }
     }
-    return n > 0 ? of->link_first[n] : 0;
+    return of->link_first[n];
 }
 
 /* The numbers of the link between two particles. */
@@ -176,7 +176,7 @@ int weft__membrane_link_numbers(const void *own, const weft__state *at, double *
     const size_t all = WEFT_LINK_NUMBERS * weft__membrane_links(own, NULL);
     double bad = 0.0;
     memset(numbers, 0, all * sizeof *numbers);
-    for (size_t t = 0; tri != NULL && t < tri->count; ++t) {
+    for (size_t t = 0; t < tri->count; ++t) {
         const weft__rest rest = weft__rest_of(tri, t);
         mover movers[MOVERS];
         double s[3];
@@ -240,12 +240,6 @@ static bool take_links(weft__membrane *own, const weft_allocator *memory, uint32
     return true;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory)
 {
     const weft__triangles *of = own->mesh->triangles;
@@ -269,7 +263,7 @@ bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memo
         }
         if (made) {
             qsort(own->link + first, own->link_first[p + 1] - first, sizeof *own->link,
-                  ascending);
+                  weft__ascending);
         }
     }
     weft__free(memory, seen);

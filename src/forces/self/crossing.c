@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/self/crossing.h"
+#include "forces/self/self.h"
 
 #include "mesh/surface.h"
 

@@ -6,7 +6,8 @@
 #ifndef WEFT_FORCES_SELF_SELF_H
 #define WEFT_FORCES_SELF_SELF_H
 
-#include "forces/contact/contact_bounds.h"
+#include "forces/contact/contact.h"
+#include "forces/self/orientation.h"
 #include "forces/self/self_tree.h"
 
 typedef struct weft__self weft__self;
@@ -229,5 +230,23 @@ int weft__self_blocks(const void *own, const weft__state *at, double *blocks);
 void weft__self_check(const weft_cloth_def *def, const weft__faults *to);
 
 extern const weft__force weft__self_force;
+
+/* ---- crossing.c: where a cloth passes through itself -------------------------------
+ */
+
+typedef struct weft__crossings {
+    size_t count;            /* of weft_cloth_crossings */
+    weft_primitive first[2]; /* an edge and a triangle; of a chain: two edges. Or two
+                                neighbours at the same place */
+    weft__meeting how;       /* of the first */
+} weft__crossings;
+
+/* Particle `loose` counts as free; SIZE_MAX: none does. */
+weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
+
+/* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
+ * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
+weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
+                                 const char *where, weft_error *err);
 
 #endif

@@ -6,8 +6,7 @@ enum { STRETCH = 256, ROOM = 512 };
 
 static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
 {
-    weft__free(memory, of->near.particle[0]);
-    weft__free(memory, of->near.waits);
+    WEFT__FREE_ALL(memory, of->near.particle[0], of->near.waits);
     *of = (weft__self_pairs){ .count = 0 };
 }
 
@@ -28,12 +27,6 @@ static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pai
     near->mass = of->numbers[1], near->rest = of->numbers[2];
     of->distances = of->numbers[3];
     return true;
-}
-
-static void free_groups(const weft_allocator *memory, weft__self_groups *of)
-{
-    weft__free(memory, of->at);
-    weft__free(memory, of->spans);
 }
 
 static bool make_groups(const weft_allocator *memory, size_t most,
@@ -79,8 +72,7 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
         free_pairs(memory, &at->before);
         weft__free(memory, at->pushes);
     }
-    free_groups(memory, &of->now);
-    free_groups(memory, &of->before);
+    WEFT__FREE_ALL(memory, of->now.at, of->now.spans, of->before.at, of->before.spans);
 }
 
 void weft__self_chunk_copy(weft__self_chunk *of, size_t i)

@@ -121,14 +121,8 @@ void weft__self_list_destroy(weft__self_list *list)
     for (size_t i = 0; i < list->chunk_count; ++i) {
         weft__self_chunk_free(&memory, &list->chunks[i]);
     }
-    weft__free(&memory, list->chunks);
-    weft__free(&memory, list->knots);
-    weft__free(&memory, list->place);
-    weft__free(&memory, list->marks);
-    weft__free(&memory, list->tiles[0]);
-    weft__free(&memory, list->between);
-    weft__free(&memory, list->clear);
-    weft__free(&memory, list);
+    WEFT__FREE_ALL(&memory, list->chunks, list->knots, list->place, list->marks,
+                   list->tiles[0], list->between, list->clear, list);
 }
 
 /* ---- displacements --------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 
 #include "base/memory.h"
 #include "base/thread_pool.h"
-#include "forces/contact/ccd.h"
+#include "forces/contact/contact.h"
 #include "forces/self/self.h"
 
 typedef struct weft__self_list weft__self_list;

@@ -5,7 +5,6 @@
  * w_p / (w_p + w_q) of inverse masses w the centre of mass stays where it is, and the
  * correction is the smallest in the norm sum m dx^2: the projection onto the convex set
  * of all states in which this spring is short enough. */
-#include "forces/springs/limit_springs.h"
 
 #include "forces/springs/springs.h"
 
