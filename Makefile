@@ -548,6 +548,6 @@ clean:
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
 	@echo "make bench [BENCH=name] | core | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
-	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | check-abi | renew-abi | doxygen"
+	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

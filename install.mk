@@ -29,7 +29,7 @@ MAN := $(SHARE)/man/weft.1 $(SHARE)/man/weft-scene.5 $(SHARE)/man/weft-plugin.7
 COMPLETIONS := $(SHARE)/weft.bash $(SHARE)/weft.zsh $(SHARE)/weft.fish
 PLUGIN_A := $(PLUGINS:%=$(BUILD)/libweft-plugin-%.a)
 
-.PHONY: install uninstall bundle share check-install check-docs check-abi renew-abi doxygen
+.PHONY: install uninstall bundle share check-install check-docs site check-site check-abi renew-abi doxygen
 share: $(MAN) $(COMPLETIONS) $(PLUGIN_A)
 all: share
 
@@ -87,6 +87,12 @@ check-install: all $(EXAMPLES)
 # Runs the commands of the pages.
 check-docs: all $(EXAMPLES)
 	@tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
+
+# The pages of docs/ as a site that needs no network; the check makes it with short runs and follows its links.
+site: all
+	@tools/site $(BUILD) $(BUILD)/site
+check-site: all
+	@tools/check-site $(BUILD)
 
 # Compares the interface of libweft.so with that of the last tag.
 check-abi: $(BUILD)/libweft.so

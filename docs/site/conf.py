@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The site of `make site`: Sphinx over the folder that tools/site stages.
+import os
+import re
+import sys
+from pathlib import Path
+from unittest.mock import MagicMock
+
+from sphinx.builders.html import StandaloneHTMLBuilder
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+STAGE = Path(os.environ["WEFT_STAGE"])
+sys.path.insert(0, str(ROOT / "python/src"))
+
+project = "weft"
+copyright = "the authors of weft, BSD-3-Clause"
+extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
+root_doc = "index"
+exclude_patterns = ["README.md", "**/*.txt"]
+pygments_style, pygments_dark_style = "friendly", "native"
+default_role = "literal"
+StandaloneHTMLBuilder.supported_image_types.append("image/webp")
+
+myst_enable_extensions = ["attrs_block", "attrs_inline"]
+myst_heading_anchors = 4  # links such as scene.md#contact, as a Git host makes them
+
+breathe_projects = {"weft": str(STAGE.parent / "xml")}
+breathe_domain_by_extension = {"h": "c"}
+breathe_default_project = "weft"
+breathe_show_include = False
+breathe_use_project_refids = True
+c_id_attributes = ["WEFT_API"]
+primary_domain = None
+
+# The package is read without being built: its declarations are made from the headers.
+autodoc_mock_imports = ["numpy", "pandas", "h5py", "yaml", "matplotlib", "scipy"]
+
+
+class Compiled(MagicMock):
+    """weft._weft: constants are 0, functions anything, callbacks themselves."""
+
+    def __getattr__(self, name):
+        return 0 if name.isupper() else super().__getattr__(name)
+
+    def def_extern(self, **_):
+        return lambda function: function
+
+
+sys.modules["weft._weft"] = Compiled()
+autodoc_member_order = "groupwise"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+python_use_unqualified_type_names = True
+
+html_theme = "furo"
+html_title = "weft"
+html_static_path = [str(HERE / "style.css")]
+html_css_files = ["style.css"]
+html_domain_indices = False
+html_show_search_summary = False  # it is fetched, which files may not
+html_copy_source = False
+html_show_sphinx = False
+html_permalinks_icon = "#"
+html_extra_path = [str(STAGE.parent / "extra")]
+
+
+def as_page(app, name, source):
+    """Links that lead to files on a Git host lead to their pages on the site."""
+    text = source[0]
+    text = re.sub(r"\]\(((?:\.\./)?)README\.md", r"](\1index.md", text)
+    text = re.sub(r"\]\(((?:\.\./)?scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)?include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)?include/weft\)", "](/reference/c.md)", text)
+    text = re.sub(r"\]\((\.\./)?((?:examples|plugins)/[\w./-]+)\)", r"](/files/\2.md)", text)
+    if name == "index":
+        text = text.replace("| `scenes/", "{.films}\n| `scenes/", 1)
+    if name == "docs/gallery":
+        text = text.replace("| scene | what", "{.gallery}\n| scene | what")
+        text = re.sub(r"(\[([\w-]+)\]\(\.\./scenes/[\w-]+\.md\)):", r'\1 (<a href="../players/\2.html">player</a>):', text)
+    source[0] = text
+
+
+def setup(app):
+    app.connect("source-read", as_page)
