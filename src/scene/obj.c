@@ -248,6 +248,21 @@ static bool make_room(obj_builder *self)
            && obj->face_of != NULL;
 }
 
+/* Faces of a file that has no order take half the time. */
+static void fetch_ahead(const obj_builder *self, size_t f)
+{
+    const weft__obj *obj = self->obj;
+    const weft__obj_face *later = &obj->face[f + 16 < obj->faces ? f + 16 : f],
+                         *soon = &obj->face[f + 8 < obj->faces ? f + 8 : f];
+    for (size_t k = 0; k < 3; ++k) {
+        const uint32_t slot = self->first[soon->vertex[k]];
+        __builtin_prefetch(&self->first[later->vertex[k]], 1);
+        __builtin_prefetch(&obj->vertex_of[later->vertex[k]]);
+        __builtin_prefetch(&obj->place[later->place[k]]);
+        __builtin_prefetch(slot == WEFT__NONE ? NULL : &obj->place_of[slot]);
+    }
+}
+
 static bool build(weft__obj *obj)
 {
     obj_builder self = { .obj = obj };
@@ -257,6 +272,7 @@ static bool build(weft__obj *obj)
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
         take_vertices(obj);
         for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {
+            fetch_ahead(&self, f);
             add_face(&self, f);
         }
     } else {
