@@ -404,8 +404,8 @@ START_TEST(bound_without_a_state_holds_for_stretches_up_to_one_and_a_tenth)
         m.mesh.fabrics[0].shear = c == 2 ? 900.0 : 150.0;
         make();
         const double bound = weft_cloth_stiffness(m.cloth, 0.0, NULL).omega2;
-        for (size_t k = 0; k < 3; ++k) {
-            place_turned(stretches[k][0], stretches[k][1], 0.0, 0.0);
+        for (size_t k = c; k < (size_t)test_rounds((int)c + 1, (int)c + 3); ++k) {
+            place_turned(stretches[k % 3][0], stretches[k % 3][1], 0.0, 0.0);
             ck_assert_double_ge(bound, true_stiffness());
         }
     }
