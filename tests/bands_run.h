@@ -499,7 +499,10 @@ static const weft_pin pins[] = {
       .cols = { 0, 0 },
       .amplitude = { 0.02, 0.0, 0.03 },
       .frequency = 3.0 },
-    { .rows = { 4, 6 }, .cols = { 2, 3 }, .velocity = { 0.1, 0.05, -0.2 } },
+    { .rows = { 4, 6 },
+      .cols = { 2, 3 },
+      .velocity = { 0.1, 0.05, -0.2 },
+      .path = { (const double[]){ 0.01, 0, 0, 0, 0.023, 0.001, 0, 0.002 }, 2 } },
 };
 static const weft_load loads[]
     = { { .rows = { 1, -2 }, .cols = { -1, -1 }, .mass = 0.004 },
@@ -525,7 +528,8 @@ static inline scenario in_wind(size_t rows, size_t cols, const char *method)
     def->springs[WEFT_SHEAR] = (weft_spring_def){ true, 12.0, 0.01 };
     def->springs[WEFT_BEND] = (weft_spring_def){ true, 2.0, 0.005 };
     def->drag = 1e-3;
-    def->wind_velocity[0] = 1.5, def->wind_velocity[2] = 2.0;
+    static const double gust[] = { 0.0, 1.5, 0, 2, 0.017, 0, 0, 4, 0.05, 1, 1, 1 };
+    def->wind = (weft_track){ gust, 3 };
     def->wind_drag = 0.4;
     of.sim.method = test_method_named(method);
     for (size_t k = 0; test_needs_damping(of.sim.method) && k < WEFT_FAMILIES; ++k) {

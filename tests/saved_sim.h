@@ -15,9 +15,14 @@ static unsigned char saved[MOST], again[MOST];
 
 static inline weft_cloth_def cloth_definition(size_t rows)
 {
-    static const weft_pin pins[]
-        = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
-            { .rows = { 0, 0 }, .cols = { -1, -1 }, .velocity = { 0.2, 0.0, 0.1 } } };
+    static const double path[]
+        = { 0.01, 0, 0, 0, 0.04, 0.01, 0, -0.02, 0.08, 0, 0.02, 0 };
+    static const double gust[] = { 0, 0, 0, 2, 0.03, 1, 0, 5, 0.07, 0, -3, 0 };
+    static const weft_pin pins[] = { { .rows = { 0, 0 }, .cols = { 0, 0 } },
+                                     { .rows = { 0, 0 },
+                                       .cols = { -1, -1 },
+                                       .velocity = { 0.2, 0.0, 0.1 },
+                                       .path = { path, 3 } } };
     weft_cloth_def def = weft_cloth_def_default();
     def.rows = rows;
     def.cols = COLS;
@@ -27,6 +32,7 @@ static inline weft_cloth_def cloth_definition(size_t rows)
     def.springs[WEFT_SHEAR]
         = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.01 };
     def.wind_velocity[2] = 2.0;
+    def.wind = (weft_track){ gust, 3 };
     def.wind_drag = 0.2;
     def.drag = 1e-3;
     def.pins = pins;

@@ -47,6 +47,8 @@ START_TEST(every_other_cloth_is_refused)
         DRAG,
         WIND,
         WIND_DRAG,
+        WIND_TABLE,
+        PATH,
         DIFFERENCES
     };
     for (int i = 0; i <= DIFFERENCES; ++i) {
@@ -76,6 +78,8 @@ START_TEST(every_other_cloth_is_refused)
         def.drag += i == DRAG ? 1e-9 : 0.0;
         def.wind_velocity[1] += i == WIND ? 1e-9 : 0.0;
         def.wind_drag += i == WIND_DRAG ? 1e-9 : 0.0;
+        def.wind.count -= i == WIND_TABLE ? 1 : 0;
+        pins[1].path.count -= i == PATH ? 1 : 0;
         weft_cloth *other = test_cloth(&def);
         const weft_sim_def other_sim = same_definition(other);
         save_defined(&other_sim);

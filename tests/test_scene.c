@@ -306,6 +306,22 @@ START_TEST(decimal_numbers_are_read_to_the_last_bit)
 }
 END_TEST
 
+START_TEST(tables_of_times_are_read_row_by_row)
+{
+    const double path[] = { -1, 0, 0, 0, 2.5, 1, 2, 3 }, gust[] = { 0, 4, 5, 6 };
+    weft_scene *scene = good_text(
+        "weft: 1\n" CLOTH "  pins: [{at: top, path: [[-1, 0, 0, 0], [2.5, 1, 2, 3]]}]\n"
+        "forces: {wind: {table: [[0, 4, 5, 6]], drag: 1}}\n" STEPPER
+        "run: {duration: 1}\n");
+    const weft_cloth_def *def = weft_scene_cloth(scene);
+    ck_assert_uint_eq(def->pins[0].path.count, 2);
+    ck_assert_mem_eq(def->pins[0].path.rows, path, sizeof path);
+    ck_assert_uint_eq(def->wind.count, 1);
+    ck_assert_mem_eq(def->wind.rows, gust, sizeof gust);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
 static const char *const no_numbers[]
     = { "010",    "1_000", "0x10",     "0o10",  "\"5\"", "'5'",   "!!str 5", "! 5",
         "1,000",  "5s",    "5 s",      "one",   "yes",   ".nan",  ".inf",    "1e999",
@@ -477,6 +493,7 @@ TEST_SUITE(scene)
     tcase_add_loop_test(values, what_is_no_decimal_number_is_refused_where_it_stands, 0,
                         sizeof no_numbers / sizeof no_numbers[0]);
     tcase_add_test(values, numbers_do_not_depend_on_the_locale);
+    tcase_add_test(values, tables_of_times_are_read_row_by_row);
     tcase_add_test(values, a_butcher_table_is_read_with_fractions_and_short_rows);
     suite_add_tcase(all, values);
     TCase *loading = tcase_create("loading");

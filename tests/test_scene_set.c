@@ -176,8 +176,8 @@ static const struct {
       "stepper={plugin: gsl, method: rk4, rtol: 1, fixed_step: 0.01}\n"
       "                                            ^\n" },
     { "forces.wind.drag=1",
-      ":8: error: wind lacks the required key 'velocity' [m/s]: velocity of "
-      "the air\nforces.wind.drag=1\n       ^\n" },
+      ":8: error: wind lacks 'velocity' [m/s] or 'table' [s, m/s]: exactly one is "
+      "required\nforces.wind.drag=1\n       ^\n" },
     { "run=\xFF", ":5: error: this is not UTF-8 (byte FF)\nrun=?\n    ^\n" },
 };
 

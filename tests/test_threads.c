@@ -120,12 +120,15 @@ END_TEST
  * rigid: with a rigidity instead of bend springs, and rims that carry half. */
 static weft_cloth *made(size_t rows, size_t cols, bool rigid)
 {
+    static const double path[] = { 0, 0, 0, 0, 0.01, 0, 0.001, 0 };
+    static const double gust[] = { 0, 0, 0, 1, 0.02, 0, 0, 5 };
     static const weft_pin pins[] = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
                                      { .rows = { -1, -1 },
                                        .cols = { -1, -1 },
                                        .velocity = { 0, 0, 1 },
                                        .amplitude = { 0.001, 0, 0 },
-                                       .frequency = 5.0 } };
+                                       .frequency = 5.0,
+                                       .path = { path, 2 } } };
     weft_cloth_def def = weft_cloth_def_default();
     def.rows = rows, def.cols = cols;
     def.spacing[0] = def.spacing[1] = 0.01;
@@ -134,7 +137,7 @@ static weft_cloth *made(size_t rows, size_t cols, bool rigid)
     def.pin_count = 2;
     def.drag = 1e-5;
     def.wind_drag = 0.5;
-    def.wind_velocity[2] = 3.0;
+    def.wind = (weft_track){ gust, 2 };
     weft_shape shapes[]
         = { weft_shape_default(WEFT_PLANE), weft_shape_default(WEFT_SPHERE) };
     shapes[0].normal[1] = 0.0, shapes[0].normal[2] = 1.0, shapes[0].at[2] = -3e-3;

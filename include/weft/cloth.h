@@ -67,7 +67,16 @@ typedef struct weft_load {
     size_t vertex_count;
 } weft_load;
 
-/* Particles that follow x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t). */
+/* A vector that changes with time: `count` rows t x y z, t [s] increasing. It has two
+ * continuous derivatives, is constant before the first row and after the last, and no
+ * step passes the time of a row (docs/physics.md). Fixed for ever. */
+typedef struct weft_track {
+    const double *rows; /* 4 count numbers; count 0: none */
+    size_t count;
+} weft_track;
+
+/* Particles that follow x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t) +
+ * path(t) - path(0). */
 typedef struct weft_pin {
     weft_range rows, cols;  /* of a grid */
     double velocity[3];     /* [m/s] */
@@ -75,6 +84,7 @@ typedef struct weft_pin {
     double frequency;       /* [Hz] >= 0 */
     const size_t *vertices; /* of triangles: vertex_count of them */
     size_t vertex_count;
+    weft_track path; /* [m] */
 } weft_pin;
 
 typedef enum weft_shape_kind {
@@ -220,6 +230,7 @@ typedef struct weft_cloth_def {
     const weft_mesh_def *mesh; /* triangles instead of a grid; NULL: a grid. Then rows
                        to scale, mass, density, law, springs, across, bending, rim_half
                        and bands are not used, and pins and loads have vertices */
+    weft_track wind;           /* [m/s] unless count is 0, instead of wind_velocity */
 } weft_cloth_def;
 
 /* Particles of the whole cloth. */

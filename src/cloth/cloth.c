@@ -102,6 +102,31 @@ const char *weft_cloth_isa(const weft_cloth *cloth)
     return weft__isa_name(cloth->isa);
 }
 
+/* Own copies of the rows of all tracks, which are the caller's. */
+static weft_status keep_tracks(weft_cloth *cloth, weft_error *err)
+{
+    const size_t paths = cloth->mesh.motion_count;
+    size_t count = cloth->wind.track.count;
+    for (size_t i = 0; i < paths; ++i) {
+        count += cloth->mesh.motions[i].path.count;
+    }
+    double *to = cloth->rows
+        = weft__alloc(&cloth->memory, WEFT__TRACK_WIDTH * count, sizeof *to);
+    if (to == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu rows", count);
+    }
+    cloth->row_count = count;
+    for (size_t i = 0; i <= paths; ++i) {
+        weft_track *of = i < paths ? &cloth->mesh.motions[i].path : &cloth->wind.track;
+        if (of->count > 0) {
+            memcpy(to, of->rows, WEFT__TRACK_WIDTH * of->count * sizeof *to);
+            of->rows = to;
+            to += WEFT__TRACK_WIDTH * of->count;
+        }
+    }
+    return WEFT_OK;
+}
+
 /* All of a cloth that has its plain fields. */
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
@@ -116,7 +141,8 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
                                   weft__table[k].force->name);
         }
     }
-    status = list_pins(cloth, err);
+    status = keep_tracks(cloth, err);
+    status = status == WEFT_OK ? list_pins(cloth, err) : status;
     return status == WEFT_OK ? weft__start_crossing_error(cloth, err) : status;
 }
 
@@ -248,7 +274,7 @@ void weft_cloth_destroy(weft_cloth *cloth)
     if (cloth != NULL) {
         const weft_allocator memory = cloth->memory;
         if (!cloth->copied) {
-            WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions);
+            WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions, cloth->rows);
             weft__triangles_destroy(cloth->mesh.triangles, &memory);
         }
         WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
@@ -382,6 +408,7 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
     return sizeof *cloth + more + cloth->mesh.particles * each
            + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins
+           + WEFT__TRACK_WIDTH * cloth->row_count * sizeof *cloth->rows
            + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions
            + cloth->contact.shape_count * sizeof *cloth->contact.shapes;
 }

@@ -10,8 +10,10 @@
 struct weft_cloth {
     weft__mesh mesh;
     WEFT_FORCES(WEFT_FORCE_MEMBER)
+    double *rows; /* row_count of them, of all tracks: of paths, then of the wind */
+    size_t row_count;
     weft__isa isa;
-    bool copied; /* shares masses and motions with its model */
+    bool copied; /* shares masses, motions and rows with its model */
     weft_allocator memory;
 };
 #undef WEFT_FORCE_MEMBER

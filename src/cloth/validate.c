@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
+#include "mesh/track.h"
 #include "mesh/triangles_work.h"
 
 #define MAX_PARTICLES ((size_t)1 << 31)
@@ -70,13 +71,18 @@ static void check_motions(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
-        const weft__motion motion
-            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
+        const weft__motion motion = weft__pin_motion(pin);
+        size_t row;
+        const char *fault = weft__track_fault(&pin->path, &row);
         (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);
         if (!weft__motion_usable(&motion)) {
             weft__fault(to, FIELD(pins), FIELD(pins),
                         "pin %zu: its motion is too large or too small for a double",
                         i);
+        }
+        if (fault != NULL) {
+            weft__fault(to, FIELD(pins), FIELD(pins), "pin %zu: path: row %zu %s", i,
+                        row, fault);
         }
     }
 }

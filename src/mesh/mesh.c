@@ -39,9 +39,7 @@ void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def)
         fill_triangles(mesh, def);
     }
     for (size_t i = 0; i < def->pin_count; ++i) {
-        const weft_pin *pin = &def->pins[i];
-        mesh->motions[i]
-            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
+        mesh->motions[i] = weft__pin_motion(&def->pins[i]);
     }
     mesh->motions[def->pin_count] = (weft__motion){ .moves = true, .coasts = true };
     for (size_t i = 0; i < mesh->particles; ++i) {

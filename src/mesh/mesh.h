@@ -20,13 +20,16 @@ no -m32, -mfpmath=387 or -ffast-math"
 /* How far beyond the last particle fast forms may read. */
 #define WEFT_PAST 16
 
-/* x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t) */
+/* x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t) + path(t) -
+ * path(0)
+ */
 typedef struct weft__motion {
     double velocity[3];  /* [m/s] */
     double amplitude[3]; /* [m] */
     double frequency;    /* [Hz] */
     double omega;        /* [rad/s] 2 pi frequency */
     double since;        /* [s] 0 as defined */
+    weft_track path;     /* [m] */
     bool moves;
     bool coasts; /* instead: each particle keeps its velocity in `coast` */
 } weft__motion;
@@ -114,6 +117,7 @@ static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)
 
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
                              double frequency);
+weft__motion weft__pin_motion(const weft_pin *pin);
 
 /* Velocity [m/s], then acceleration [m/s^2]. */
 void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);

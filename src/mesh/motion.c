@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* motion.c -- prescribed motion, of pins and shapes:
  *
- *     x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t) */
+ *     x(t) = x0 + velocity (t - since) + amplitude sin(2 pi frequency t)
+ *               + path(t) - path(0) */
 #include <string.h>
 
 #include "base/hash.h"
 #include "mesh/mesh.h"
+#include "mesh/track.h"
 #include "weft/elementary.h"
 
 /* 2 pi, correctly rounded */
@@ -24,6 +26,15 @@ weft__motion weft__motion_of(const double velocity[3], const double amplitude[3]
     return motion;
 }
 
+weft__motion weft__pin_motion(const weft_pin *pin)
+{
+    weft__motion motion
+        = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
+    motion.path = pin->path;
+    motion.moves = motion.moves || pin->path.count > 1;
+    return motion;
+}
+
 void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
 {
     const double w = motion->omega;
@@ -34,6 +45,14 @@ void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
     for (size_t k = 0; k < 3; ++k) {
         rate[k] = motion->velocity[k] + w * motion->amplitude[k] * cosine;
         rate[k + 3] = -w * w * motion->amplitude[k] * sine;
+    }
+    if (motion->path.count > 0) {
+        double path[3][3];
+        weft__track_at(&motion->path, t, path);
+        for (size_t k = 0; k < 3; ++k) {
+            rate[k] += path[1][k];
+            rate[k + 3] += path[2][k];
+        }
     }
 }
 
@@ -46,6 +65,14 @@ void weft__motion_offset(const weft__motion *motion, double t, double offset[3])
     for (size_t k = 0; k < 3; ++k) {
         offset[k]
             = motion->velocity[k] * (t - motion->since) + motion->amplitude[k] * sine;
+    }
+    if (motion->path.count > 0) {
+        double now[3][3], start[3][3];
+        weft__track_at(&motion->path, t, now);
+        weft__track_at(&motion->path, 0.0, start);
+        for (size_t k = 0; k < 3; ++k) {
+            offset[k] += now[0][k] - start[0][k];
+        }
     }
 }
 
@@ -62,6 +89,8 @@ uint64_t weft__motion_hash(const weft__motion *motion, uint64_t hash)
 {
     hash = weft__hash_reals(hash, motion->velocity, 3);
     hash = weft__hash_reals(hash, motion->amplitude, 3);
+    hash = weft__hash_reals(hash, motion->path.rows,
+                            WEFT__TRACK_WIDTH * motion->path.count);
     return weft__hash_real(hash, motion->omega);
 }
 

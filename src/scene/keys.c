@@ -123,6 +123,9 @@ static const weft__key pin_keys[] = {
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(pin, frequency),
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+    { "path", WEFT__TRACK, .unit = "s, m", .absent = "none", AT(weft_pin, path),
+      .meaning = "+ its place at t - its place at 0: smooth, through all rows, at rest "
+                 "before the first and after the last" },
 };
 
 static const weft__section pin_section
@@ -336,8 +339,13 @@ static const weft__key cloth_keys[] = {
 /* ---- forces -------------------------------------------------------------------- */
 
 static const weft__key wind_keys[] = {
-    { "velocity", WEFT__VECTOR, .required = true, NUMBER(wind, wind_velocity),
-      .meaning = "velocity of the air" },
+    { "velocity", WEFT__VECTOR, .absent = "velocity or table",
+      NUMBER(wind, wind_velocity),
+      .meaning = "velocity of the air; exactly one of velocity and table is required" },
+    { "table", WEFT__TRACK, .unit = "s, m/s", .absent = "velocity or table",
+      AT(weft_cloth_def, wind),
+      .meaning = "velocity at times: smooth, through all rows, constant before the "
+                 "first and after the last" },
     { "drag", WEFT__NUMBER, .required = true, NUMBER(wind, wind_drag),
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
 };
@@ -347,7 +355,7 @@ static const weft__key force_keys[] = {
       .meaning = "acceleration of free fall" },
     { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, drag),
       .meaning = "viscous damping of each particle: F = -damping * v" },
-    { "wind", WEFT__MAPPING, SECTION(wind), .absent = "no wind",
+    { "wind", WEFT__MAPPING, CHECKED(wind), .absent = "no wind",
       .meaning = "moving air" },
 };
 

@@ -33,6 +33,7 @@
     X(FABRICS, fabrics, "a mapping of up to 64 names to mappings as fabric")           \
     X(PATH, paths, "a list of points [u, v], or {disc: radius}")                       \
     X(PATHS, paths, "a list, each item points [[u, v], ...] or {disc: radius}")        \
+    X(TRACK, track, "a list of rows [t, x, y, z]") /* weft_track */                    \
     X(ITEMS, items, "a list of ")    /* an array of the cloth's definition */          \
     X(ROW, row, "a list of numbers") /* weft__list: of a Butcher table */              \
     X(ROWS, rows, "a list of rows")  /* weft__list: its matrix */

@@ -92,6 +92,29 @@ bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *
     return good;
 }
 
+double *weft__read_table(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, size_t width, const char *row)
+{
+    const weft__key plain
+        = { .name = key->name, .kind = WEFT__NUMBER, .unit = key->unit };
+    const size_t count = weft__item_count(node);
+    double *table = weft__tree_take(reader->tree, (count + 1) * width, sizeof *table);
+    bool good = table != NULL;
+    for (size_t i = 0; i < count && table != NULL; ++i) {
+        const weft__node *item = weft__item(node, i);
+        char name[96];
+        (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
+        if (weft__item_count(item) != width) {
+            weft__refuse(reader, item, name, row, false, NULL);
+            good = false;
+        } else {
+            good = weft__read_numbers(reader, &plain, name, item, table + i * width)
+                   && good;
+        }
+    }
+    return good ? table : NULL;
+}
+
 void weft__read_real(weft__reader *reader, const weft__key *key, const weft__node *node,
                      void *to)
 {

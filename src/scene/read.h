@@ -220,6 +220,12 @@ bool weft__read_number(weft__reader *reader, const weft__key *key, const char *n
 bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *name,
                         const weft__node *list, double *out);
 
+/* A list of lists of `width` numbers, which are called `row` ("a point [u, v] [m]"):
+ * all numbers, of the tree, with room for one row more. NULL: one is wrong, or no
+ * memory. */
+double *weft__read_table(weft__reader *reader, const weft__key *key,
+                         const weft__node *node, size_t width, const char *row);
+
 /* Reports two keys that exclude each other, or the lack of both. */
 void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
                      const char *b);
@@ -263,7 +269,7 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
 weft__read_fn weft__read_pin;
-weft__check_fn weft__check_place, weft__check_pin, weft__check_load;
+weft__check_fn weft__check_place, weft__check_pin, weft__check_load, weft__check_wind;
 
 /* scene_cut.c */
 weft__check_fn weft__check_cut;

@@ -21,28 +21,6 @@
 
 /* ---- keys ---------------------------------------------------------------------- */
 
-static void read_points(weft__reader *reader, const weft__key *key,
-                        const weft__node *node, weft__cut_path *path)
-{
-    const weft__key plain = { .name = key->name, .kind = WEFT__NUMBER, .unit = "m" };
-    const size_t count = node->count;
-    double(*points)[2] = weft__tree_take(reader->tree, count + 1, sizeof *points);
-    bool good = points != NULL;
-    for (size_t i = 0; i < count && points != NULL; ++i) {
-        const weft__node *item = weft__item(node, i);
-        char name[96];
-        (void)snprintf(name, sizeof name, "%s[%zu]", key->name, i);
-        if (weft__item_count(item) != 2) {
-            weft__refuse(reader, item, name, "a point [u, v] [m]", false, NULL);
-            good = false;
-        } else {
-            good = weft__read_numbers(reader, &plain, name, item, points[i]) && good;
-        }
-    }
-    path->points = points;
-    path->count = good ? count : 0;
-}
-
 static void read_path(weft__reader *reader, const weft__key *key,
                       const weft__node *node, weft__cut_path *path)
 {
@@ -58,7 +36,9 @@ static void read_path(weft__reader *reader, const weft__key *key,
                        line ? 2 : 3);
         weft__refuse(reader, node, key->name, wanted, false, NULL);
     } else {
-        read_points(reader, key, node, path);
+        path->points
+            = (void *)weft__read_table(reader, key, node, 2, "a point [u, v] [m]");
+        path->count = path->points != NULL ? node->count : 0;
     }
 }
 

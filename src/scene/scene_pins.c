@@ -7,6 +7,7 @@
 #include "base/suggest.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
+#include "mesh/track.h"
 #include "scene/read.h"
 #include "scene/scalar.h"
 
@@ -157,6 +158,35 @@ void weft__check_place(weft__reader *reader, const weft__match *match, void *bas
     (void)base;
     check_axis(reader, match, "rows", "row");
     check_axis(reader, match, "cols", "col");
+}
+
+/* ---- tracks ------------------------------------------------------------------- */
+
+void weft__read_track(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
+{
+    char row[64];
+    size_t at;
+    if (weft__item_count(node) == 0) {
+        weft__refuse_value(reader, key, node);
+        return;
+    }
+    (void)snprintf(row, sizeof row, "[t, x, y, z] [%s]", key->unit);
+    const weft_track track
+        = { weft__read_table(reader, key, node, WEFT__TRACK_WIDTH, row), node->count };
+    if (track.rows != NULL) {
+        const char *fault = weft__track_fault(&track, &at);
+        if (fault != NULL) {
+            ERROR_AT(reader, weft__item(node, at), "%s[%zu] %s", key->name, at, fault);
+        }
+        memcpy(to, &track, sizeof track);
+    }
+}
+
+void weft__check_wind(weft__reader *reader, const weft__match *match, void *base)
+{
+    (void)base;
+    weft__check_one(reader, match, "velocity", "table");
 }
 
 /* ---- pins ------------------------------------------------------------------- */

@@ -21,6 +21,7 @@ void weft__sim_take_wind(weft_sim *sim, const double velocity[3], double drag)
     if (velocity != NULL) {
         memcpy(sim->cloth->wind.velocity, velocity, sizeof sim->wind.velocity);
         sim->cloth->wind.drag = drag;
+        sim->cloth->wind.track.count = 0;
     }
 }
 

@@ -90,6 +90,17 @@ static void log_rejected(weft_sim *sim, double h)
     sim->rejected = rejected;
 }
 
+/* A step from the present time does not pass the time of a row of a track. */
+static double end_of_piece(const weft_sim *sim, double t_end)
+{
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    double end = weft__track_next(&sim->cloth->wind.track, sim->t, t_end);
+    for (size_t i = 0; i < mesh->motion_count; ++i) {
+        end = weft__track_next(&mesh->motions[i].path, sim->t, end);
+    }
+    return end;
+}
+
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
     if (weft__sim_outside_play(sim, "weft_sim_step", err) != WEFT_OK) {
@@ -107,6 +118,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     if (sim->between.start != NULL) {
         weft__between_begin(sim);
     }
+    t_end = end_of_piece(sim, t_end);
     if (sim->def.event != NULL) {
         t_end = weft__sim_before_event(sim, t_end);
     }

@@ -14,7 +14,13 @@ const struct weft__wind_numbers weft__wind_numbers = {
 
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
+    size_t row;
+    const char *fault = weft__track_fault(&def->wind, &row);
     (void)WEFT__NUMBERS_CHECK(weft__wind_numbers, def, to, "%s", "");
+    if (fault != NULL) {
+        weft__fault(to, offsetof(weft_cloth_def, wind), offsetof(weft_cloth_def, wind),
+                    "wind: row %zu %s", row, fault);
+    }
 }
 
 static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
@@ -22,6 +28,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     weft__wind *of = own;
     (void)memory;
     of->drag = def->wind_drag;
+    of->track = def->wind;
     memcpy(of->velocity, def->wind_velocity, sizeof of->velocity);
     return true;
 }
@@ -29,7 +36,20 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 static uint64_t hash_of(const void *own, uint64_t hash)
 {
     const weft__wind *of = own;
+    hash = weft__hash_reals(hash, of->track.rows, WEFT__TRACK_WIDTH * of->track.count);
     return weft__hash_real(weft__hash_reals(hash, of->velocity, 3), of->drag);
+}
+
+/* With the velocity that it has at t. */
+static weft__wind at_time(const weft__wind *of, double t)
+{
+    weft__wind now = *of;
+    if (of->track.count > 0) {
+        double value[3][3];
+        weft__track_at(&of->track, t, value);
+        memcpy(now.velocity, value[0], sizeof now.velocity);
+    }
+    return now;
 }
 
 static void choose(void *own, weft__isa isa)
@@ -304,18 +324,18 @@ int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
 static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
                size_t first, size_t end)
 {
-    const weft__wind *of = own;
-    weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : of->fast;
-    if (of->mesh->triangles != NULL) {
-        return of->drag != 0.0 ? sails(of, at, unit, to, first, end) : 0;
+    const weft__wind now = at_time(own, at->t);
+    weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : now.fast;
+    if (now.mesh->triangles != NULL) {
+        return now.drag != 0.0 ? sails(&now, at, unit, to, first, end) : 0;
     }
-    return of->drag != 0.0 ? form(own, at, unit, to, first, end) : 0;
+    return now.drag != 0.0 ? form(&now, at, unit, to, first, end) : 0;
 }
 
 static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
                   size_t first, size_t end)
 {
-    const weft__wind *of = own;
+    const weft__wind now = at_time(own, at->t), *of = &now;
     const size_t n = of->mesh->particles, last = weft__block(of->mesh, end);
     double bad = 0.0;
     (void)unit;
@@ -327,7 +347,7 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
 
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
-    const weft__wind *of = own;
+    const weft__wind now = at_time(own, at->t), *of = &now;
     const size_t n = of->mesh->particles, end = weft__block(of->mesh, b + 1);
     for (size_t i = weft__block(of->mesh, b); of->drag != 0.0 && i < end; ++i) {
         if (of->mesh->pin[i] == 0) {

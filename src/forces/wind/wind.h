@@ -12,11 +12,13 @@
 #define WEFT_FORCES_WIND_WIND_H
 
 #include "forces/force.h"
+#include "mesh/track.h"
 
 typedef struct weft__wind {
     const weft__mesh *mesh;
     double velocity[3]; /* [m/s] */
     double drag;        /* [kg/(m^2 s)] 0: none */
+    weft_track track;   /* [m/s] unless count is 0, instead of velocity */
     weft__add_fn *fast;
 } weft__wind;
 
