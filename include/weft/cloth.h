@@ -412,6 +412,11 @@ WEFT_API size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends);
 WEFT_API size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places,
                                   double *uv);
 
+/* The number of pieces of the rest shape, 1 of a grid, and of edges along which they
+ * are sewn, with the length [m] of these. */
+WEFT_API size_t weft_cloth_pieces(const weft_cloth *cloth, size_t *sewn,
+                                  double *length);
+
 /* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
  * "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex 17"; "shear spring (3,
  * 4)-(4, 5)" or "edge 17-4"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21".

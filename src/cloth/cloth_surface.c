@@ -35,6 +35,11 @@ size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places, doubl
     return weft__surface_places(&cloth->mesh, corner_places, uv);
 }
 
+size_t weft_cloth_pieces(const weft_cloth *cloth, size_t *sewn, double *length)
+{
+    return weft__surface_pieces(&cloth->mesh, sewn, length);
+}
+
 const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size)
 {
     const weft__mesh *mesh = &cloth->mesh;

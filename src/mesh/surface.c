@@ -3,6 +3,8 @@
 
 #include <stdio.h>
 
+#include "base/plane.h"
+
 /* ---- triangles and edges --------------------------------------------------------- */
 
 static size_t grid_triangles(const weft__mesh *mesh, uint32_t *corners)
@@ -148,6 +150,22 @@ void weft__surface_normal(const weft__mesh *mesh, const double *x, size_t i,
     for (size_t k = 0; k < 3; ++k) {
         normal[k] = length > 0.0 ? sum[k] / length : 0.0;
     }
+}
+
+size_t weft__surface_pieces(const weft__mesh *mesh, size_t *sewn, double *length)
+{
+    const weft__triangles *of = mesh->triangles;
+    *sewn = 0;
+    *length = 0.0;
+    for (size_t e = 0; of != NULL && e < of->edges; ++e) {
+        const weft__edge *edge = &of->edge_list[e];
+        if (edge->sewn != WEFT__NONE && edge->sewn > e) {
+            *length += sqrt(
+                weft__squared(of->rest[edge->place[0]], of->rest[edge->place[1]]));
+            ++*sewn;
+        }
+    }
+    return of != NULL ? of->pieces : 1;
 }
 
 /* ---- names ----------------------------------------------------------------------- */

@@ -455,41 +455,33 @@ static void copy_fabrics(weft__work *at)
     }
 }
 
+/* The arrays of T triangles between n particles, with names if there are some. */
+#define ARRAYS(X)                                                                      \
+    X(corner, t)                                                                       \
+    X(place, t) X(edge, t) X(piece, t) X(fabric, t) X(area, t) X(rest, 3 * t)          \
+        X(mirrored, 3 * t) X(particle, 3 * t) X(edge_list, 3 * t) X(around, 3 * t)     \
+            X(around_first, n + 1) X(start, 3 * n) X(lumped, n) X(vertex, n)           \
+                X(of_vertex, n) X(fabrics, of->fabric_count)
+
 static void allocate(weft__work *at)
 {
     const size_t n = at->def->vertices, t = at->def->triangles;
     const size_t most = n > t ? n : t;
-    weft__triangles *out = at->out = weft__work_take(at, 1, sizeof *out);
-    if (out == NULL) {
+    weft__triangles *of = at->out = weft__work_take(at, 1, sizeof *of);
+    if (of == NULL) {
         return;
     }
     at->key = weft__work_take(at, most, sizeof *at->key);
     at->place_key = weft__work_take(at, at->def->places, sizeof *at->place_key);
     at->order = weft__work_take(at, most, sizeof *at->order);
     at->other = weft__work_take(at, most, sizeof *at->other);
-    out->corner = weft__work_take(at, t, sizeof *out->corner);
-    out->place = weft__work_take(at, t, sizeof *out->place);
-    out->edge = weft__work_take(at, t, sizeof *out->edge);
-    out->piece = weft__work_take(at, t, sizeof *out->piece);
-    out->fabric = weft__work_take(at, t, sizeof *out->fabric);
-    out->around_first = weft__work_take(at, n + 1, sizeof *out->around_first);
-    out->around = weft__work_take(at, 3 * t, sizeof *out->around);
-    out->area = weft__work_take(at, t, sizeof *out->area);
-    out->rest = weft__work_take(at, 3 * t, sizeof *out->rest);
-    out->mirrored = weft__work_take(at, 3 * t, sizeof *out->mirrored);
-    out->particle = weft__work_take(at, 3 * t, sizeof *out->particle);
-    out->edge_list = weft__work_take(at, 3 * t, sizeof *out->edge_list);
-    out->start = weft__work_take(at, 3 * n, sizeof *out->start);
-    out->lumped = weft__work_take(at, n, sizeof *out->lumped);
-    out->vertex = weft__work_take(at, n, sizeof *out->vertex);
-    out->of_vertex = weft__work_take(at, n, sizeof *out->of_vertex);
-    out->fabrics = weft__work_take(at, at->def->fabric_count, sizeof *out->fabrics);
-    out->name
-        = at->def->names != NULL ? weft__work_take(at, n, sizeof *out->name) : NULL;
-    out->count = t;
-    out->fabric_count = at->def->fabric_count;
-    out->seams = at->def->seams;
-    out->arc = at->def->arc;
+    of->count = t;
+    of->fabric_count = at->def->fabric_count;
+    of->seams = at->def->seams;
+    of->arc = at->def->arc;
+#define TAKE(array, number) of->array = weft__work_take(at, number, sizeof *of->array);
+    ARRAYS(TAKE)
+    of->name = at->def->names != NULL ? weft__work_take(at, n, sizeof *of->name) : NULL;
 }
 
 /* Faults of what good triangles are joined to, with which the rest cannot be made. */
@@ -556,29 +548,20 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
     return !at.failed;
 }
 
-size_t weft__triangles_bytes(const weft__triangles *of, size_t particles)
+size_t weft__triangles_bytes(const weft__triangles *of, size_t n)
 {
-    const size_t triangle = sizeof *of->corner + sizeof *of->place + sizeof *of->edge
-                            + sizeof *of->piece + sizeof *of->fabric + sizeof *of->area;
-    const size_t most = sizeof *of->rest + sizeof *of->mirrored + sizeof *of->particle
-                        + sizeof *of->edge_list; /* 3 of each triangle */
-    const size_t particle = 3 * sizeof *of->start + sizeof *of->lumped
-                            + sizeof *of->vertex + sizeof *of->of_vertex
-                            + (of->name != NULL ? sizeof *of->name : 0);
-    const size_t around = (particles + 1 + 3 * of->count) * sizeof *of->around;
-    return of->count * (triangle + 3 * most) + particles * particle + around
-           + of->fabric_count * sizeof *of->fabrics + sizeof *of;
+    const size_t t = of->count;
+#define BYTES(array, number) +(number) * sizeof *of->array
+    return sizeof *of + (of->name != NULL ? n * sizeof *of->name : 0) ARRAYS(BYTES);
 }
 
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
 {
-    if (of == NULL) {
-        return;
+    if (of != NULL) {
+#define FREE(array, number) weft__free(memory, of->array);
+        ARRAYS(FREE)
+        WEFT__FREE_ALL(memory, of->name, of);
     }
-    WEFT__FREE_ALL(memory, of->corner, of->place, of->edge, of->piece, of->fabric,
-                   of->area, of->rest, of->particle, of->edge_list, of->start,
-                   of->lumped, of->vertex, of->of_vertex, of->fabrics, of->name,
-                   of->mirrored, of->around_first, of->around, of);
 }
 
 void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,

@@ -285,8 +285,7 @@ static int by_left(const void *a, const void *b)
 static void compare_all(line_maker *self)
 {
     const path_part **order
-        = weft__alloc(self->reader->report->memory, self->count, sizeof *order);
-    self->reader->report->no_memory = self->reader->report->no_memory || order == NULL;
+        = weft__report_take(self->reader->report, self->count, sizeof *order);
     for (size_t i = 0; order != NULL && i < self->count; ++i) {
         order[i] = &self->parts[i];
     }
@@ -469,7 +468,6 @@ bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
         divide_parts(&self);
     }
     number_points(&self);
-    weft__free(reader->report->memory, self.nodes);
-    weft__free(reader->report->memory, self.same);
+    WEFT__FREE_ALL(reader->report->memory, self.nodes, self.same);
     return !reader->report->no_memory && reader->report->mistakes == before;
 }

@@ -47,6 +47,14 @@ static inline bool weft__report_reserve(weft__report *report, void *to, size_t *
     return made;
 }
 
+/* weft__zeroed, likewise. */
+static inline void *weft__report_take(weft__report *report, size_t count, size_t size)
+{
+    void *block = weft__zeroed(report->memory, count, size);
+    report->no_memory = report->no_memory || block == NULL;
+    return block;
+}
+
 /* Fills in the place of an item. */
 void weft__report_place(const weft__report *report, weft__mark at,
                         weft_diagnostic *item);

@@ -234,18 +234,16 @@ static void take_vertices(weft__obj *obj)
 static bool make_room(obj_builder *self)
 {
     weft__obj *obj = self->obj;
-    const weft_allocator *memory = obj->report->memory;
+    weft__report *report = obj->report;
     const size_t n = obj->vertices, most = 2 * obj->faces;
-    self->first = weft__alloc(memory, n, sizeof *self->first);
-    obj->vertex_of = weft__alloc(memory, n, sizeof *obj->vertex_of);
-    obj->name = weft__alloc(memory, n, sizeof *obj->name);
-    obj->start = weft__alloc(memory, n, 3 * sizeof *obj->start);
-    obj->corner = weft__alloc(memory, most, 3 * sizeof *obj->corner);
-    obj->corner_place = weft__alloc(memory, most, 3 * sizeof *obj->corner_place);
-    obj->face_of = weft__alloc(memory, most, sizeof *obj->face_of);
-    return self->first != NULL && obj->vertex_of != NULL && obj->name != NULL
-           && obj->start != NULL && obj->corner != NULL && obj->corner_place != NULL
-           && obj->face_of != NULL;
+    self->first = weft__report_take(report, n, sizeof *self->first);
+    obj->vertex_of = weft__report_take(report, n, sizeof *obj->vertex_of);
+    obj->name = weft__report_take(report, n, sizeof *obj->name);
+    obj->start = weft__report_take(report, n, 3 * sizeof *obj->start);
+    obj->corner = weft__report_take(report, most, 3 * sizeof *obj->corner);
+    obj->corner_place = weft__report_take(report, most, 3 * sizeof *obj->corner_place);
+    obj->face_of = weft__report_take(report, most, sizeof *obj->face_of);
+    return !report->no_memory;
 }
 
 /* Faces of a file that has no order take half the time. */
@@ -275,11 +273,8 @@ static bool build(weft__obj *obj)
             fetch_ahead(&self, f);
             add_face(&self, f);
         }
-    } else {
-        obj->report->no_memory = true;
     }
-    weft__free(obj->report->memory, self.first);
-    weft__free(obj->report->memory, self.next);
+    WEFT__FREE_ALL(obj->report->memory, self.first, self.next);
     obj->def.start = obj->start;
     obj->def.names = obj->def.vertices < obj->vertices ? obj->name : NULL;
     obj->def.rest = obj->rest;
@@ -297,13 +292,11 @@ bool weft__obj_read(weft__obj *obj)
 
 bool weft__obj_take(weft__obj *obj, const char *text, size_t length)
 {
-    obj->text = weft__alloc(obj->report->memory, length + 1, 1);
+    obj->text = weft__report_take(obj->report, length + 1, 1);
     if (obj->text == NULL) {
-        obj->report->no_memory = true;
         return false;
     }
     memcpy(obj->text, text, length);
-    obj->text[length] = '\0';
     obj->length = length;
     return weft__obj_read(obj);
 }
@@ -317,13 +310,11 @@ static bool read_all(weft__obj *obj, FILE *stream)
         return false;
     }
     rewind(stream);
-    obj->text = weft__alloc(obj->report->memory, (size_t)size + 1, 1);
+    obj->text = weft__report_take(obj->report, (size_t)size + 1, 1);
     if (obj->text == NULL) {
-        obj->report->no_memory = true;
         return false;
     }
     obj->length = fread(obj->text, 1, (size_t)size, stream);
-    obj->text[obj->length] = '\0';
     if (ferror(stream)) {
         ERROR_AT(obj, obj, "%.200s: %s", obj->path, strerror(errno));
     }
@@ -399,11 +390,9 @@ static bool find_statements(const weft__obj *obj, const char *name, bool *listed
 
 bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
 {
-    const weft_allocator *memory = obj->report->memory;
-    bool *listed
-        = weft__zeroed(memory, (size_t)obj->groups.statements + 1, sizeof *listed);
+    bool *listed = weft__report_take(obj->report, (size_t)obj->groups.statements + 1,
+                                     sizeof *listed);
     if (listed == NULL) {
-        obj->report->no_memory = true;
         return true;
     }
     const bool found = find_statements(obj, name, listed);
@@ -425,7 +414,7 @@ bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
         const uint32_t *parent = obj->parent[i - obj->coarse];
         member[i] = member[parent[0]] && member[parent[1]];
     }
-    weft__free(memory, listed);
+    weft__free(obj->report->memory, listed);
     return found;
 }
 
@@ -454,23 +443,11 @@ void weft__obj_forget(weft__obj *obj)
     if (obj->report == NULL) {
         return;
     }
-    void *const blocks[] = { obj->kept ? NULL : obj->text,
-                             obj->vertex,
-                             obj->place,
-                             obj->vertex_byte,
-                             obj->place_byte,
-                             obj->face,
-                             obj->point,
-                             obj->fabrics.list,
-                             obj->groups.list,
-                             obj->vertex_of,
-                             obj->place_of,
-                             obj->face_of,
-                             obj->parent };
     fill_places(obj);
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(obj->report->memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(obj->report->memory, obj->kept ? NULL : obj->text, obj->vertex,
+                   obj->place, obj->vertex_byte, obj->place_byte, obj->face, obj->point,
+                   obj->fabrics.list, obj->groups.list, obj->vertex_of, obj->place_of,
+                   obj->face_of, obj->parent);
     if (obj->def.names == NULL) {
         weft__free(obj->report->memory, obj->name);
         obj->name = NULL;
@@ -488,10 +465,7 @@ void weft__obj_forget(weft__obj *obj)
 void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
 {
     weft__obj_forget(obj);
-    void *const blocks[] = { obj->start,     obj->rest, obj->corner, obj->corner_place,
-                             obj->fabric_of, obj->name, obj->text };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        weft__free(memory, blocks[i]);
-    }
+    WEFT__FREE_ALL(memory, obj->start, obj->rest, obj->corner, obj->corner_place,
+                   obj->fabric_of, obj->name, obj->text);
     *obj = (weft__obj){ .def = { 0 } };
 }

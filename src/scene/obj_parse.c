@@ -77,58 +77,12 @@ static void skip_line(cursor *self)
     self->at = end == NULL ? self->end : end + 1;
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/* Digits as a whole number that is exact below 10^18, and whether it is. */
-static const char *take_digits(const char *p, const char *end, uint64_t *number,
-                               bool *exact, int *taken)
-{
-    *taken = 0;
-    for (; p < end && is_digit(*p); ++p) {
-        *exact = *exact && *number < UINT64_C(100000000000000000);
-        *number = *exact ? 10 * *number + (uint64_t)(*p - '0') : *number;
-        ++*taken;
-    }
-    return p;
-}
-
-/* A decimal number that is all of a word. Up to 2^53 times or over a power of ten that
- * is exact, one operation rounds correctly; strtod takes the others. */
+/* A decimal number that is all of a word. */
 static bool real_of(const char *word, size_t length, double *out)
 {
-    static const double ten[]
-        = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-            1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
-    const char *p = word + (*word == '-' || *word == '+'), *end = word + length;
-    uint64_t number = 0, power = 0;
-    bool exact = true;
-    int whole, part = 0, digits = 1, shift = 0;
-    p = take_digits(p, end, &number, &exact, &whole);
-    if (p < end && *p == '.') {
-        p = take_digits(p + 1, end, &number, &exact, &part);
-    }
-    if (p < end && (*p == 'e' || *p == 'E')) {
-        const char sign = p + 1 < end ? p[1] : '\0';
-        p = take_digits(p + 1 + (sign == '-' || sign == '+'), end, &power, &exact,
-                        &digits);
-        shift = power > 999 ? 999 : (int)power;
-        shift = sign == '-' ? -shift : shift;
-    }
-    if (p != end || whole + part == 0 || digits == 0) {
-        return false;
-    }
-    shift -= part;
-    if (exact && number <= UINT64_C(1) << 53 && abs(shift) <= 22) {
-        const double value = (double)number;
-        *out = shift < 0 ? value / ten[-shift] : value * ten[shift];
-        *out = *word == '-' ? -*out : *out;
-    } else {
-        *out = strtod(word, NULL);
-    }
-    return isfinite(*out);
+    char *end = NULL;
+    *out = strspn(word, "+-.0123456789eE") >= length ? strtod(word, &end) : (double)NAN;
+    return end == word + length && isfinite(*out);
 }
 
 /* The numbers that a statement needs, as "x y z"; what follows them is not used. */
@@ -157,18 +111,18 @@ static bool read_reals(cursor *self, const char *needed, size_t count, double *o
 static bool read_index(cursor *self, const char *what, const char **p, const char *end,
                        size_t before, size_t all, uint32_t *out)
 {
-    const char *digits = *p + (*p < end && **p == '-');
+    const bool back = *p < end && **p == '-';
+    const char *digits = *p + back, *stop = digits;
     uint64_t number = 0;
-    bool exact = true;
-    int taken;
-    const bool back = digits > *p;
-    const char *stop = take_digits(digits, end, &number, &exact, &taken);
-    if (taken == 0 || (stop < end && *stop != '/')) {
+    for (; stop < end && *stop >= '0' && *stop <= '9'; ++stop) {
+        number = number > UINT32_MAX ? number : 10 * number + (uint64_t)(*stop - '0');
+    }
+    if (stop == digits || (stop < end && *stop != '/')) {
         MISTAKE(self, *p, "'%.*s' is no number of a %s",
                 (int)(end - *p < 40 ? end - *p : 40), *p, what);
         return false;
     }
-    if (number == 0 || !exact || number > (back ? before : all)) {
+    if (number == 0 || number > (back ? before : all)) {
         MISTAKE(self, *p, "%s %.*s is not there: the file has 1 to %zu%s", what,
                 (int)(stop - *p < 40 ? stop - *p : 40), *p, all,
                 back ? ", and negative ones count back from this line" : "");
@@ -324,7 +278,6 @@ static size_t next_statement(cursor *self)
 
 static bool make_room(weft__obj *obj)
 {
-    const weft_allocator *memory = obj->report->memory;
     size_t count[KINDS + 1] = { 0 };
     for (cursor self = { .obj = obj, .at = obj->text, .end = obj->text + obj->length };
          self.at < self.end; skip_line(&self)) {
@@ -332,16 +285,14 @@ static bool make_room(weft__obj *obj)
     }
     obj->vertices = count[V];
     obj->places = count[VT];
-    obj->vertex = weft__alloc(memory, count[V], sizeof *obj->vertex);
-    obj->vertex_byte = weft__alloc(memory, count[V], sizeof *obj->vertex_byte);
-    obj->place = weft__alloc(memory, count[VT], sizeof *obj->place);
-    obj->place_byte = weft__alloc(memory, count[VT], sizeof *obj->place_byte);
-    obj->face = weft__alloc(memory, count[F] + 1, sizeof *obj->face);
-    const bool made = obj->vertex != NULL && obj->vertex_byte != NULL
-                      && obj->place != NULL && obj->place_byte != NULL
-                      && obj->face != NULL;
-    obj->report->no_memory = obj->report->no_memory || !made;
-    return made;
+    obj->vertex = weft__report_take(obj->report, count[V], sizeof *obj->vertex);
+    obj->vertex_byte
+        = weft__report_take(obj->report, count[V], sizeof *obj->vertex_byte);
+    obj->place = weft__report_take(obj->report, count[VT], sizeof *obj->place);
+    obj->place_byte
+        = weft__report_take(obj->report, count[VT], sizeof *obj->place_byte);
+    obj->face = weft__report_take(obj->report, count[F] + 1, sizeof *obj->face);
+    return !obj->report->no_memory;
 }
 
 static int by_name(const void *a, const void *b)

@@ -13,10 +13,9 @@ static size_t number_sides(const weft__obj *obj, const uint32_t *corner,
                            uint32_t *number, uint32_t (*ends)[2])
 {
     const size_t sides = 3 * obj->def.triangles;
-    weft__ends *list = weft__alloc(obj->report->memory, sides, sizeof *list);
+    weft__ends *list = weft__report_take(obj->report, sides, sizeof *list);
     size_t count = 0;
     if (list == NULL) {
-        obj->report->no_memory = true;
         return 0;
     }
     for (size_t i = 0; i < sides; ++i) {
@@ -120,27 +119,22 @@ static void apply_split(weft__obj *obj, const split *at)
 
 static void split_once(weft__obj *obj)
 {
-    const weft_allocator *memory = obj->report->memory;
+    weft__report *report = obj->report;
     const size_t sides = 3 * obj->def.triangles;
-    split at = { .vertex = weft__alloc(memory, sides, sizeof *at.vertex),
-                 .place = weft__alloc(memory, sides, sizeof *at.place),
-                 .vertex_ends = weft__alloc(memory, sides, sizeof *at.vertex_ends),
-                 .place_ends = weft__alloc(memory, sides, sizeof *at.place_ends) };
-    bool good = at.vertex != NULL && at.place != NULL && at.vertex_ends != NULL
-                && at.place_ends != NULL;
-    if (good) {
+    split at
+        = { .vertex = weft__report_take(report, sides, sizeof *at.vertex),
+            .place = weft__report_take(report, sides, sizeof *at.place),
+            .vertex_ends = weft__report_take(report, sides, sizeof *at.vertex_ends),
+            .place_ends = weft__report_take(report, sides, sizeof *at.place_ends) };
+    if (!report->no_memory) {
         at.vertices = number_sides(obj, obj->corner, at.vertex, at.vertex_ends);
         at.places = number_sides(obj, obj->corner_place, at.place, at.place_ends);
-        good = !obj->report->no_memory && make_room(obj, &at);
+        report->no_memory = report->no_memory || !make_room(obj, &at);
     }
-    if (good) {
+    if (!report->no_memory) {
         apply_split(obj, &at);
     }
-    obj->report->no_memory = obj->report->no_memory || !good;
-    weft__free(memory, at.vertex);
-    weft__free(memory, at.place);
-    weft__free(memory, at.vertex_ends);
-    weft__free(memory, at.place_ends);
+    WEFT__FREE_ALL(report->memory, at.vertex, at.place, at.vertex_ends, at.place_ends);
 }
 
 bool weft__obj_refine(weft__obj *obj, size_t by)

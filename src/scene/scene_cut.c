@@ -239,9 +239,8 @@ static bool write_text(weft__reader *reader, const weft__cut *cut,
     const size_t most = mesh->vertices * VERTEX_BYTES + mesh->triangles * TRIANGLE_BYTES
                         + 2 * mesh->edges * POINT_BYTES + groups * NAME_BYTES
                         + VERTEX_BYTES;
-    writer to = { .text = weft__alloc(reader->report->memory, most, 1) };
+    writer to = { .text = weft__report_take(reader->report, most, 1) };
     if (to.text == NULL) {
-        reader->report->no_memory = true;
         return false;
     }
     put_vertices(&to, cut, mesh);
@@ -301,9 +300,7 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
         ERROR_AT(reader, match->map, "%s", err.message);
     }
     const bool written = status == WEFT_OK && write_text(reader, cut, lines, &mesh);
-    weft__free(memory, mesh.places);
-    weft__free(memory, mesh.corners);
-    weft__free(memory, mesh.edge);
+    WEFT__FREE_ALL(memory, mesh.places, mesh.corners, mesh.edge);
     return written;
 }
 

@@ -137,23 +137,21 @@ static void put_fabrics(weft__reader *reader)
 {
     weft_scene *scene = reader->scene;
     weft__obj *obj = &scene->obj;
-    const weft_allocator *memory = reader->report->memory;
     scene->fabrics.list[0] = scene->fabric;
     obj->def.fabrics = scene->fabrics.list;
     obj->def.fabric_count = scene->fabrics.node->count + 1;
-    uint32_t *of
-        = weft__zeroed(memory, (size_t)obj->fabrics.statements + 1, sizeof *of);
-    obj->fabric_of = weft__alloc(memory, obj->def.triangles, sizeof *obj->fabric_of);
-    if (of == NULL || obj->fabric_of == NULL) {
-        reader->report->no_memory = true;
-    } else {
+    uint32_t *of = weft__report_take(reader->report,
+                                     (size_t)obj->fabrics.statements + 1, sizeof *of);
+    obj->fabric_of
+        = weft__report_take(reader->report, obj->def.triangles, sizeof *obj->fabric_of);
+    if (of != NULL && obj->fabric_of != NULL) {
         find_fabrics(reader, of);
         for (size_t t = 0; t < obj->def.triangles; ++t) {
             obj->fabric_of[t] = of[obj->face[obj->face_of[t]].fabric];
         }
     }
     obj->def.fabric_of = obj->fabric_of;
-    weft__free(memory, of);
+    weft__free(reader->report->memory, of);
 }
 
 /* ---- the cloth ---------------------------------------------------------------- */

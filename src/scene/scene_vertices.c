@@ -87,10 +87,11 @@ void weft__read_group(weft__reader *reader, const weft__key *key,
     if (name == NULL || mesh == NULL) {
         return;
     }
-    bool *member = weft__zeroed(reader->report->memory, mesh->vertices, sizeof *member);
+    bool *member = weft__report_take(reader->report, mesh->vertices, sizeof *member);
     if (member == NULL) {
-        reader->report->no_memory = true;
-    } else if (weft__obj_group(&reader->scene->obj, name, member)) {
+        return;
+    }
+    if (weft__obj_group(&reader->scene->obj, name, member)) {
         put_members(reader, member, to);
     } else {
         ERROR_AT(reader, node, "the mesh has no group '%.60s'%s", name,
@@ -133,9 +134,8 @@ void weft__read_inside(weft__reader *reader, const weft__key *key,
     if (mesh == NULL || reader->report->mistakes > before) {
         return;
     }
-    bool *member = weft__zeroed(reader->report->memory, mesh->vertices, sizeof *member);
+    bool *member = weft__report_take(reader->report, mesh->vertices, sizeof *member);
     if (member == NULL) {
-        reader->report->no_memory = true;
         return;
     }
     const weft__shape made = weft__shape_of(&shape, 0.0);

@@ -122,7 +122,7 @@ static void print_scene(const char *file, const weft_scene *scene,
     weft_error err;
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
-    fabric_print(scene);
+    fabric_print(scene, cloth);
     contact_print(weft_scene_cloth(scene));
     if (limit->method != WEFT_LIMIT_NONE) {
         printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",

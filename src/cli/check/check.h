@@ -12,7 +12,7 @@ void contact_yaml(yaml_out *out, const weft_cloth_def *def);
 
 /* fabric_report.c: the springs of a fabric, and the fabric of springs; nothing for a
  * cloth without a fabric or bending rigidity. */
-void fabric_print(const weft_scene *scene);
+void fabric_print(const weft_scene *scene, const weft_cloth *cloth);
 void fabric_yaml(yaml_out *out, const weft_scene *scene);
 
 /* stable_steps.c: a survey, with the cheapest methods or all, and advice. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabric_report.c -- weft check: a fabric and its springs. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "cli/check/check.h"
 
@@ -96,74 +94,17 @@ static void print_triangles(const weft_mesh_def *mesh)
     print_least("heights", "%.3g mm", 1e3 * low, mesh, flat);
 }
 
-/* Of a triangle, with its places; the lower end first. */
-typedef struct rest_side {
-    uint32_t ends[2], places[2];
-    size_t triangle;
-} rest_side;
-
-static int by_ends(const void *a, const void *b)
+/* Pieces, and what is sewn. */
+static void print_pieces(const weft_cloth *cloth)
 {
-    return memcmp(a, b, sizeof((const rest_side *)a)->ends);
-}
-
-static size_t root_of(size_t *parent, size_t t)
-{
-    while (parent[t] != t) {
-        t = parent[t] = parent[parent[t]];
+    size_t sewn;
+    double length;
+    sentence text = { "" };
+    say(&text, "%zu", weft_cloth_pieces(cloth, &sewn, &length));
+    if (sewn > 0) {
+        say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
     }
-    return t;
-}
-
-/* Pieces, and what is sewn; nothing without memory. */
-static void print_pieces(const weft_mesh_def *mesh)
-{
-    const size_t sides = 3 * mesh->triangles;
-    rest_side *side = malloc(sides * sizeof *side);
-    size_t *parent = malloc(mesh->triangles * sizeof *parent);
-    size_t pieces = mesh->triangles, sewn = 0;
-    double length = 0.0;
-    for (size_t j = 0; side != NULL && parent != NULL && j < sides; ++j) {
-        const size_t t = j / 3, next = 3 * t + (j + 1) % 3;
-        const uint32_t *places
-            = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
-        const bool down = mesh->corners[next] < mesh->corners[j];
-        const size_t low = down ? next : j, high = down ? j : next;
-        side[j] = (rest_side){ { mesh->corners[low], mesh->corners[high] },
-                               { places[low], places[high] },
-                               t };
-        parent[t] = t;
-    }
-    if (side != NULL && parent != NULL) {
-        qsort(side, sides, sizeof *side, by_ends);
-    }
-    for (size_t j = 1; side != NULL && parent != NULL && j < sides; ++j) {
-        const rest_side *a = &side[j - 1], *b = &side[j];
-        if (by_ends(a, b) != 0) {
-            continue;
-        }
-        if (memcmp(a->places, b->places, sizeof a->places) == 0) {
-            const size_t p = root_of(parent, a->triangle);
-            const size_t q = root_of(parent, b->triangle);
-            pieces -= p != q;
-            parent[p] = q;
-        } else {
-            const double *x = &mesh->rest[2 * (size_t)a->places[0]];
-            const double *z = &mesh->rest[2 * (size_t)a->places[1]];
-            length += hypot(z[0] - x[0], z[1] - x[1]);
-            ++sewn;
-        }
-    }
-    if (side != NULL && parent != NULL) {
-        sentence text = { "" };
-        say(&text, "%zu", pieces);
-        if (sewn > 0) {
-            say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
-        }
-        print_item("pieces", "%s", text.text);
-    }
-    free(side);
-    free(parent);
+    print_item("pieces", "%s", text.text);
 }
 
 static void print_peirce(const report *of, const char *first, const char *second)
@@ -174,9 +115,9 @@ static void print_peirce(const report *of, const char *first, const char *second
     }
 }
 
-static void print_mesh(const weft_cloth_def *def)
+static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
 {
-    print_pieces(def->mesh);
+    print_pieces(cloth);
     print_triangles(def->mesh);
     for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
         const report of = mesh_report(def, i);
@@ -204,7 +145,7 @@ static void print_mesh(const weft_cloth_def *def)
     }
 }
 
-void fabric_print(const weft_scene *scene)
+void fabric_print(const weft_scene *scene, const weft_cloth *cloth)
 {
     const weft_cloth_def *def = weft_scene_cloth(scene);
     const weft_fabric *given = weft_scene_fabric(scene);
@@ -216,7 +157,7 @@ void fabric_print(const weft_scene *scene)
     const bool sheet = def->rows > 1 && def->cols > 1;
     report of;
     if (def->mesh != NULL) {
-        print_mesh(def);
+        print_mesh(def, cloth);
         return;
     }
     if (!report_of(scene, &of)) {
