@@ -132,7 +132,7 @@ PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wi
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-%,$(wildcard examples/*.c))) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
-.PHONY: all check check-run check-view check-python viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
+.PHONY: all check check-run check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
@@ -380,6 +380,10 @@ check-view: all
 check-python: all
 	@tools/check-python $(BUILD)
 
+# The notebooks alone, which check-python runs too.
+check-notebooks: all
+	@tools/check-python $(BUILD) tests/test_notebooks.py
+
 # The page that weft view fills: needs node and npm, and its result is committed.
 viewer:
 	@tools/viewer-packages
@@ -547,7 +551,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -2,18 +2,16 @@
 # %% [markdown]
 # # Why stiff springs are hard
 #
-# Draws lecture.png: `python examples/lecture.py`, or open this file as a notebook (its cells begin with `# %%`).
+# Draws lecture.png: `python examples/lecture.py`. notebooks/lecture.ipynb goes further.
 
 # %%
 import warnings
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import weft
 
-SCENES = Path(globals().get("__file__", "examples/lecture.py")).resolve().parent.parent / "scenes"
 warnings.simplefilter("ignore", weft.SceneWarning)  # of unstable steps, which are the subject
 figure, (runs, regions, sheet) = plt.subplots(1, 3, figsize=(15, 5), layout="constrained")
 
@@ -25,7 +23,7 @@ figure, (runs, regions, sheet) = plt.subplots(1, 3, figsize=(15, 5), layout="con
 
 # %%
 for k in (0.5, 1.0, 1.5, 2.0, 3.0):
-    sim = weft.load(SCENES / "stiffness.yaml", {"forces.damping": k})
+    sim = weft.load(weft.scene("stiffness"), {"forces.damping": k})
     speed = [sim.velocities[0, 0] for frame in sim.frames()]
     assert speed == [(1 - k) ** i for i in range(len(speed))]  # to the last bit
     runs.plot(speed, "o-", label="k h = %g" % k)
