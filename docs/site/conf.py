@@ -74,7 +74,7 @@ def as_page(app, name, source):
     text = re.sub(r"\]\((?:\.\./)?include/weft\)", "](/reference/c.md)", text)
     text = re.sub(r"\]\((\.\./)?((?:examples|plugins)/[\w./-]+)\)", r"](/files/\2.md)", text)
     if name == "index":
-        text = text.replace("| `scenes/", "{.films}\n| `scenes/", 1)
+        text = text.replace("| [flag]", "{.films}\n| [flag]", 1)
     if name == "docs/gallery":
         text = text.replace("| scene | what", "{.gallery}\n| scene | what")
         text = re.sub(r"(\[([\w-]+)\]\(\.\./scenes/[\w-]+\.md\)):", r'\1 (<a href="../players/\2.html">player</a>):', text)
