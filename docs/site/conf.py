@@ -48,7 +48,7 @@ class Compiled(MagicMock):
 
 
 sys.modules["weft._weft"] = Compiled()
-autodoc_member_order = "groupwise"
+autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
@@ -81,5 +81,12 @@ def as_page(app, name, source):
     source[0] = text
 
 
+def undocumented(app, what, name, thing, options, lines):
+    """A field of a tuple without a comment has a docstring of Python's."""
+    if lines and lines[0].startswith("Alias for field number"):
+        lines.clear()
+
+
 def setup(app):
+    app.connect("autodoc-process-docstring", undocumented)
     app.connect("source-read", as_page)
