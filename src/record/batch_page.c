@@ -7,6 +7,7 @@
 
 #include "record/page.h"
 #include "record/series.h"
+#include "weft/scene.h"
 
 #define PLAYERS_BUDGET 24e6 /* [B] of the frames of all runs */
 #define PLAYER_LEAST   3e3  /* [B] of a run: with less there is no player */
@@ -122,6 +123,49 @@ static bool run_directory(const batch_page *self, size_t i, char path[RECORD_PAT
            && record_no_link(path, NULL) == WEFT_OK;
 }
 
+/* The unit of a key is in the last brackets before its default: "vector [x, y, z]
+ * [m/s]; default ...". Only the first such line is of the key itself. */
+static void take_unit(void *ctx, const char *line)
+{
+    char *unit = ctx;
+    const char *end = strchr(line, ';'), *from = end;
+    if (end == NULL || unit[0] != '\0') {
+        return;
+    }
+    while (from > line && *from != '[') {
+        --from;
+    }
+    const bool has = *from == '[' && end[-1] == ']' && end - from < RUN_NAME;
+    snprintf(unit, RUN_NAME, "%.*s", has ? (int)(end - from - 2) : 1,
+             has ? from + 1 : "-");
+}
+
+/* {"forces.damping":"kg/s",...}: of the columns of summary.csv that are keys. */
+static void write_units(FILE *stream, const char *directory)
+{
+    char path[RECORD_PATH], cell[RUN_NAME];
+    FILE *summary = record_open(directory, "summary.csv", path, NULL);
+    const char *before = "{";
+    for (int c = ','; summary != NULL && c == ',';) {
+        char unit[RUN_NAME] = "";
+        c = read_cell(summary, cell, sizeof cell);
+        if (strcmp(cell, "scene") == 0) {
+            break;
+        }
+        if (weft_scene_help_key(cell, take_unit, unit, NULL) == WEFT_OK) {
+            fputs(before, stream);
+            page_text(stream, cell);
+            putc(':', stream);
+            page_text(stream, strcmp(unit, "-") == 0 ? "" : unit);
+            before = ",";
+        }
+    }
+    fputs(before[0] == '{' ? "{}" : "}", stream);
+    if (summary != NULL) {
+        (void)fclose(summary);
+    }
+}
+
 static void write_batch(const batch_page *self)
 {
     FILE *stream = self->stream;
@@ -132,6 +176,8 @@ static void write_batch(const batch_page *self)
     page_directory(stream, self->directory);
     fputs(",\"summary\":", stream);
     page_file(stream, self->directory, "summary.csv");
+    fputs(",\"units\":", stream);
+    write_units(stream, self->directory);
     for (size_t i = 0; i < self->count; ++i) {
         const bool there = run_directory(self, i, path);
         fprintf(stream, "%s{\"page\":%s,\"columns\":", i == 0 ? ",\"runs\":[" : ",\n",

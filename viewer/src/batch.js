@@ -5,7 +5,7 @@ import { Scatter } from './scatter.js';
 import { batch } from './source.js';
 import { onPreference, toggleTheme } from './theme.js';
 import { placeTip } from './tip.js';
-import { differs, element, parameters, quantities, STATISTICS } from './values.js';
+import { differs, element, firstShown, parameters, quantities, STATISTICS, titleOf } from './values.js';
 
 const MOST_ROWS = 1000; // of the table: more would be slow
 const $ = (id) => document.getElementById(id);
@@ -15,11 +15,13 @@ const known = quantities(batch);
 const asked = new URLSearchParams(location.hash.slice(1)); // #x=stiffness&y=damping&value=max_strain&of=largest&sort=...&down=1
 
 const called = (list, name, index) => list.find((one) => one.label === name) ?? list[index] ?? null;
+const first = firstShown(known, runs);
 const state = {
     x: called(varied, asked.get('x'), 0),
     y: asked.get('y') === '' ? null : called(varied, asked.get('y'), 1),
-    value: called(known, asked.get('value') ?? 'max_strain', 0),
-    of: Math.max(STATISTICS.indexOf(asked.get('of') ?? 'last'), 0),
+    value: called(known, asked.get('value')) ?? first.value,
+    of: asked.has('of') || asked.has('value') ? Math.max(STATISTICS.indexOf(asked.get('of')), 0) : first.of,
+    log: asked.has('log') ? asked.get('log') === '1' : null, // null: where values reach far
     sort: asked.get('sort') ?? '',
     down: asked.get('down') === '1',
     only: null, // runs of a cell of the heat map
@@ -33,7 +35,7 @@ const short = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)
 function remember() {
     const now = new URLSearchParams({
         x: state.x?.label ?? '', y: state.y?.label ?? '', value: state.value?.label ?? '', of: STATISTICS[state.of],
-        sort: state.sort, down: state.down ? '1' : '0',
+        sort: state.sort, down: state.down ? '1' : '0', ...(state.log === null ? {} : { log: state.log ? '1' : '0' }),
     });
     history.replaceState(null, '', `${location.search}#${now}`);
 }
@@ -45,16 +47,16 @@ const isEmpty = (name) => runs.every((run) => run.text(name) === '');
 
 /** Name, heading, and text of a run in each column; the chosen quantity is beside the status. */
 function columns() {
-    const of = (name, heading = name, exact = false) => ({ name, heading, exact, text: (run) => run.text(name) });
+    const of = (name, heading = titleOf(name), words = null) => ({ name, heading, words, text: (run) => run.text(name) });
     const rest = batch.names.slice(batch.names.indexOf('status') + 1).filter((name) => !LEFT_OUT.has(name) && !isEmpty(name));
     const { value } = state;
     const chosen = value && {
-        name: 'value', heading: value.steady ? value.label : `${STATISTICS[state.of]} ${value.label}`, chosen: true,
+        name: 'value', heading: value.title(state.of), chosen: true,
         text: (run) => { const v = value.of(run, state.of); return Number.isFinite(v) ? String(v) : ''; },
     };
     return [
         { name: '', heading: 'run', text: (run) => String(run.number) },
-        ...varied.map((p) => of(p.name, p.label, true)),
+        ...varied.map((p) => of(p.name, p.title, p.words)),
         of('status'),
         ...[chosen].filter(Boolean),
         ...rest.filter((name) => name !== value?.label).map((name) => of(name)),
@@ -94,10 +96,10 @@ function link(run, text) {
 
 function row(run, list) {
     const made = element('tr', run.done ? '' : 'undone');
-    made.append(...list.map(({ name, text, chosen, exact }) => {
-        const words = text(run);
-        const cell = element('td', [isNumber(words) ? 'number' : '', chosen ? 'chosen' : ''].join(' '), name === '' ? link(run, words) : exact ? words : shown(words));
-        cell.title = name === 'status' ? run.text('reason') : '';
+    made.append(...list.map(({ name, text, chosen, words }) => {
+        const told = text(run);
+        const cell = element('td', [isNumber(told) ? 'number' : '', chosen ? 'chosen' : ''].join(' '), name === '' ? link(run, told) : words?.(told) ?? shown(told));
+        cell.title = name === 'status' ? run.text('reason') : words ? told : '';
         return cell;
     }));
     made.run = run;
@@ -135,7 +137,7 @@ function drawTable() {
 function tip(run, text, event) {
     $('tip').hidden = !run;
     if (run) {
-        const where = varied.map((p) => `${p.label} ${run.text(p.name)}`).join(', ');
+        const where = varied.map((p) => `${p.label} ${p.words(run.text(p.name))}`).join(', ');
         $('tip').replaceChildren(element('b', '', text), `run ${run.number}: ${where || run.name}`);
         placeTip($('tip'), event);
     }
@@ -168,13 +170,15 @@ function drawPlots() {
     heat.draw(state, runs);
     main.draw(state, done, [state.value].filter(Boolean), $('inks'));
     small.draw(state, done, known.filter((value) => differs(value, done)));
-    $('undone').textContent = done.length < runs.length && state.x ? `${runs.length - done.length} runs that are not done have no points, and stripes on the map` : '';
+    const left = runs.length - done.length;
+    $('undone').textContent = left > 0 && state.x ? `${left} ${left === 1 ? 'run is' : 'runs are'} not done: no points${$('heat').hidden ? '' : ', stripes on the map'}` : '';
 }
 
 function draw() {
     ['x', 'y'].forEach((axis) => { $(axis).value = state[axis]?.label ?? ''; });
     $('value').value = state.value?.label ?? '';
     $('of').selectedIndex = state.of;
+    $('log').value = state.log === null ? '' : Number(state.log);
     drawPlots();
     drawTable();
     remember();
@@ -200,10 +204,10 @@ function fillWords() {
 }
 
 function fillChoices() {
-    const options = (list) => list.map(({ label }) => new Option(label, label));
+    const options = (list) => list.map(({ label, title }) => new Option(title, label));
     $('x').append(...options(varied));
     $('y').append(new Option('nothing else', ''), ...options(varied));
-    $('value').append(...options(known));
+    $('value').append(...known.map(({ label }) => new Option(titleOf(label), label)));
     $('of').append(...STATISTICS.map((name) => new Option(name)));
     $('asked').hidden = known.length === 0;
     $('against').hidden = varied.length === 0;
@@ -213,6 +217,7 @@ function listen() {
     ['x', 'y'].forEach((axis) => $(axis).addEventListener('change', () => choose(axis, called(varied, $(axis).value))));
     $('value').addEventListener('change', () => choose('value', called(known, $('value').value)));
     $('of').addEventListener('change', () => choose('of', $('of').selectedIndex));
+    $('log').addEventListener('change', () => choose('log', $('log').value === '' ? null : $('log').value === '1'));
     $('search').addEventListener('input', drawTable);
     $('everything').addEventListener('click', () => {
         state.only = null;

@@ -10,6 +10,7 @@ import { triangleNormals } from './surface.js';
 const FRONT = new Color('#c8553d');
 const BACK = new Color('#e3b27a');
 const PIN = new Color('#69727e');
+const PALE = 0.6; // opacity
 const SEAM = '#274b73';
 
 // The two sides of a plain cloth differ in colour; one that shows a quantity glows a
@@ -168,6 +169,13 @@ export class Cloth {
         for (const changed of [position, normal, color, this.beads.instanceMatrix, this.beads.instanceColor].filter(Boolean)) {
             changed.needsUpdate = true;
         }
+    }
+
+    /** Pale: as it was in an earlier frame. */
+    fade(on) {
+        const { material } = this.surface;
+        material.needsUpdate = material.transparent !== on;
+        Object.assign(material, { transparent: on, opacity: on ? PALE : 1 });
     }
 
     /** The line of a chain lies on nothing but the background. */

@@ -7,6 +7,8 @@ import { gaps } from './shapes.js';
 // sees no colours still sees the order.
 const STOPS = ['#f1ead9', '#f3d694', '#f4b557', '#ea8537', '#d0532f', '#a62a3a', '#6f1640', '#3c0d38'].map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
 
+const MOST_STRAIN = 1; // of the colours of a run that blows up,
+const LEAST_STRAIN = 0.1; // [%]
 const SAMPLES = 12; // frames looked at for a range
 
 /** sRGB of a place between 0 and 1. */
@@ -63,6 +65,8 @@ function evenly(most, unit, factor) {
     };
 }
 
+const powerOfTen = (k) => (Math.abs(k) < 4 ? String(Number(`1e${k}`)) : `1e${k}`);
+
 // Runs part by powers of ten: six of them below the largest distance, or from `least` on.
 function decades(most, unit, factor = 1, least = 0) {
     const top = Math.ceil(Math.log10(most > 0 ? most * factor : 1e-12));
@@ -70,13 +74,13 @@ function decades(most, unit, factor = 1, least = 0) {
     return {
         unit,
         place: (value) => (value > 0 ? (Math.log10(value * factor) - low) / (top - low) : 0),
-        ticks: [0, 1, 2, 3].map((k) => `1e${low + Math.round((k / 3) * (top - low))}`),
+        ticks: [0, 1, 2, 3].map((k) => low + Math.round((k / 3) * (top - low))).map(powerOfTen),
     };
 }
 
 /** Of a run that blows up, all of it: from what it was before, or a unit, by powers of ten. */
 function blownUp(page, plane, unit, factor) {
-    const calm = page.runs.flatMap((run) => run.blocks.slice(0, page.calm));
+    const calm = page.runs.flatMap((run) => run.blocks.slice(0, run.calm));
     const most = Math.max(...page.runs.flatMap((run) => run.blocks.map((block) => block.range(plane)[1])));
     return decades(most, unit, factor, Math.max(1, factor * highest(page, calm, plane)));
 }
@@ -90,15 +94,16 @@ const closely = (thickness) => ({
 
 /** What the page offers, by name; `read(run, frame, out)` has the numbers. */
 export function quantities(page) {
-    const all = page.runs.flatMap((run) => fitted(page, run.blocks));
-    const made = (unit, factor) => (plane) => (page.all
-        ? blownUp(page, plane, unit, factor) : evenly(highest(page, all, plane), unit, factor));
-    const known = { strain: made('%', 100), speed: made('m/s', 1) };
-    const list = page.fields.filter((name) => known[name]).map((name) => ({
-        name,
-        read: (run, frame, out) => run.blocks[frame].read(3 + page.fields.indexOf(name), out),
-        ...known[name](3 + page.fields.indexOf(name)),
-    }));
+    const all = page.runs.flatMap((run) => fitted(page, run.blocks, run.calm));
+    const units = { strain: ['%', 100], speed: ['m/s', 1] };
+    const list = page.fields.filter((name) => units[name]).map((name) => {
+        const plane = 3 + page.fields.indexOf(name);
+        const most = highest(page, all, plane);
+        const scale = page.all ? blownUp(page, plane, ...units[name])
+            : page.blown && name === 'strain' ? decades(MOST_STRAIN, '%', 100, LEAST_STRAIN)
+                : evenly(most, ...units[name]);
+        return { name, most, read: (run, frame, out) => run.blocks[frame].read(plane, out), ...scale };
+    });
     if (page.runs.some((run) => run.obstacles.length > 0 || run.self)) {
         const most = Math.max(...page.runs.map((run) => run.thickness));
         list.push({ name: 'gap', read: (run, frame, out) => gaps(page, run, frame, out), ...closely(most) });

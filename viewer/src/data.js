@@ -90,20 +90,56 @@ const readRun = (run) => ({
     columns: readSeries(run.series),
 });
 
-const REACH = 10; // a cloth that gets so many times as large has blown up
+const ONSET = 2; // times the size at the start: a cloth that blows up leaves the stage
+const REACH = 10; // so many times as large it has blown up, and is no longer drawn
 
 const box = (block) => [0, 1, 2].map((k) => block.range(k));
 const length = (sides) => Math.hypot(...sides.map(([lo, hi]) => hi - lo));
 const size = (block) => length(box(block));
 
-/** How many frames there are before the first run blows up; all, if none does. */
-function calmFrames(runs, frames) {
-    for (let i = 1; i < frames; ++i) {
-        if (runs.some(({ blocks }) => size(blocks[i]) > REACH * size(blocks[0]))) {
-            return i;
+/** Whether a particle of a block is within a box. */
+function reaches(block, sides) {
+    const [x, y, z] = [0, 1, 2].map((k) => block.read(k, new Float32Array(block.count)));
+    const inside = (v, [lo, hi]) => v >= lo && v <= hi;
+    return x.some((_, i) => inside(x[i], sides[0]) && inside(y[i], sides[1]) && inside(z[i], sides[2]));
+}
+
+/** Gives a run `blown`, `calm`: how many frames there are before it leaves the stage, and
+ * `held`: the last frame that is drawn. All frames are, if it does not blow up. */
+function findOnset(run) {
+    const { blocks } = run;
+    const most = size(blocks[0]);
+    const end = blocks.findIndex((block) => size(block) > REACH * most);
+    run.blown = end >= 0;
+    run.calm = run.blown ? blocks.findLastIndex((block, i) => i < end && size(block) <= ONSET * most) + 1 : blocks.length;
+    run.held = blocks.length - 1;
+    if (run.blown) {
+        run.held = end - 1;
+        while (run.held >= run.calm && !reaches(blocks[run.held], box(blocks[0]))) {
+            --run.held;
         }
     }
-    return frames;
+}
+
+function findOnsets(page) {
+    page.runs.forEach(findOnset);
+    page.calm = Math.min(...page.runs.map((run) => run.calm));
+    page.blown = page.runs.some((run) => run.blown);
+}
+
+/** The particle farthest from where the cloth started, as a run leaves the stage: "particle (0, 23)". */
+export function leaver(page, run) {
+    const centre = box(run.blocks[0]).map(([lo, hi]) => (lo + hi) / 2);
+    const planes = centre.map((_, k) => run.blocks[run.calm].read(k, new Float32Array(page.count)));
+    const far = planes[0].map((_, i) => Math.hypot(...planes.map((plane, k) => plane[i] - centre[k])));
+    const at = far.reduce((best, d, i) => (d > far[best] ? i : best), 0);
+    if (page.mesh) {
+        return `vertex ${at}`;
+    }
+    const [row, col] = [Math.floor(at / page.shown[1]), at % page.shown[1]].map(
+        (i, k) => Math.min(i * page.stride, page.grid[k] - 1),
+    );
+    return `particle (${row}, ${col})`;
 }
 
 export function readPage(root) {
@@ -121,10 +157,9 @@ export function readPage(root) {
     const apart = stride > 1
         ? meta.times.map((_, i) => new Block(elements[i * stride + runs.length], 1, count))
         : [];
-    const calm = calmFrames(runs, meta.times.length);
-    const blown = calm < meta.times.length;
-    // Two frames make no plot.
-    return { ...meta, surface, runs, apart, count, calm, blown, all: blown && calm < 3 };
+    const page = { ...meta, surface, runs, apart, count, all: false };
+    findOnsets(page);
+    return page;
 }
 
 /** Appends a frame of a run under way: its index, number, time, and block as base64. */
@@ -136,9 +171,7 @@ export function addFrame(page, { index, number, time, block }) {
     page.times.push(time);
     page.chosen = index + 1;
     run.frames = index + 1;
-    const large = size(run.blocks.at(-1)) > REACH * size(run.blocks[0]);
-    page.blown ||= large;
-    page.calm += page.blown ? 0 : 1;
+    findOnsets(page);
 }
 
 /** Appends rows of its series.csv that it does not have yet. */
@@ -152,8 +185,8 @@ export function addRows(run, text) {
     }
 }
 
-/** Frames that view, colours and plots fit: all, or those before a run blows up. */
-export const fitted = (page, list) => (page.all ? list : list.slice(0, page.calm));
+/** Frames that view, colours and plots fit: all, or those before a run leaves the stage. */
+export const fitted = (page, list, calm = page.calm) => (page.all ? list : list.slice(0, calm));
 
 /** Where the runs are in a frame, and how many times as large as `most` [m]: 1, 2 or 5
  * times a power of ten, 1 at least. */
@@ -171,6 +204,6 @@ export function extent(page, frame, most) {
 /** The box around each calm frame of each run, and around the shapes that are not much larger than
  * the cloth: [lo x, hi x], [lo y, hi y], [lo z, hi z]. */
 export function boxes(page) {
-    const list = page.runs.flatMap((run) => run.blocks.slice(0, page.calm)).map(box);
+    const list = page.runs.flatMap((run) => run.blocks.slice(0, run.calm)).map(box);
     return [...list, ...shapeBoxes(page, 2 * Math.max(...list.map(length)))];
 }

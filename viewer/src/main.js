@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // main.js -- one state (frame, colour, rate, playing), and what follows from it.
+import { Film, savePicture } from './capture.js';
 import { drawLegend, quantities } from './colours.js';
 import { boxes, readPage } from './data.js';
 import { follow, isLive } from './live.js';
 import { nearest, Plots } from './plots.js';
 import { gaps } from './shapes.js';
+import { fileName } from './save.js';
 import { root } from './source.js';
 import { isSoftware, Stage } from './stage.js';
 import { isDark, onPreference, toggleTheme } from './theme.js';
-import { writeFiles, writeHeader, writeLabels, writeLive, writeNotes } from './words.js';
+import { foldNotes, writeCaptions, writeFiles, writeHeader, writeLabels, writeLive, writeNotes } from './words.js';
 
-const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
+const RATES = [0.01, 0.03, 0.1, 0.25, 0.5, 1, 2, 4];
+const ONSET = 3; // s that the onset of a blow-up is played, at least
+const VISIBLE = 0.01; // strain that is worth a colour
 const RENEWAL = 500; // ms between two redraws of the plots of a live run
 const THREADS_BELOW = 50; // particles along a side: more would be a grey veil
 const $ = (id) => document.getElementById(id);
@@ -18,11 +22,12 @@ const asked = new URLSearchParams(location.hash.slice(1)); // #frame=30&colour=s
 
 const page = readPage(root);
 const live = isLive(page);
-page.all = page.blown && (asked.has('all') ? asked.get('all') === '1' : page.all);
+page.all = page.blown && asked.get('all') === '1';
 const { times } = page;
 let colours = [null, ...quantities(page)];
-const state = { frame: 0, colour: colours.length > 1 && page.apart.length > 0 ? 1 : 0, rate: 3, playing: false };
+const state = { frame: 0, colour: firstColour(), rate: RATES.indexOf(1), playing: false };
 let stage = null;
+let film = null;
 try {
     const fine = asked.get('quality') ? asked.get('quality') === 'fine' : !isSoftware();
     stage = new Stage($('canvas'), page, boxes(page), fine);
@@ -34,6 +39,17 @@ const plots = new Plots(page, $('plots'), (t) => {
     seek(nearest(times, t));
 });
 
+/** Strain where there is some; of two runs their difference, unless it has no bounds. */
+function firstColour() {
+    const [difference, strain] = ['difference', 'strain'].map((name) => colours.findIndex((c) => c?.name === name));
+    const first = difference > 0 && !page.blown ? difference : strain;
+    return first === difference || page.blown || colours[first]?.most > VISIBLE ? Math.max(first, 0) : 0;
+}
+
+/** The last frame in which anything changes: of a run that blows up, the one after it has left. */
+const lastShown = () => (page.all ? times.length - 1
+    : Math.min(times.length - 1, Math.max(...page.runs.map((run) => (run.blown ? run.held + 1 : times.length - 1)))));
+
 function seek(frame) {
     state.frame = Math.min(Math.max(Math.round(frame), 0), times.length - 1);
     const t = times[state.frame];
@@ -41,6 +57,7 @@ function seek(frame) {
     const scale = stage?.show(state.frame, colours[state.colour]);
     $('scale').textContent = stage ? `floor: ${Number((stage.cell * scale).toPrecision(3))} m a square` : '';
     plots.show(state.frame);
+    writeCaptions(page, state.frame);
     $('scrub').value = state.frame;
     $('scrub').setAttribute('aria-valuetext', `frame ${number}, ${t.toFixed(3)} s`);
     $('clock').textContent = `${t.toFixed(3)} s`;
@@ -54,13 +71,14 @@ function tick(now) {
     }
     const t = state.from.t + (RATES[state.rate] * (now - state.from.now)) / 1000;
     let frame = state.frame;
-    while (frame + 1 < times.length && times[frame + 1] <= t) {
+    const last = lastShown();
+    while (frame < last && times[frame + 1] <= t) {
         ++frame;
     }
     if (frame !== state.frame) {
         seek(frame);
     }
-    if (frame === times.length - 1) {
+    if (frame >= last) {
         pause();
     } else {
         requestAnimationFrame(tick);
@@ -75,13 +93,14 @@ function setPlaying(on) {
 
 function pause() {
     setPlaying(false);
+    endFilm();
 }
 
 function play() {
     if (times.length < 2) {
         return;
     }
-    if (state.frame === times.length - 1) {
+    if (state.frame >= lastShown()) {
         seek(0);
     }
     setPlaying(true);
@@ -129,6 +148,7 @@ function setAll(on) {
     $('all').checked = page.all;
     colours = [null, ...quantities(page)];
     writeNotes(page);
+    plots.collect();
     plots.draw();
     setColour(state.colour);
 }
@@ -136,6 +156,7 @@ function setAll(on) {
 // ---- a run under way ------------------------------------------------------------------
 
 let renewal = 0;
+let underWay = live;
 
 /** Colours, plots and notes of the frames that there are now. */
 function renew() {
@@ -148,7 +169,7 @@ function renew() {
     }
     plots.collect();
     plots.draw();
-    writeNotes(page);
+    writeNotes(page, underWay);
     drawLegend(colours[state.colour], document);
     seek(state.frame);
 }
@@ -166,6 +187,7 @@ function onNews() {
 function onChange(how) {
     writeLive(page, how);
     if (how === 'over') {
+        underWay = false;
         renew();
     }
 }
@@ -188,11 +210,38 @@ function showHelp() {
     }
 }
 
-function fit() {
+/** The cloth of this frame, or of all frames, into the view. */
+function fit(close) {
     if (stage) {
         stage.moved = false;
-        stage.fit();
+        stage.fit(close);
     }
+}
+
+function setFollowing(on) {
+    $('follow').checked = on;
+    stage?.setFollowing(on);
+}
+
+/** Plays the run from its start into a film; once more: ends it there. */
+function record() {
+    if (film) {
+        pause();
+        return;
+    }
+    seek(0);
+    film = new Film(stage, `${fileName(page.runs[0].directory)}.webm`);
+    $('webm').setAttribute('aria-pressed', 'true');
+    play();
+}
+
+function endFilm() {
+    if (!film) {
+        return;
+    }
+    film.end();
+    film = null;
+    $('webm').setAttribute('aria-pressed', 'false');
 }
 
 const KEYS = {
@@ -208,7 +257,9 @@ const KEYS = {
     t: () => setThreads(!$('threads').checked),
     p: () => setRest(!$('rest').checked),
     a: () => setAll(!page.all),
-    r: fit,
+    r: () => fit(true),
+    R: () => fit(false),
+    f: () => setFollowing(!$('follow').checked),
     d: switchTheme,
     '?': showHelp,
 };
@@ -249,7 +300,18 @@ function listen() {
     on('threads', 'change', () => setThreads($('threads').checked));
     on('rest', 'change', () => setRest($('rest').checked));
     on('all', 'change', () => setAll($('all').checked));
-    on('reset', 'click', fit);
+    on('follow', 'change', () => setFollowing($('follow').checked));
+    on('reset', 'click', (event) => fit(!event.shiftKey));
+    on('png', 'click', () => savePicture(stage, `${fileName(`${page.runs[0].directory}-frame-${page.runs[0].numbers[state.frame]}`)}.png`));
+    on('webm', 'click', record);
+    on('full', 'click', () => (document.fullscreenElement ? document.exitFullscreen() : $('player').requestFullscreen()));
+    on('others', 'click', () => {
+        $('others').setAttribute('aria-expanded', $('controls').classList.toggle('open'));
+    });
+    on('more', 'click', () => {
+        $('notes').classList.toggle('open');
+        foldNotes();
+    });
     on('theme', 'click', switchTheme);
     on('help', 'click', showHelp);
     addEventListener('keydown', onKey);
@@ -259,18 +321,26 @@ function listen() {
 
 function start() {
     writeHeader(page);
-    writeNotes(page);
+    writeNotes(page, underWay);
     writeFiles(page);
     fillChoices();
     listen();
+    new ResizeObserver(foldNotes).observe($('said'));
+    writeLabels(page, false);
     if (stage) {
         new ResizeObserver(() => {
             stage.resize();
             writeLabels(page, stage.stacked);
+            writeCaptions(page, state.frame);
         }).observe($('canvas'));
         stage.resize();
     }
+    ['png', 'webm', 'follow'].forEach((id) => { $(id).disabled = !stage; });
     applyTheme();
+    if (page.blown && !page.all) { // slow enough to be seen
+        const until = times[Math.min(lastShown(), times.length - 1)] - times[0];
+        state.rate = Math.max(RATES.findLastIndex((rate) => rate <= 1 && until / rate >= ONSET), 0);
+    }
     setRate(state.rate);
     setThreads(asked.has('threads') ? asked.get('threads') === '1' : page.surface.fine < THREADS_BELOW);
     const wanted = colours.findIndex((c) => (c ? c.name : 'plain') === asked.get('colour'));
@@ -279,6 +349,8 @@ function start() {
         setRest(true);
     }
     seek(Number(asked.get('frame') ?? (live ? Infinity : 0)) || 0);
+    setFollowing(asked.has('follow') ? asked.get('follow') === '1' : stage?.following);
+    stage?.fit(stage.following);
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
     if (live) {
         follow(page, { news: onNews, changed: onChange });

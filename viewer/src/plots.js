@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // plots.js -- columns of series.csv against time, with a line at the frame shown.
 import uPlot from 'uplot';
+import { saveButtons, svg } from './chart.js';
+import { fitted } from './data.js';
 import { decades, powerText } from './decades.js';
 
-const HEIGHT = 132;
+const HEIGHT = 148;
 const LABELS = 66; // px: of an axis labelled -2.25e-10
 const SPAN = 1e3; // an axis that reaches so far beyond what it must show has powers of ten
 const DASHES = [[], [5, 4]]; // first run, second run
 const INKS = 5;
+const TIME = 'time t [s]';
 
 /** What a counter counts per frame: rows may be left out. */
 const perFrame = (values, frames) => values?.map((v, i) => (i > 0 ? (v - values[i - 1]) / (frames[i] - frames[i - 1]) : null));
@@ -26,7 +29,8 @@ const column = (name, ink, label = name) => ({ label, ink, of: (c) => c.get(name
 
 /** Every plot: a title with its unit, and curves made of columns; a curve whose columns
  * a run does not have is left out. `brief` curves are those kept when two runs share it.
- * `early`: what is small at first must be seen, too; `least` is as small as it matters. */
+ * `early`: what is small at first must be seen, too; `least` is as small as it matters;
+ * `onset`: the range of powers of ten in which a blow-up is seen to begin. */
 const PLOTS = [
     {
         title: 'energy [J]',
@@ -46,6 +50,7 @@ const PLOTS = [
     {
         title: 'largest strain [%]',
         least: 1,
+        onset: [0.1, 100],
         curves: [
             { label: 'strain', ink: 0, brief: true, of: (c) => times100(c.get('max_strain')) },
             { label: 'limited', ink: 3, of: (c) => times100(nonzero(c.get('limit_strain'))) },
@@ -65,7 +70,7 @@ const PLOTS = [
         curves: [{ label: 'h', ink: 1, brief: true, of: (c) => positive(c.get('step_size')) }],
     },
     {
-        title: 'evaluations of the forces a frame',
+        title: 'force evaluations per frame',
         zero: true,
         curves: [{ label: 'calls', ink: 2, brief: true, of: (c) => perFrame(c.get('rhs_calls'), c.get('frame')) }],
     },
@@ -75,23 +80,33 @@ const PLOTS = [
 const difference = (page) => ({
     title: 'largest difference [m]',
     log: true,
-    runs: [{ time: page.times, curves: [{
-        label: 'difference', ink: 4, values: positive(page.apart.map((block) => block.range(0)[1])),
-    }] }],
+    runs: [{ time: fitted(page, page.times), curves: [{
+        label: 'difference', ink: 4, values: positive(fitted(page, page.apart).map((block) => block.range(0)[1])),
+    }].filter((curve) => some(curve.values)) }],
 });
 
 const some = (values) => values?.some(Number.isFinite);
 /** Gaps in the place of what is not finite. */
 const finite = (values) => values?.map((v) => (Number.isFinite(v) ? v : null));
 
+/** How many rows of a run are plotted: of one that blows up those to the frame in which it has left the stage. */
+function rows(page, run, time) {
+    const after = time.findIndex((t) => run.blown && !page.all && t >= page.times[run.calm]);
+    return after < 0 ? time.length : after + 1;
+}
+
 function assemble(page, plot) {
-    const runs = page.runs.map((run) => ({
-        time: run.columns.get('time') ?? [],
-        curves: plot.curves
-            .filter((curve) => page.runs.length === 1 || curve.brief)
-            .map((curve) => ({ ...curve, values: finite(curve.of(run.columns)) }))
-            .filter((curve) => some(curve.values)),
-    }));
+    const runs = page.runs.map((run) => {
+        const time = run.columns.get('time') ?? [];
+        const count = rows(page, run, time);
+        return {
+            time: time.slice(0, count),
+            curves: plot.curves
+                .filter((curve) => page.runs.length === 1 || curve.brief)
+                .map((curve) => ({ ...curve, values: finite(curve.of(run.columns))?.slice(0, count) }))
+                .filter((curve) => some(curve.values)),
+        };
+    });
     return { ...plot, runs };
 }
 
@@ -132,7 +147,7 @@ export const LOGARITHMIC = {
 };
 
 /** Even up to a size, on both sides of 0, and logarithmic beyond. */
-function bothWays(even) {
+export function bothWays(even) {
     const to = (v) => Math.asinh(v / even);
     const side = (end, most) => (end > to(10 * even) ? decades(even, even * Math.min(Math.sinh(end), 1e300 / even), most) : []);
     return {
@@ -149,16 +164,27 @@ function bothWays(even) {
 /** How values become heights, their range, and the values with a line; uPlot's own even
  * axis where there is no `to`. Its logarithmic ones know no more than 1e16. */
 function vertical(plot, page, data) {
+    const onset = page.blown && !page.all;
+    if (onset && plot.onset) {
+        return { ...LOGARITHMIC, range: () => plot.onset.map(Math.log10), text: String };
+    }
     if (plot.log || plot.zero) {
         return plot.log ? LOGARITHMIC : { range: fromZero };
     }
-    const calm = data.slice(1).flatMap((list) => list.filter((v, i) => Number.isFinite(v) && !(data[0][i] >= page.times[page.calm])));
+    const calm = plot.runs.flatMap(({ time, curves }, r) => curves.flatMap(({ values }) => values.filter(
+        (v, i) => Number.isFinite(v) && !(time[i] >= page.times[page.runs[r].calm]),
+    )));
     const even = evenTo(plot, page, data, calm);
     if (even < Infinity) {
         return bothWays(even);
     }
-    const fits = page.blown && !page.all && calm.length > 0;
-    return fits ? { range: () => uPlot.rangeNum(smallest(calm), largest(calm), 0.1, true) } : {};
+    if (!onset || calm.length === 0) {
+        return {};
+    }
+    // A curve that leaves goes no farther than a canvas can draw.
+    const range = uPlot.rangeNum(smallest(calm), largest(calm), 0.1, true);
+    const beyond = 9 * (range[1] - range[0]);
+    return { range: () => range, to: (v) => Math.min(Math.max(v, range[0] - beyond), range[1] + beyond) };
 }
 
 const label = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)
@@ -166,7 +192,7 @@ const label = (v) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)
 
 export function axis(style, { to, ticks, text = powerText } = {}) {
     let shown = [];
-    const own = to && {
+    const own = ticks && {
         incrs: [1], // not looked at, but to be had
         space: 0,
         splits: (_, __, lo, hi) => {
@@ -184,6 +210,9 @@ export function axis(style, { to, ticks, text = powerText } = {}) {
         ...own,
     };
 }
+
+/** An axis along the bottom with its name and unit. */
+export const named = (text) => ({ size: 24, label: text, labelSize: 15, labelGap: 0, labelFont: '11px system-ui, sans-serif' });
 
 export class Plots {
     constructor(page, element, seek) {
@@ -233,8 +262,8 @@ export class Plots {
             height: HEIGHT,
             scales: { x: { time: false }, y: y.range ? { range: y.range } : {} },
             axes: [
-                { ...axis(style), size: 28 },
-                { ...axis(style, y), size: LABELS },
+                { ...axis(style), ...named(TIME) },
+                { space: 22, ...axis(style, y), size: LABELS },
             ],
             series: [{ label: 't [s]' }, ...series],
             legend: { markers: { dash: (_, i) => (series[i - 1].dash.length > 0 ? 'dashed' : 'solid') } },
@@ -245,6 +274,11 @@ export class Plots {
         line.className = 'now';
         made.over.append(line);
         this.listen(made);
+        made.root.append(saveButtons(plot.title, {
+            svg: () => svg(made, plot.title, TIME, series.map(({ points, ...look }) => look)),
+            rows: () => [[TIME, ...series.map(({ label: name }) => `${name} ${/\[.*\]$/.exec(plot.title) ?? ''}`.trim())],
+                ...data[0].map((t, i) => [t, ...data.slice(1).map((list) => list[i])])],
+        }));
         return made;
     }
 

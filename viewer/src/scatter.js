@@ -3,12 +3,14 @@
 import uPlot from 'uplot';
 import { colourAt } from './colours.js';
 import { powerText } from './decades.js';
-import { axis, LOGARITHMIC } from './plots.js';
+import { saveButtons, svg } from './chart.js';
+import { axis, bothWays, LOGARITHMIC, named } from './plots.js';
 import { isDark } from './theme.js';
-import { element, isWide, range, STATISTICS } from './values.js';
+import { element, isWide, range } from './values.js';
 
 const SPAN = 1e3; // values that reach so far have powers of ten
 const REACH = 24; // px: a point nearer to the pointer is meant
+const HUGE = 1e12;
 const INKS = 5;
 const MOST_NAMES = 12; // of colours
 
@@ -31,11 +33,13 @@ const plain = (v) => (v >= 1e-3 && v < 1e5 ? String(v) : powerText(v));
 function along(x) {
     if (!x.numeric) {
         const every = Math.ceil(x.levels.length / 5);
-        const most = x.levels.length > 3 ? 9 : 15; // characters
+        const most = x.levels.length > 3 ? 9 : 15; // characters of a line
+        const lines = (text) => text.split(' ').map((word) => (word.length > most ? `${word.slice(0, most - 1)}…` : word)).join('\n');
         return {
             to: Number, range: () => [-0.5, x.levels.length - 0.5],
             ticks: () => x.levels.map((_, i) => i).filter((i) => i % every === 0),
-            text: (i) => (x.levels[i].length > most ? `${x.levels[i].slice(0, most - 1)}…` : x.levels[i] || '(default)'),
+            text: (i) => lines(x.words(x.levels[i])),
+            rows: Math.max(...x.levels.map((text) => x.words(text).split(' ').length)),
         };
     }
     return x.log ? { ...LOGARITHMIC, text: plain, ticks: (lo, hi) => LOGARITHMIC.ticks(lo, hi).filter((_, i, all) => i % Math.ceil(all.length / 5) === 0) } : {};
@@ -53,6 +57,13 @@ function table(points, count) {
 
 /** Whether no colour has two runs at one number: then a line joins them. */
 const isCurve = (x, points, count) => x.numeric && new Set(points.map((p) => `${p.ink} ${p.x}`)).size === points.length && points.length < 40 * count;
+
+/** An even axis, with powers of ten on both sides of 0 for values that uPlot has no even ones for. */
+function upwards(points) {
+    const sizes = points.map((p) => Math.abs(p.y)).filter((v) => v > 0);
+    const [least, most] = range(sizes);
+    return most > HUGE ? bothWays(10 ** Math.floor(Math.log10(least))) : {};
+}
 
 export class Scatter {
     constructor(root, height, short, { tip, open, choose }) {
@@ -91,19 +102,19 @@ export class Scatter {
             return [];
         }
         const every = Math.ceil((y.levels.length - 1) / (MOST_NAMES - 1));
-        return [element('b', '', y.label), ...y.levels.flatMap((text, i) => {
+        return [element('b', '', y.title), ...y.levels.flatMap((text, i) => {
             if (i % every !== 0 && i + 1 < y.levels.length) {
                 return [];
             }
             const dot = element('i');
             dot.style.background = this.inks[i];
-            return [element('span', '', dot, text || '(default)')];
+            return [element('span', '', dot, y.words(text))];
         })];
     }
 
     card(value) {
         const chosen = value === this.state.value;
-        const button = element('button', '', value.steady ? value.label : `${STATISTICS[this.state.of]} ${value.label}`);
+        const button = element('button', '', value.title(this.state.of));
         button.ariaPressed = chosen;
         button.title = 'show it above and in the table';
         button.addEventListener('click', () => this.choose(value));
@@ -126,15 +137,17 @@ export class Scatter {
     plot(card) {
         const points = this.points(card.value);
         const [lo, hi] = range(points.map((p) => p.y));
-        const log = isWide([lo, hi], SPAN);
-        points.forEach((p) => { p.height = log ? Math.log10(p.y) : p.y; });
-        const curve = isCurve(this.state.x, points, this.inks.length);
-        const [across, up] = [along(this.state.x), log ? LOGARITHMIC : {}];
+        const { x, y, log: asked, of } = this.state;
+        const log = asked === null ? isWide([lo, hi], SPAN) : asked && lo > 0;
+        const curve = isCurve(x, points, this.inks.length);
+        const [across, up] = [along(x), log ? LOGARITHMIC : upwards(points)];
+        points.forEach((p) => { p.height = up.to?.(p.y) ?? p.y; });
+        const bottom = named(x.title);
         const made = new uPlot({
             width: card.clientWidth,
             height: this.height,
             scales: { x: { time: false, range: across.range ?? ((_, a, b) => [a - 0.04 * (b - a), b + 0.04 * (b - a)]) }, y: up.range ? { range: up.range } : {} },
-            axes: [{ ...axis(this.style, across), size: 28 }, { ...axis(this.style, up), size: 58 }],
+            axes: [{ ...axis(this.style, across), ...bottom, size: bottom.size + 17 * ((across.rows ?? 1) - 1) }, { space: 22, ...axis(this.style, up), size: 58 }],
             series: [{}, ...this.inks.map((stroke) => ({
                 stroke, width: 1.5, points: { show: true, size: points.length > 200 ? 4 : 6, fill: stroke },
                 spanGaps: true, ...(curve ? {} : { paths: () => null }),
@@ -143,6 +156,14 @@ export class Scatter {
             cursor: { show: false },
         }, table(points.map((p) => ({ ...p, y: p.height })), this.inks.length), card);
         this.drawn.push(made);
+        const title = card.value.title(of);
+        card.append(saveButtons(title, {
+            svg: () => svg(made, title, x.title, this.inks.map((stroke, i) => ({
+                stroke, lines: curve, points: true, spanGaps: true, label: this.inks.length > 1 ? `${y.label} ${y.words(y.levels[i])}` : '',
+            }))),
+            rows: () => [['run', x.title, ...(y ? [y.title] : []), title],
+                ...points.map(({ run, y: v }) => [run.name, x.text(run), ...(y ? [y.text(run)] : []), v])],
+        }));
         this.listen(made, points, card.value);
     }
 
@@ -159,7 +180,7 @@ export class Scatter {
         };
         const over = (event) => {
             const p = nearest(event);
-            this.tip(p?.run, p && `${value.label} ${this.short(p.y)}`, event);
+            this.tip(p?.run, p && `${value.title(this.state.of)} ${this.short(p.y)}`, event);
             plot.over.style.cursor = p ? 'pointer' : 'default';
         };
         plot.over.addEventListener('pointermove', over);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // shapes.js -- bodies that a cloth touches: where they are, how far it is to them, meshes.
 import {
-    DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
+    CircleGeometry, DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
 } from 'three';
 import { selfGaps } from './self.js';
 
@@ -71,7 +71,10 @@ const cubic = (n) => [(n[0] ** 4 + n[1] ** 4 + n[2] ** 4) ** 0.25, n.map((x) => 
 
 const MESHES = {
     plane: ({ normal }, size) => {
-        const made = new Mesh(new PlaneGeometry(4 * size, 4 * size));
+        const geometry = new CircleGeometry(6 * size, 64);
+        const rim = Array.from({ length: geometry.attributes.position.count - 1 }, () => [1, 1, 1, 0]);
+        geometry.setAttribute('color', new Float32BufferAttribute([[1, 1, 1, 1], ...rim].flat(), 4)); // fades into the distance
+        const made = new Mesh(geometry);
         made.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(normal)));
         return made;
     },
@@ -112,7 +115,7 @@ export class Shapes {
             }
             made.material = new MeshLambertMaterial({
                 color: '#8d99ae', side: DoubleSide, transparent: isPlane, opacity: isPlane ? 0.3 : 1, depthWrite: !isPlane,
-                vertexColors: isStriped,
+                vertexColors: isStriped || isPlane,
             });
             made.userData.rest = made.quaternion.clone();
             made.castShadow = !isPlane;

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // stage.js -- camera, light, floor; a view for each run, side by side under one camera.
 import {
-    AmbientLight, DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
+    AmbientLight, Box3, DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
     PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { direction } from './camera.js';
 import { Cloth, RestShape } from './cloth.js';
 import { extent } from './data.js';
 import { Shapes } from './shapes.js';
 
-const DIRECTION = new Vector3(0.6, 0.27, 1).normalize(); // from the cloth to the camera
 const MARGIN = 1.12;
+const HEAD = 44; // px above panes that are stacked, for their words
+const SMALL = 3; // a cloth that moves through a stage so many times as large is followed
 
 /** 1, 2 or 5 times a power of ten, near x. */
 const round = (x) => {
@@ -52,12 +54,17 @@ export function isSoftware() {
     return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
+const cornersOf = ([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => new Vector3(x[i & 1], y[(i >> 1) & 1], z[i >> 2]));
+
 export class Stage {
     /** Throws where there is no WebGL. `fine`: shadows and smooth edges. */
     constructor(canvas, page, boxes, fine) {
         this.page = page;
         this.canvas = canvas;
+        this.direction = direction(page);
         this.surround(boxes);
+        this.following = this.isWide(boxes);
+        this.close = this.following;
         this.renderer = new WebGLRenderer({ canvas, antialias: fine, alpha: true });
         this.renderer.debug.checkShaderErrors = false; // would wait for each shader
         this.renderer.setScissorTest(true);
@@ -70,11 +77,15 @@ export class Stage {
         this.stacked = false;
     }
 
+    /** Whether the largest box is small in the box around all of them. */
+    isWide(boxes) {
+        const largest = Math.max(...boxes.map((sides) => Math.hypot(...sides.map(([lo, hi]) => hi - lo))));
+        return this.size > SMALL * largest;
+    }
+
     /** The middle and the size of what is seen. */
     surround(boxes) {
-        this.corners = boxes.flatMap(([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map(
-            (i) => new Vector3(x[i & 1], y[(i >> 1) & 1], z[i >> 2]),
-        ));
+        this.corners = boxes.flatMap(cornersOf);
         this.lo = this.corners.reduce((a, b) => a.min(b), new Vector3().setScalar(Infinity));
         this.hi = this.corners.reduce((a, b) => a.max(b), new Vector3().setScalar(-Infinity));
         this.centre = this.lo.clone().add(this.hi).multiplyScalar(0.5);
@@ -84,7 +95,7 @@ export class Stage {
     /** Everything that has to do with the size of what is seen. */
     build() {
         Object.assign(this.camera, { near: this.size / 100, far: this.size * 60 });
-        Object.assign(this.controls, { minDistance: this.size / 20, maxDistance: this.size * 20 });
+        Object.assign(this.controls, { minDistance: this.size / 40, maxDistance: this.size * 20 });
         Object.assign(this, { cell: round(this.size / 4), grid: null, shade: null });
         this.views = this.page.runs.map((run) => this.makeView(run));
         this.addRest();
@@ -185,10 +196,13 @@ export class Stage {
         const { centre, scale } = this.page.all ? extent(this.page, frame, this.size) : { scale: 1 };
         const place = scale > 1 ? { from: centre, scale, to: this.centre.toArray() } : null;
         for (const { cloth, shapes } of this.views.slice(0, this.page.runs.length)) {
-            cloth.show(frame, quantity, place);
+            const held = this.page.all ? frame : Math.min(frame, cloth.run.held ?? frame);
+            cloth.show(held, quantity, place);
+            cloth.fade(held < frame);
             shapes.show(frame, place);
         }
         this.rest?.show(this.views[0].cloth);
+        this.follow();
         this.request();
         return scale;
     }
@@ -199,10 +213,11 @@ export class Stage {
         this.renderer.setPixelRatio(ratio);
         this.renderer.setSize(width, height, false);
         this.stacked = width < height;
+        const head = this.stacked && this.page.runs.length > 1 ? HEAD : 0;
         this.panes = this.views.map((_, i) => {
             const share = i / this.views.length;
             return this.stacked
-                ? [0, height - (share + 1 / this.views.length) * height, width, height / this.views.length]
+                ? [0, height - (share + 1 / this.views.length) * height, width, height / this.views.length - head]
                 : [share * width, 0, width / this.views.length, height];
         });
         this.camera.aspect = this.panes[0][2] / this.panes[0][3];
@@ -213,30 +228,64 @@ export class Stage {
         this.request();
     }
 
-    /** As close as the boxes of all frames stay in view. */
-    fit() {
+    /** The box around the cloths as they are drawn. */
+    present() {
+        const box = new Box3();
+        for (const { cloth } of this.views.slice(0, this.page.runs.length)) {
+            box.union(new Box3().setFromBufferAttribute(cloth.geometry.attributes.position));
+        }
+        return box;
+    }
+
+    setFollowing(on) {
+        this.following = on;
+        this.middle = null;
+        this.follow();
+    }
+
+    /** Moves the camera as the cloth has moved since it was last asked to. */
+    follow() {
+        if (!this.following) {
+            return;
+        }
+        const middle = this.present().getCenter(new Vector3());
+        const way = middle.clone().sub(this.middle ?? middle);
+        this.camera.position.add(way);
+        this.controls.target.add(way);
+        this.middle = middle;
+        this.controls.update();
+    }
+
+    /** As near as the boxes of all frames stay in view, or if `close` those of the present one. */
+    fit(close = this.close) {
         const { camera, controls } = this;
+        this.close = close;
+        const { min, max } = this.present();
+        const corners = close ? cornersOf([0, 1, 2].map((k) => [min.getComponent(k), max.getComponent(k)])) : this.corners;
+        const [centre, least] = close
+            ? [min.clone().add(max).multiplyScalar(0.5), min.distanceTo(max) / 4 || this.size / 4]
+            : [this.centre, this.size / 4];
         const tall = Math.tan((camera.fov * Math.PI) / 360) / MARGIN;
-        const right = new Vector3(0, 1, 0).cross(DIRECTION).normalize();
-        const up = DIRECTION.clone().cross(right);
-        const target = this.centre.clone();
+        const right = new Vector3(0, 1, 0).cross(this.direction).normalize();
+        const up = this.direction.clone().cross(right);
+        const target = centre.clone();
         // Perspective shifts the middle of what is seen: look there, then again.
         let distance = 0;
         for (let pass = 0; pass < 4; ++pass) {
             const place = (axis, slope) => {
-                const near = this.corners.map((corner) => {
+                const near = corners.map((corner) => {
                     const from = corner.clone().sub(target);
-                    return [from.dot(axis) / slope, from.dot(DIRECTION)];
+                    return [from.dot(axis) / slope, from.dot(this.direction)];
                 });
                 const ahead = Math.max(...near.map(([x, depth]) => depth + x));
                 const behind = Math.max(...near.map(([x, depth]) => depth - x));
                 target.addScaledVector(axis, ((ahead - behind) / 2) * slope);
                 return (ahead + behind) / 2;
             };
-            distance = Math.max(place(right, tall * camera.aspect), place(up, tall), this.size / 4);
+            distance = Math.max(place(right, tall * camera.aspect), place(up, tall), least);
         }
         controls.target.copy(target);
-        camera.position.copy(target).addScaledVector(DIRECTION, distance);
+        camera.position.copy(target).addScaledVector(this.direction, distance);
         controls.update();
         this.request();
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // words.js -- what the page says of the runs. All text goes in as text, never as HTML.
+import { leaver } from './data.js';
 import { batch, chosen } from './source.js';
 import { parameters } from './values.js';
 
@@ -52,15 +53,53 @@ function status(run) {
     return outcome.get('status') === 'done' ? '' : `${outcome.get('status')}${reason ? `: ${reason}` : ''}`;
 }
 
+const ROUND = [1, 2, 5, 10];
+const ENOUGH = 10; // frames in which an onset is seen
+
+/** How to record more frames of the onset, if there are few. */
+function moreFrames(run, t) {
+    const wanted = (5 * ENOUGH) / t;
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    const fps = power * ROUND.find((m) => m * power >= wanted);
+    return run.calm < ENOUGH ? `Record more frames of the onset with --set run.fps=${fps} --set run.duration=${Number((2 * t).toPrecision(2))}` : '';
+}
+
+/** "B blows up at 0.034 s: particle (0, 23) leaves the picture" */
+function leaving(page, run, r) {
+    const who = page.runs.length > 1 ? `${'AB'[r]} ` : '';
+    return run.blown ? `${who}blows up at ${page.times[run.calm].toFixed(3)} s: ${leaver(page, run)} leaves the picture` : '';
+}
+
+/** What a run that blows up is shown as. */
+function blowUp(page) {
+    const said = page.runs.map((run, r) => leaving(page, run, r)).filter(Boolean).join(', ');
+    if (page.all) {
+        return [said, 'every frame has a scale of its own, colours and plots have powers of ten'];
+    }
+    const more = page.runs.map((run) => run.blown && moreFrames(run, page.times[run.calm])).find(Boolean);
+    return [said, 'view, colours and plots fit the frames before, in which the cloth is at most twice as large as '
+        + 'at the start; strain has powers of ten up to 100 %', more].filter(Boolean);
+}
+
+/** What has left each pane, and which frame it shows. */
+export function writeCaptions(page, frame) {
+    const { times } = page;
+    document.querySelectorAll('#labels .caption').forEach((caption, r) => {
+        const run = page.runs[r];
+        const gone = run.blown && !page.all && frame >= run.calm;
+        const shown = frame > run.held ? `; shown as at ${times[run.held].toFixed(3)} s` : '';
+        caption.textContent = gone ? `${leaver(page, run)} left the picture at ${times[run.calm].toFixed(3)} s${shown}` : '';
+    });
+}
+
 /** Of a run under way: 'live', 'lost' or 'over'. */
 export function writeLive(page, how) {
     const [run] = page.runs;
     const words = { live: 'under way', lost: 'under way; its server does not answer' };
     const line = document.querySelector('#summary .run');
     line.replaceChildren(...facts(run).map((fact) => element('span', fact, 'fact')));
-    const text = how === 'over' ? status(run) : words[how];
-    if (text) {
-        line.append(element('span', text, how === 'live' ? 'fact live' : 'fact bad'));
+    if (words[how]) {
+        line.append(element('span', words[how], how === 'live' ? 'fact live' : 'fact bad'));
     }
 }
 
@@ -76,11 +115,6 @@ function omissions(page) {
     if (page.stride > 1) {
         said.push(`thinned to every ${page.stride}. of ${page.grid.join(' × ')} particles a side`);
     }
-    if (page.blown) {
-        said.push(`blows up by ${page.times[page.calm].toFixed(3)} s: ${page.all
-            ? 'every frame has a scale of its own, colours and plots have powers of ten'
-            : 'view, colours and plots fit the frames before'}`);
-    }
     const most = Math.max(...page.runs.map((run) => run.frames));
     if (page.chosen < most) {
         said.push(`shown at the ${page.chosen} times that both runs have`);
@@ -94,7 +128,7 @@ function writeWay(page) {
     if (chosen) {
         const way = element('p', '');
         way.id = 'way';
-        const where = parameters(batch).map((p) => `${p.label} ${p.text(chosen)}`).join(', ');
+        const where = parameters(batch).map((p) => `${p.label} ${p.words(p.text(chosen))}`).join(', ');
         way.append(link('?', `all runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
         if (chosen.page && page.times.length < page.chosen) {
             way.append(' \u00b7 ', link(chosen.page, 'every frame of this run'));
@@ -119,17 +153,30 @@ export function writeHeader(page) {
             line.append(element('b', 'AB'[i]));
         }
         facts(run).forEach((fact) => line.append(element('span', fact, 'fact')));
-        if (status(run)) {
-            line.append(element('span', status(run), 'fact bad'));
-        }
         summary.append(line);
     });
 }
 
-export function writeNotes(page) {
-    const notes = document.getElementById('notes');
-    notes.replaceChildren(...omissions(page).map((text) => element('span', text, 'fact')));
-    notes.hidden = notes.childElementCount === 0;
+/** One line: what has gone wrong, and what is left out. */
+export function writeNotes(page, isLive = false) {
+    const failed = page.runs.map((run, r) => {
+        const text = isLive ? '' : status(run);
+        return text && page.runs.length > 1 ? `${'AB'[r]} ${text}` : text;
+    }).filter(Boolean);
+    const bad = [...page.blown ? blowUp(page).slice(0, 1) : [], ...failed];
+    const rest = [...page.blown ? blowUp(page).slice(1) : [], ...omissions(page)];
+    document.getElementById('said').replaceChildren(...bad.map((text) => element('span', text, 'fact bad')), ...rest.map((text) => element('span', text, 'fact')));
+    document.getElementById('notes').hidden = bad.length + rest.length === 0;
+    foldNotes();
+}
+
+/** Whether there is more than a line. */
+export function foldNotes() {
+    const [notes, said, more] = ['notes', 'said', 'more'].map((id) => document.getElementById(id));
+    const isOpen = notes.classList.contains('open');
+    more.hidden = !isOpen && said.scrollWidth <= said.clientWidth;
+    more.textContent = isOpen ? 'less' : 'more';
+    more.setAttribute('aria-expanded', isOpen);
 }
 
 /** What tells the panes apart, where there is more than one. */
@@ -138,11 +185,14 @@ export function writeLabels(page, stacked) {
     labels.className = stacked ? 'stacked' : '';
     const steppers = new Set(page.runs.map((run) => stepperName(run) + stepperChoice(run)));
     const alike = steppers.size < page.runs.length || steppers.has('');
-    labels.replaceChildren(...(page.runs.length < 2 ? [] : page.runs.map((run, i) => {
+    labels.replaceChildren(...page.runs.map((run, i) => {
         const label = element('span', '');
-        label.append(element('b', 'AB'[i]), ` ${alike ? run.directory : stepperName(run)} `, element('i', alike ? '' : stepperChoice(run)));
+        if (page.runs.length > 1) {
+            label.append(element('b', 'AB'[i]), ` ${alike ? run.directory : stepperName(run)} `, element('i', alike ? '' : stepperChoice(run)));
+        }
+        label.append(element('em', '', 'caption'));
         return label;
-    })));
+    }));
 }
 
 export function writeFiles(page) {

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { clothShare, drawn, launch, open, pixels } from './browser.mjs';
+import { clothShare, drawn, launch, open, pixels, saved } from './browser.mjs';
 
 const root = process.env.WEFT_VIEW;
 const file = `${root}/batch/batch.html`;
@@ -23,7 +23,9 @@ const column = (page, name) => page.evaluate((wanted) => {
     return [...document.querySelectorAll('#runs tbody tr')].map((tr) => tr.cells[heads.indexOf(wanted)].textContent);
 }, name);
 const texts = (page, selector) => page.locator(selector).allTextContents();
-const sortBy = (page, name) => page.locator('#runs th button').filter({ hasText: new RegExp(`^${name}$`) }).click();
+const sortBy = (page, name) => page.locator('#runs th').getByText(name, { exact: true }).click();
+
+const plotted = (page) => page.waitForFunction(() => weft.main.drawn.length > 0);
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -41,7 +43,7 @@ test('a page of a batch loads without an error, a warning or a request', async (
 
 test('the table has every run, its parameters and results', async () => {
     const { page } = await open(browser, file);
-    assert.deepEqual(await column(page, 'stiffness'), summary.map((run) => run['cloth.springs.stretch.stiffness']));
+    assert.deepEqual(await column(page, 'stiffness [N/m]'), summary.map((run) => run['cloth.springs.stretch.stiffness']));
     assert.deepEqual(await column(page, 'status'), summary.map((run) => run.status));
     assert.deepEqual(await column(page, 'steps'), summary.map((run) => run.steps));
     const hrefs = await page.locator('#runs a').evaluateAll((list) => list.map((a) => new URL(a.href).searchParams.get('run')));
@@ -51,11 +53,11 @@ test('the table has every run, its parameters and results', async () => {
 test('a heading sorts, upwards and then downwards; numbers are no words', async () => {
     const { page } = await open(browser, file);
     const damping = summary.map((run) => run['forces.damping']).sort((a, b) => a - b);
-    await sortBy(page, 'damping');
-    assert.deepEqual(await column(page, 'damping'), damping);
-    await sortBy(page, 'damping');
-    assert.deepEqual(await column(page, 'damping'), damping.reverse());
-    assert.deepEqual(await page.locator('#runs [aria-sort=descending]').allTextContents(), ['damping']);
+    await sortBy(page, 'damping [kg/s]');
+    assert.deepEqual(await column(page, 'damping [kg/s]'), damping);
+    await sortBy(page, 'damping [kg/s]');
+    assert.deepEqual(await column(page, 'damping [kg/s]'), damping.reverse());
+    assert.deepEqual(await page.locator('#runs [aria-sort=descending]').allTextContents(), ['damping [kg/s]']);
     await sortBy(page, 'status');
     assert.deepEqual((await column(page, 'status')).slice(19, 21), ['done', 'failed']);
     await page.reload(); // the address remembers
@@ -73,17 +75,17 @@ test('words find runs', async () => {
 
 test('the map has the mean of the series of each pair, stripes where runs failed', async () => {
     const { page } = await open(browser, file, 'of=largest&value=max_strain');
-    assert.equal(await page.textContent('#heat h2'), 'largest max_strain');
+    assert.equal(await page.textContent('#heat h2'), 'largest strain, maximum [%]');
     const labels = await page.locator('#heat td button').evaluateAll((list) => list.map((one) => one.ariaLabel));
     assert.equal(labels.length, 24);
-    assert.equal(labels.filter((text) => text === 'largest max_strain: failed').length, 4);
+    assert.equal(labels.filter((text) => text === 'largest strain, maximum [%]: failed').length, 4);
     assert.equal(await page.locator('#heat .undone').count(), 4);
     const last = summary.find((run) => run['cloth.springs.stretch.stiffness'] === '20' && run['forces.damping'] === '1.0e-4');
-    const wanted = Math.max(...series(last, 'max_strain'));
-    const told = Number(labels[3 * 6].replace('largest max_strain: ', '')); // lowest row, first column
+    const wanted = 100 * Math.max(...series(last, 'max_strain'));
+    const told = Number(labels[3 * 6].replace('largest strain, maximum [%]: ', '')); // lowest row, first column
     assert.ok(Math.abs(told - wanted) < 1e-3 * wanted, `${told} ${wanted}`);
     await page.selectOption('#of', 'smallest');
-    assert.equal(await page.textContent('#heat h2'), 'smallest max_strain');
+    assert.equal(await page.textContent('#heat h2'), 'largest strain, minimum [%]');
     await page.selectOption('#y', '');
     assert.equal(await page.isVisible('#heat'), false);
 });
@@ -91,12 +93,12 @@ test('the map has the mean of the series of each pair, stripes where runs failed
 test('a small plot of each quantity that differs; its title chooses it', async () => {
     const { page } = await open(browser, file);
     const titles = await texts(page, '#small .plot > button');
-    assert.ok(['last kinetic', 'last elastic', 'last max_strain', 'wall_time'].every((title) => titles.includes(title)), titles.join());
-    assert.ok(!titles.includes('last steps')); // they are alike in runs that are done
+    assert.ok(['kinetic energy, at the end [J]', 'elastic energy, at the end [J]', 'largest strain, at the end [%]', 'wall time [s]'].every((title) => titles.includes(title)), titles.join());
+    assert.ok(!titles.includes('steps, at the end')); // they are alike in runs that are done
     assert.deepEqual(await texts(page, '#inks span'), ['1.0e-4', '8.0e-4', '5.0e-3', '2.0e-2']);
-    await page.locator('#small button').filter({ hasText: /^last elastic$/ }).click();
-    assert.deepEqual(await texts(page, '#main .plot > button'), ['last elastic']);
-    assert.equal(await page.textContent('#heat h2'), 'last elastic');
+    await page.locator('#small button').filter({ hasText: /^elastic energy, at the end/ }).click();
+    assert.deepEqual(await texts(page, '#main .plot > button'), ['elastic energy, at the end [J]']);
+    assert.equal(await page.textContent('#heat h2'), 'elastic energy, at the end [J]');
     await page.selectOption('#x', 'damping');
     assert.equal(await page.inputValue('#y'), 'stiffness'); // they change places
     assert.deepEqual(await texts(page, '#inks span'), ['20', '60', '100', '300', '1000', '3000']);
@@ -104,6 +106,57 @@ test('a small plot of each quantity that differs; its title chooses it', async (
     await page.selectOption('#x', 'stiffness');
     const after = await pixels(page, '#main .u-over');
     assert.ok(after.some((p, i) => p.some((c, k) => Math.abs(c - before[i][k]) > 24)));
+});
+
+test('a page opens with a result that differs, words of steppers are short', async () => {
+    const steps = await open(browser, `${root}/euler-steps/batch.html`);
+    await plotted(steps.page);
+    const [value, title] = [await steps.page.inputValue('#value'), await steps.page.textContent('#main .plot > button')];
+    assert.ok(!['wall_time', 'steps', 'rhs_calls'].includes(value) && /\[.+\]$/.test(title), `${value} ${title}`);
+    assert.equal(await steps.page.evaluate(() => weft.main.drawn[0].axes[0].label), 'fixed_step [s]');
+    const heights = await steps.page.evaluate(() => weft.main.drawn[0].data[1]);
+    assert.ok(new Set(heights).size > 3, heights.join());
+    const { page, said } = await open(browser, `${root}/steppers/batch.html`);
+    assert.deepEqual(await column(page, 'stepper'), ['verlet velocity_verlet 2.0e-4', 'gsl rkf45 1.0e-4', 'verlet euler 1.0e-2']);
+    await plotted(page);
+    const ticks = await page.evaluate(() => weft.main.drawn[0].axes[0]._values);
+    assert.deepEqual(ticks.map((text) => text.split('\n')), [['verlet', 'velocity_verlet', '2.0e-4'], ['gsl', 'rkf45', '1.0e-4'], ['verlet', 'euler', '1.0e-2']]);
+    assert.equal(await page.textContent('#undone'), '1 run is not done: no points');
+    await page.screenshot({ path: `${root}/steppers.png` });
+    assert.deepEqual(said, []);
+});
+
+test('every plot and the map are saved as SVG and CSV', async () => {
+    const { page, said } = await open(browser, file, 'of=largest&value=max_strain');
+    for (const where of ['#main .plot', '#small .plot >> nth=0', '#heat']) {
+        await page.locator(where).hover();
+        const svg = (await saved(page, () => page.locator(where).getByText('SVG').click())).bytes.toString();
+        const wrong = await page.evaluate((text) => new DOMParser().parseFromString(text, 'image/svg+xml').querySelector('parsererror')?.textContent, svg);
+        assert.equal(wrong, undefined);
+        assert.ok(svg.includes('stiffness [N/m]') && /<(circle|rect)/.test(svg), where);
+    }
+    const { name, bytes } = await saved(page, () => page.locator('#main .plot').getByText('CSV').click());
+    assert.equal(name, 'largest-strain-maximum.csv');
+    const [head, ...lines] = bytes.toString().trim().split('\n').map((line) => line.match(/("[^"]*"|[^,]+)/g));
+    assert.deepEqual(head, ['run', 'stiffness [N/m]', 'damping [kg/s]', '"largest strain, maximum [%]"']);
+    assert.equal(lines.length, 20);
+    const told = lines.find(([run]) => run === 'hung_stiffness=20_damping=1.0e-4');
+    const wanted = 100 * Math.max(...series(summary.find((run) => run.directory === told[0]), 'max_strain'));
+    assert.ok(Math.abs(told[3] - wanted) < 1e-3 * wanted);
+    assert.deepEqual(said, []);
+});
+
+test('values are drawn even or by powers of ten as it is asked', async () => {
+    const { page } = await open(browser, file, 'value=max_strain');
+    const height = async () => {
+        await plotted(page);
+        return page.evaluate(() => weft.main.drawn[0].data[1].find((v) => v !== null));
+    };
+    const wanted = await page.evaluate(() => weft.main.points(weft.state.value)[0].y);
+    await page.selectOption('#log', '1');
+    assert.ok(Math.abs(await height() - Math.log10(wanted)) < 1e-12);
+    await page.selectOption('#log', '0');
+    assert.equal(await height(), wanted);
 });
 
 test('a point tells its run and opens it', async () => {
@@ -116,7 +169,7 @@ test('a point tells its run and opens it', async () => {
         return [box.left + plot.valToPos(along.place(run), 'x'), box.top + plot.valToPos(value.of(run, 0), 'y'), run.name];
     });
     await page.mouse.move(x, y);
-    assert.match(await page.textContent('#tip'), /^max_strain 0\.\d+run 10: stiffness 100, damping 8\.0e-4$/);
+    assert.match(await page.textContent('#tip'), /^largest strain, at the end \[%\] \d+\.\d+run 10: stiffness 100, damping 8\.0e-4$/);
     await page.mouse.click(x, y);
     await page.waitForFunction(() => window.weft?.page?.runs);
     assert.equal(await page.evaluate(() => weft.page.runs[0].directory), name);
@@ -125,7 +178,7 @@ test('a point tells its run and opens it', async () => {
 
 test('a row opens the player of its run, and back the batch is as it was', async () => {
     const { page } = await open(browser, file);
-    await sortBy(page, 'damping');
+    await sortBy(page, 'damping [kg/s]');
     await page.locator('#runs tbody tr').nth(1).locator('td').nth(3).click();
     await page.waitForFunction(() => window.weft?.page?.runs);
     const { directory, frames, drop } = await page.evaluate(() => ({
@@ -135,13 +188,16 @@ test('a row opens the player of its run, and back the batch is as it was', async
     assert.equal(frames, 31);
     const final = readFileSync(`${root}/batch/${directory}/final.csv`, 'utf8').trim().split('\n').slice(1);
     assert.ok(Math.abs(drop - Math.min(...final.map((line) => Number(line.split(',')[3])))) < 1e-6);
-    await page.evaluate(() => weft.seek(20));
+    await page.evaluate(() => {
+        weft.seek(20);
+        weft.setColour(0);
+    });
     assert.ok(await clothShare(page) > 0.02);
     assert.match(await page.textContent('#way'), /^all runs of batch · run 5: stiffness 60, damping 1\.0e-4$/);
     await page.screenshot({ path: `${root}/batch-player.png` });
     await page.goBack();
     await page.waitForSelector('#runs tbody tr');
-    assert.deepEqual(await page.locator('#runs [aria-sort=ascending]').allTextContents(), ['damping']);
+    assert.deepEqual(await page.locator('#runs [aria-sort=ascending]').allTextContents(), ['damping [kg/s]']);
     await page.locator('#runs a').first().click();
     await page.click('#way a');
     await page.waitForSelector('#runs tbody tr');

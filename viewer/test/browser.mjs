@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // browser.mjs -- a page in the Chromium of the distribution, and what it looks like.
+import { readFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
@@ -49,10 +50,8 @@ export const drawn = (page) => page.evaluate(
     () => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(done)); }),
 );
 
-/** [red, green, blue] of every pixel of an element as it is seen. */
-export async function pixels(page, selector) {
-    await drawn(page);
-    const shot = (await page.locator(selector).screenshot()).toString('base64');
+/** [red, green, blue] of every pixel of a PNG. */
+export async function pixelsOf(page, png) {
     const reader = await page.context().newPage();
     const url = await reader.evaluate(async (text) => {
         const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -65,14 +64,25 @@ export async function pixels(page, selector) {
             file.onload = () => done(file.result);
             file.readAsDataURL(new Blob([data]));
         });
-    }, shot);
+    }, png.toString('base64'));
     await reader.close();
     const flat = Buffer.from(url.slice(url.indexOf(',') + 1), 'base64');
     return Array.from({ length: flat.length / 4 }, (_, i) => [flat[4 * i], flat[4 * i + 1], flat[4 * i + 2]]);
 }
 
-/** The part of an element in the colours of a plain cloth: warm, no grey. */
-export async function clothShare(page, selector = '#canvas') {
-    const all = await pixels(page, selector);
-    return all.filter(([r, g, b]) => r > 1.35 * b && r - b > 30 && r > g).length / all.length;
+/** The same of an element as it is seen. */
+export async function pixels(page, selector) {
+    await drawn(page);
+    return pixelsOf(page, await page.locator(selector).screenshot());
+}
+
+/** The part of a picture in the colours of a plain cloth: warm, no grey. */
+export const warmShare = (all) => all.filter(([r, g, b]) => r > 1.35 * b && r - b > 30 && r > g).length / all.length;
+
+export const clothShare = async (page, selector = '#canvas') => warmShare(await pixels(page, selector));
+
+/** What the page gives the reader as a file when `action` is done: its name and bytes. */
+export async function saved(page, action) {
+    const [download] = await Promise.all([page.waitForEvent('download'), action()]);
+    return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }

@@ -120,7 +120,7 @@ test('frames come while the run goes on, until it is stopped', async () => {
     await page.screenshot({ path: `${root}/live.png` });
     child.kill('SIGTERM');
     await over(page);
-    assert.match(await page.textContent('#summary'), /interrupted: SIGTERM/);
+    assert.match(await page.textContent('#notes'), /interrupted: SIGTERM/);
     assert.equal(await isLast(page), true);
     assert.equal(await code, 143);
     assert.deepEqual(said, []);
@@ -171,7 +171,7 @@ test('a run elsewhere is watched on a phone, and stopped', async () => {
     await page.screenshot({ path: `${root}/live-phone.png` });
     other.child.kill('SIGTERM');
     await over(page);
-    assert.match(await page.textContent('#summary'), /interrupted: SIGTERM/);
+    assert.match(await page.textContent('#notes'), /interrupted: SIGTERM/);
     assert.deepEqual(said, []);
     assert.deepEqual([await other.code, await watching.code], [143, 0]);
 });

@@ -26,7 +26,7 @@ function numbers(count) {
 }
 
 async function show(file) {
-    const { page } = await open(browser, file, `${address.replace('%', '')}&quality=fine`, {
+    const { page } = await open(browser, file, `${address.replace('%', '')}&quality=fine&colour=plain&follow=0`, {
         viewport: { width: side, height: side }, bypassCSP: true,
     });
     await page.addStyleTag({ content: ALONE });
@@ -40,7 +40,8 @@ async function show(file) {
         }));
     }, frames);
     await page.setViewportSize({ width: side * boxes.length, height: side });
-    return { file, page, boxes, frames };
+    const direction = await page.evaluate(() => weft.stage.direction.toArray());
+    return { file, page, boxes, frames, direction };
 }
 
 const shown = [];
@@ -51,14 +52,15 @@ const boxes = shown.flatMap((one) => one.boxes);
 for (const { file, page, frames } of shown) {
     const name = `${folder}/${basename(file, '.html')}`;
     await drawn(page);
-    await page.evaluate((all) => {
+    await page.evaluate(([all, direction]) => {
         const { stage } = weft;
+        stage.direction.set(...direction);
         const [any] = stage.corners;
         stage.corners = all.flatMap(([x, y, z]) => [0, 1, 2, 3, 4, 5, 6, 7].map(
             (i) => any.clone().set(x[i & 1], y[(i >> 1) & 1], z[i >> 2]),
         ));
-        stage.fit();
-    }, boxes);
+        stage.fit(false);
+    }, [boxes, shown[0].direction]);
     for (const frame of film ? frames : [undefined]) {
         await page.evaluate((one) => one !== undefined && weft.seek(one), frame);
         await drawn(page);

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { clothShare, drawn, launch, open, pixels } from './browser.mjs';
+import { clothShare, drawn, launch, open, pixels, pixelsOf, saved, warmShare } from './browser.mjs';
 
 const root = process.env.WEFT_VIEW;
 const at = (name) => `${root}/${name}`;
@@ -55,7 +55,7 @@ test('nothing but its own script may run, and nothing can be fetched', async () 
 });
 
 test('the cloth is drawn, falls, and is gone when it is hidden', async () => {
-    const { page } = await open(browser, at('a/run.html'), 'threads=0');
+    const { page } = await open(browser, at('a/run.html'), 'threads=0&colour=plain');
     const first = await pixels(page, '#canvas');
     await page.evaluate(() => weft.seek(40));
     assert.ok(await clothShare(page) > 0.04);
@@ -88,7 +88,7 @@ test('play moves on, pause stops, the end stops', async () => {
     await page.selectOption('#rate', { index: 0 }); // its end is far, however slow the browser
     await page.click('#play');
     await page.waitForFunction(() => weft.state.frame > 0 && (document.getElementById('play').click(), true));
-    await page.selectOption('#rate', { index: 5 });
+    await page.selectOption('#rate', '4×');
     const stopped = await frame(page);
     await page.waitForTimeout(200);
     assert.equal(await frame(page), stopped);
@@ -124,7 +124,7 @@ test('the slider, a plot and the address go to a frame', async () => {
 });
 
 test('every key does what the list of keys says', async () => {
-    const { page } = await open(browser, at('a/run.html'));
+    const { page } = await open(browser, at('a/run.html'), 'colour=plain');
     const press = async (key) => {
         await page.keyboard.press(key);
         return frame(page);
@@ -148,6 +148,9 @@ test('every key does what the list of keys says', async () => {
     const threads = await page.isChecked('#threads');
     await press('t');
     assert.equal(await page.isChecked('#threads'), !threads);
+    assert.equal(await page.isChecked('#follow'), false);
+    await press('f');
+    assert.equal(await page.isChecked('#follow'), true);
     await press('d');
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'dark');
     await press('?');
@@ -159,7 +162,7 @@ test('every key does what the list of keys says', async () => {
     assert.equal(outline, 'solid');
 });
 
-test('the mouse turns the view, r fits it again', async () => {
+test('the mouse turns the view, R fits it to all frames again', async () => {
     const { page } = await open(browser, at('a/run.html'));
     const camera = () => page.evaluate(() => weft.stage.camera.position.toArray());
     const fitted = await camera();
@@ -169,12 +172,116 @@ test('the mouse turns the view, r fits it again', async () => {
     await page.mouse.up();
     const turned = await camera();
     assert.ok(Math.abs(turned[0] - fitted[0]) > 0.1);
-    await page.keyboard.press('r');
+    await page.keyboard.press('Shift+R');
     (await camera()).forEach((x, k) => assert.ok(Math.abs(x - fitted[k]) < 1e-6));
 });
 
-test('colours have a bar with numbers and a unit', async () => {
+test('the camera starts 25 degrees above the cloth, and sees it from a side', async () => {
+    for (const name of ['a', 'edge', 'shapes', 'panels']) {
+        const { page } = await open(browser, at(`${name}/run.html`), 'colour=plain&threads=0');
+        const rise = await page.evaluate(() => {
+            const { camera, controls } = weft.stage;
+            const way = camera.position.clone().sub(controls.target).normalize();
+            return (Math.asin(way.y) * 180) / Math.PI;
+        });
+        assert.ok(Math.abs(rise - 25) < 1e-6, `${name} ${rise}`);
+        assert.ok(await clothShare(page) > 0.02, name);
+    }
+});
+
+test('a cloth that moves far is followed, and r fits the frame that is shown', async () => {
+    const { page } = await open(browser, at('falls/run.html'), 'colour=plain&threads=0');
+    assert.ok(await page.isChecked('#follow'));
+    const first = await clothShare(page);
+    await page.keyboard.press('End');
+    const last = await clothShare(page);
+    assert.ok(first > 0.05 && Math.abs(last - first) < 0.02, `${first} ${last}`);
+    await page.keyboard.press('f');
+    await page.keyboard.press('Home');
+    assert.equal(await clothShare(page), 0); // the camera stays below
+    await page.keyboard.press('r');
+    assert.ok(await clothShare(page) > 0.05);
+    await page.keyboard.press('Shift+R');
+    const small = await clothShare(page);
+    assert.ok(small > 0 && small < 0.02, String(small));
+    const near = await open(browser, at('a/run.html'));
+    assert.equal(await near.page.isChecked('#follow'), false);
+});
+
+test('strain is shown first where it is above 1 %', async () => {
+    for (const [name, colour] of [['a', 'strain'], ['edge', 'plain'], ['spring', 'strain']]) {
+        const { page } = await open(browser, at(`${name}/run.html`), 'frame=0');
+        const most = await page.evaluate(() => weft.page.runs[0].columns.get('max_strain').reduce((a, b) => Math.max(a, b)));
+        assert.equal(most > 0.01, colour === 'strain', name);
+        assert.equal(await page.inputValue('#colour'), colour, name);
+    }
+});
+
+test('the picture is saved as a PNG with its words', async () => {
+    const { page, said } = await open(browser, at('a/run.html'), 'frame=40&colour=plain&threads=0');
+    const { name, bytes } = await saved(page, () => page.click('#png'));
+    assert.equal(name, 'a-frame-40.png');
+    writeFileSync(at('saved.png'), bytes);
+    const size = [bytes.readUInt32BE(16), bytes.readUInt32BE(20)];
+    assert.deepEqual(size, await page.evaluate(() => [weft.stage.canvas.width, weft.stage.canvas.height]));
+    const [share, onPage] = [warmShare(await pixelsOf(page, bytes)), await clothShare(page)];
+    assert.ok(share > 0.02 && Math.abs(share - onPage) < 0.01, `${share} ${onPage}`);
+    assert.deepEqual(said, []);
+});
+
+test('a film is a WebM of the run', async () => {
+    const { page, said } = await open(browser, at('limited/run.html'));
+    await page.selectOption('#rate', '0.25×');
+    const { name, bytes } = await saved(page, () => page.click('#webm'));
+    assert.equal(name, 'limited.webm');
+    writeFileSync(at('saved.webm'), bytes);
+    assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]); // EBML
+    assert.ok(bytes.includes('webm') && bytes.length > 5000, String(bytes.length));
+    assert.equal(await page.getAttribute('#webm', 'aria-pressed'), 'false');
+    assert.deepEqual(said, []);
+});
+
+test('every plot has an axis of time, and is saved as SVG and CSV', async () => {
+    const { page, said } = await open(browser, at('a/compare.html'));
+    const plots = page.locator('#plots .uplot');
+    const titles = await page.locator('.u-title').allTextContents();
+    assert.ok(titles.slice(0, -1).every((title) => /\[.+\]$/.test(title)), titles.join());
+    assert.deepEqual(await page.evaluate(() => [...new Set(weft.plots.drawn.map((plot) => plot.axes[0].label))]), ['time t [s]']);
+    for (let i = 0; i < titles.length; ++i) {
+        const [svg, csv] = [await saved(page, () => plots.nth(i).getByText('SVG').click()), await saved(page, () => plots.nth(i).getByText('CSV').click())];
+        const picture = svg.bytes.toString();
+        assert.ok(picture.includes('<polyline') && picture.includes('time t [s]') && picture.includes(titles[i].replace(/&/g, '&#38;')), titles[i]);
+        const wrong = await page.evaluate((text) => new DOMParser().parseFromString(text, 'image/svg+xml').querySelector('parsererror')?.textContent, picture);
+        assert.equal(wrong, undefined);
+        const [head, ...lines] = csv.bytes.toString().trim().split('\n').map((line) => line.split(','));
+        const { data, labels } = await page.evaluate((k) => ({
+            data: weft.plots.drawn[k].data[0], labels: weft.plots.drawn[k].series.slice(1).map(({ label }) => label),
+        }), i);
+        assert.deepEqual(head.slice(1), labels.map((label) => `${label} ${/\[.*\]$/.exec(titles[i]) ?? ''}`.trim()));
+        assert.deepEqual(lines.map(([t]) => Number(t)), data);
+        writeFileSync(at(`plot-${i}.svg`), picture);
+    }
+    const energy = await saved(page, () => plots.nth(1).getByText('CSV').click());
+    const kinetic = energy.bytes.toString().trim().split('\n').slice(1).map((line) => Number(line.split(',')[1]));
+    assert.deepEqual(kinetic, await page.evaluate(() => weft.page.runs[0].columns.get('kinetic')));
+    assert.deepEqual(said, []);
+});
+
+test('on paper there are no controls', async () => {
     const { page } = await open(browser, at('a/run.html'), 'frame=40');
+    assert.ok(await page.isVisible('#controls'));
+    await page.emulateMedia({ media: 'print' });
+    for (const gone of ['#controls', '.save', '#files details']) {
+        assert.ok(await page.locator(gone).first().isHidden(), gone);
+    }
+    for (const kept of ['#canvas', '#legend', '.uplot']) {
+        assert.ok(await page.locator(kept).first().isVisible(), kept);
+    }
+    writeFileSync(at('print.pdf'), await page.pdf({ format: 'A4' }));
+});
+
+test('colours have a bar with numbers and a unit', async () => {
+    const { page } = await open(browser, at('a/run.html'), 'frame=40&colour=plain');
     assert.ok(await page.isHidden('#legend'));
     for (const [name, unit] of [['strain', '%'], ['speed', 'm/s']]) {
         await page.selectOption('#colour', name);
@@ -189,7 +296,7 @@ test('plots show the columns there are', async () => {
     const { page } = await open(browser, at('a/run.html'));
     const titles = await page.locator('.u-title').allTextContents();
     assert.deepEqual(titles, ['energy [J]', 'largest strain [%]', 'step size [s]',
-        'evaluations of the forces a frame']);
+        'force evaluations per frame']);
     const legend = await page.locator('.uplot').first().textContent();
     for (const name of ['kinetic', 'elastic', 'gravitational', 'total']) {
         assert.match(legend, new RegExp(name));
@@ -243,7 +350,7 @@ test('two runs are shown side by side with what parts them', async () => {
 });
 
 test('a mesh has its triangles, its seam and its flat rest shape', async () => {
-    const { page, said } = await open(browser, at('panels/run.html'), 'frame=5&threads=0');
+    const { page, said } = await open(browser, at('panels/run.html'), 'frame=5&threads=0&colour=plain');
     assert.match(await page.textContent('#summary'), /6 vertices, 4 triangles/);
     const { faces, threads, seams, places } = await page.evaluate(() => {
         const { surface } = weft.page;
@@ -307,7 +414,7 @@ test('a page beyond its budget is thinned and says so', async () => {
 });
 
 test('a chain is a line of beads', async () => {
-    const { page, said } = await open(browser, at('chain/run.html'), 'frame=20&quality=fine');
+    const { page, said } = await open(browser, at('chain/run.html'), 'frame=20&quality=fine&colour=plain');
     assert.deepEqual(said, []);
     assert.ok(await clothShare(page) > 1e-4);
     await shot(page, 'chain.png');
@@ -338,20 +445,95 @@ test('an interrupted run says so', async () => {
     writeFileSync(at('failed.html'), text);
     const { page } = await open(browser, at('failed.html'));
     assert.equal(await page.textContent('.bad'), 'failed: h < 1e-12');
+    assert.ok(await page.isHidden('#more')); // it has room
 });
 
-test('a run that blows up is shown as it was before', async () => {
-    const { page, said } = await open(browser, at('blown/run.html'), 'colour=plain&frame=0&all=0');
-    const calm = await page.evaluate(() => [weft.page.calm, weft.page.times.length, weft.stage.size]);
-    assert.ok(calm[0] > 0 && calm[0] < calm[1] && calm[2] < 10, String(calm));
-    assert.match(await page.textContent('#notes'), /blows up by/);
-    assert.ok(await clothShare(page) > 0.01);
-    await page.evaluate(() => weft.setColour(1));
-    assert.ok(Number(await page.textContent('#legend-ticks span:last-child')) < 1000);
+/** Diagonals of the boxes of the frames of the first run, over that of frame 0. */
+const growth = (page) => page.evaluate(() => {
+    const { blocks } = weft.page.runs[0];
+    const size = (block) => Math.hypot(...[0, 1, 2].map((k) => block.range(k)[1] - block.range(k)[0]));
+    return blocks.map((block) => size(block) / size(blocks[0]));
+});
+/** Whether what the stage draws of the cloth is in the picture in part. */
+const isInView = (page) => page.evaluate(() => {
+    const { camera, views, centre } = weft.stage;
+    const { array } = views[0].cloth.geometry.attributes.position;
+    camera.updateMatrixWorld();
+    for (let i = 0; i < array.length; i += 3) {
+        const [x, y, z] = centre.clone().set(...array.subarray(i, i + 3)).project(camera).toArray();
+        if (Math.abs(x) <= 1 && Math.abs(y) <= 1 && Math.abs(z) <= 1) {
+            return true;
+        }
+    }
+    return false;
+});
+
+test('the stage follows the onset of a blow-up and is never empty', async () => {
+    const { page, said } = await open(browser, at('blown/run.html'), 'frame=0&threads=0');
+    const sizes = await growth(page);
+    const { calm, held, size, first } = await page.evaluate(() => ({ ...weft.page.runs[0], size: weft.stage.size, first: weft.page.runs[0].blocks[0] }));
+    assert.ok(first && sizes.slice(0, calm).at(-1) <= 2 && sizes[calm] > 2 && sizes.at(-1) > 10, sizes.join());
+    assert.ok(sizes.slice(0, held + 1).every((ratio) => ratio <= 10));
+    assert.ok(size < 10);
+    for (const at_ of [0, calm - 1, calm, held, held + 1, sizes.length - 1]) {
+        await page.evaluate((k) => weft.seek(k), at_);
+        assert.ok(await isInView(page), `frame ${at_}`);
+        assert.equal(/left the picture/.test(await page.textContent('#labels')), at_ >= calm);
+        assert.equal(/shown as at/.test(await page.textContent('#labels')), at_ > held);
+        assert.equal(await page.evaluate(() => weft.stage.views[0].cloth.surface.material.transparent), at_ > held);
+    }
     await shot(page, 'blown.png');
-    await page.evaluate(() => weft.seek(Infinity));
-    await drawn(page);
+    const drawnNow = () => page.evaluate(() => [...weft.stage.views[0].cloth.geometry.attributes.position.array.slice(0, 300)]);
+    const last = await drawnNow();
+    await page.evaluate((k) => weft.seek(k), held);
+    assert.deepEqual(await drawnNow(), last);
     assert.deepEqual(said, []);
+});
+
+test('a blow-up has strain on a log scale to 100 %, and a line that says when and what left', async () => {
+    const { page } = await open(browser, at('blown/run.html'), 'frame=0');
+    assert.equal(await page.inputValue('#colour'), 'strain');
+    assert.deepEqual(await page.locator('#legend-ticks span').allTextContents(), ['0.1', '1', '10', '100']);
+    const { labels } = await plotted(page, 'largest strain [%]');
+    assert.deepEqual(labels, ['0.1', '1', '10', '100']);
+    const [time, left] = await page.evaluate(() => {
+        const { page: data, plots } = weft;
+        return [data.times[data.runs[0].calm], plots.drawn.map((plot) => plot.data[0].at(-1))];
+    });
+    assert.ok(left.every((t) => t <= time), left.join());
+    assert.match(await page.textContent('#notes'), new RegExp(`^blows up at ${time.toFixed(3)} s: particle \\(\\d+, \\d+\\) leaves the picture.*failed: not finite`));
+    const tall = async () => (await page.locator('#said').boundingBox()).height;
+    const line = await tall();
+    assert.ok(line < 30);
+    await page.click('#more');
+    assert.ok(await tall() > 1.5 * line);
+    assert.match(await page.textContent('#said'), /at most twice as large as at the start/);
+    await page.click('#more');
+    assert.equal(await tall(), line);
+});
+
+test('the run that leaves a pair is named, and the other is still seen', async () => {
+    const { page, said } = await open(browser, at('onset.html'), 'frame=40');
+    const captions = await page.locator('#labels .caption').allTextContents();
+    assert.equal(captions[0], '');
+    assert.match(captions[1], /^particle \(\d+, \d+\) left the picture at 0\.\d+ s/);
+    assert.match(await page.textContent('#notes'), /^B blows up at/);
+    assert.ok(await page.evaluate(() => weft.stage.size) < 10);
+    assert.ok(await isInView(page));
+    await shot(page, 'onset.png');
+    assert.deepEqual(said, []);
+});
+
+test('a blow-up is played slowly, and to its end', async () => {
+    const { page } = await open(browser, at('blown/run.html'));
+    const held = await page.evaluate(() => weft.page.runs[0].held);
+    const rate = Number.parseFloat(await page.inputValue('#rate'));
+    assert.ok(rate < 1);
+    await page.evaluate((k) => weft.seek(k - 1), held);
+    await page.selectOption('#rate', '4×');
+    await page.click('#play');
+    await page.waitForFunction(() => !weft.state.playing);
+    assert.equal(await frame(page), held + 1);
 });
 
 /** What a plot of this title shows: the labels of its vertical axis, and of each curve
@@ -365,10 +547,17 @@ const plotted = (page, title) => page.evaluate((wanted) => {
     };
 }, title);
 
-test('a run that blows up at once shows all that is finite', async () => {
+test('a run that blows up at once shows its start, and all that is finite if it is asked to', async () => {
     const { page, said } = await open(browser, at('early/run.html'), 'colour=plain&quality=fine');
+    assert.equal(await page.isChecked('#all'), false);
+    await page.keyboard.press('End');
+    assert.ok(await clothShare(page) > 0.01);
+    assert.match(await page.textContent('#notes'), /^blows up at 0\.033 s: .*Record more frames of the onset with --set run\.fps=2000/);
+    await page.keyboard.press('a');
     assert.equal(await page.isChecked('#all'), true);
-    assert.match(await page.textContent('#notes'), /blows up by 0\.033 s: every frame has a scale/);
+    assert.match(await page.textContent('#notes'), /^blows up at 0\.033 s: .*every frame has a scale/);
+    assert.equal((await page.locator('#labels .caption').allTextContents()).join(''), '');
+    await drawn(page);
     for (const title of ['energy [J]', 'largest strain [%]']) {
         const { labels, heights, tall } = await plotted(page, title);
         assert.ok(labels.length > 2 && labels.includes('0') && labels.some((text) => /^1e\d\d/.test(text)), labels.join());
@@ -385,11 +574,10 @@ test('a run that blows up at once shows all that is finite', async () => {
     }
     assert.ok(floors[0] > 1e3 && floors[1] > 1e3 * floors[0] && floors[2] >= floors[1], floors.join());
     await page.selectOption('#colour', 'strain');
-    assert.match(await page.textContent('#legend-ticks'), /^1e0.*1e\d\d$/);
+    assert.match(await page.textContent('#legend-ticks'), /^1.*1e\d\d$/);
     await shot(page, 'early.png');
     await page.keyboard.press('a');
     assert.equal(await page.isChecked('#all'), false);
-    assert.match(await page.textContent('#notes'), /fit the frames before/);
     assert.equal(await page.textContent('#scale'), 'floor: 0.2 m a square');
     assert.deepEqual(said, []);
     const calm = await open(browser, at('a/run.html'));
