@@ -8,7 +8,6 @@
 #include <stdlib.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "record/frames.h"
 #include "record/series.h"
 

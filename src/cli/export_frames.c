@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "record/export/export.h"
 #include "record/frames.h"
 #include "record/result.h"
@@ -350,12 +349,8 @@ static int open_recorded(export_job *job)
 
 static int open_anew(const arguments *given, export_job *job)
 {
-    char path[RECORD_PATH];
     weft_error err = { 0 };
-    if (record_path(job->directory, "scene.yaml", path, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    const int code = open_scene(path, given, &job->scene, NULL);
+    const int code = open_run(job->directory, given, &job->scene);
     if (code != EXIT_DONE) {
         return code;
     }
@@ -419,37 +414,26 @@ static int export_run(const arguments *given, export_job *job)
 /* The mesh of a scene, or of the scene of a run, as a new file. */
 static int export_garment(const arguments *given)
 {
-    const char *operand = given->operands[0], *slash = strrchr(given->garment, '/');
-    char scene_file[RECORD_PATH], directory[RECORD_PATH];
+    const char *operand = given->operands[0], *to = given->garment;
     weft_scene *scene = NULL;
     weft_error err = { 0 };
-    if (record_path(operand, "scene.yaml", scene_file, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    const bool run = record_exists(operand, "scene.yaml");
-    const int code = open_scene(run ? scene_file : operand, given, &scene, NULL);
+    const int code = record_exists(operand, "scene.yaml")
+                         ? open_run(operand, given, &scene)
+                         : open_scene(operand, given, &scene, NULL);
     if (code != EXIT_DONE) {
         return code;
     }
-    (void)snprintf(directory, sizeof directory, "%.*s",
-                   slash == NULL ? 1 : (int)(slash - given->garment) + 1,
-                   slash == NULL ? "." : given->garment);
-    const char *name = slash == NULL ? given->garment : slash + 1;
-    weft_status status = WEFT_OK;
-    if (weft_scene_cloth(scene)->mesh == NULL) {
-        status
-            = weft_error_set(&err, WEFT_BAD_SCENE,
-                             "%.200s: a garment needs cloth.cut or cloth.mesh, not a "
-                             "grid",
-                             operand);
-    } else if (record_exists(directory, name)) {
-        status
-            = weft_error_set(&err, WEFT_IO, "%.200s: the file exists", given->garment);
-    } else {
-        status = record_mesh(directory, name, scene, &err);
-    }
+    const weft_status status
+        = weft_scene_cloth(scene)->mesh == NULL
+              ? weft_error_set(&err, WEFT_BAD_SCENE,
+                               "%.200s: a garment needs cloth.cut or cloth.mesh, not a "
+                               "grid",
+                               operand)
+          : record_exists(NULL, to)
+              ? weft_error_set(&err, WEFT_IO, "%.200s: the file exists", to)
+              : record_mesh(NULL, to, scene, &err);
     if (status == WEFT_OK) {
-        print_plainly(stdout, "%s\n", given->garment);
+        print_plainly(stdout, "%s\n", to);
     }
     weft_scene_destroy(scene);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fabrics.c -- weft fabrics: the presets of cloth.fabric.preset. */
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "record/yaml_out.h"
 
 #define SOURCE                                                                         \

@@ -8,7 +8,6 @@
 
 #include "base/suggest.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 
 enum { TEXT = 8192 };
 

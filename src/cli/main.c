@@ -8,7 +8,6 @@
 
 #include "base/suggest.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 
 static const verb *const verbs[] = {
     &verb_new,      &verb_run,     &verb_resume,     &verb_batch,       &verb_check,

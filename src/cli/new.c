@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "record/page.h"
 
 static int new_verb(const arguments *given)

@@ -4,6 +4,7 @@
 #define _GNU_SOURCE /* dladdr, in POSIX since 2024 */
 
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <math.h>
@@ -14,7 +15,6 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cut/cut.h"
 #include "record/child_process.h"
@@ -203,6 +203,15 @@ int open_scene(const char *file, const arguments *given, weft_scene **scene,
     return code;
 }
 
+int open_run(const char *directory, const arguments *given, weft_scene **scene)
+{
+    char path[RECORD_PATH];
+    weft_error err = { 0 };
+    return record_path(directory, "scene.yaml", path, &err) == WEFT_OK
+               ? open_scene(path, given, scene, NULL)
+               : report_error(&err);
+}
+
 const char *out_directory(const arguments *given, const char *suffix,
                           char text[RECORD_PATH])
 {
@@ -213,6 +222,28 @@ const char *out_directory(const arguments *given, const char *suffix,
         = dot == NULL || dot == name ? strlen(name) : (size_t)(dot - name);
     (void)snprintf(text, RECORD_PATH, "%.*s%s", (int)length, name, suffix);
     return given->out != NULL ? given->out : text;
+}
+
+weft_status jobs_run(const arguments *given, void *ctx, size_t jobs,
+                     int (*work)(void *ctx, size_t job),
+                     void (*ended)(void *ctx, const process *one), weft_error *err)
+{
+    process_pool pool = { .def = { .work = work, .ctx = ctx, .end_signal = SIGKILL },
+                          .jobs = jobs,
+                          .at_once = given->jobs > 0 ? given->jobs : 1,
+                          .ended = ended };
+    return process_pool_run(&pool)
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",
+                                strerror(errno));
+}
+
+void job_error(const process *one, weft_error *err)
+{
+    if (one->status != 0) {
+        err->status = WEFT_SOLVER;
+        process_describe(one->status, err->message, sizeof err->message);
+    }
 }
 
 weft_status scene_supported(const weft_scene *scene, weft_error *err)

@@ -7,7 +7,6 @@
 
 #include "base/suggest.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 
 #define OPTION_AT(member) (256 + (int)offsetof(arguments, member))
 #define TEXT(member)      required_argument, NULL, OPTION_AT(member)

@@ -12,7 +12,6 @@
 
 #include "base/clock.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "conformance/conformance.h"
 #include "record/child_process.h"
 

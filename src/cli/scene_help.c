@@ -2,7 +2,7 @@
 /* scene_help.c -- weft scene-help: every key of a scene. */
 #include "cli/cli.h"
 
-static void print_line(void *ctx, const char *text)
+static void put_line(void *ctx, const char *text)
 {
     (void)ctx;
     puts(text);
@@ -15,14 +15,13 @@ static int scene_help_verb(const arguments *given)
         return usage_error(given, "--markdown prints all keys");
     }
     for (int i = 0; i < given->operand_count; ++i) {
-        if (weft_scene_help_key(given->operands[i], print_line, NULL, &err)
-            != WEFT_OK) {
+        if (weft_scene_help_key(given->operands[i], put_line, NULL, &err) != WEFT_OK) {
             return usage_error(given, "%s", err.message);
         }
     }
     if (given->operand_count == 0) {
-        weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT,
-                        print_line, NULL);
+        weft_scene_help(given->markdown ? WEFT_HELP_MARKDOWN : WEFT_HELP_TEXT, put_line,
+                        NULL);
     }
     return EXIT_DONE;
 }

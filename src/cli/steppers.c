@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* steppers.c -- weft steppers: the methods of all plugins that are found. */
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "record/yaml_out.h"
 
 bool method_at(const weft_registry *registry, size_t i, stepper_method *out)

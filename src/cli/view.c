@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/frames.h"

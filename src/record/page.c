@@ -31,12 +31,7 @@ void page_end(FILE *stream, const char *page)
 
 weft_status page_open(record_file *file, const char *path, weft_error *err)
 {
-    const char *slash = strrchr(path, '/');
-    char directory[RECORD_PATH];
-    (void)snprintf(directory, sizeof directory, "%.*s",
-                   slash == NULL ? 1 : (int)(slash - path + (slash == path)),
-                   slash == NULL ? "." : path);
-    TRY(record_file_open(file, directory, slash == NULL ? path : slash + 1, err));
+    TRY(record_file_open(file, NULL, path, err));
     page_begin(file->stream, weft__player_page, false);
     return WEFT_OK;
 }

@@ -34,7 +34,8 @@ typedef struct record_file {
     char path[RECORD_PATH], temporary[RECORD_PATH];
 } record_file;
 
-/* `directory`/`name` into path; WEFT_IO if that is too long. */
+/* `directory`/`name`, or `name` without a directory, into path; WEFT_IO if that is too
+ * long. */
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err);
 /* The name under which such a path is written before it is renamed. */

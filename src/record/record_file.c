@@ -15,11 +15,12 @@
 weft_status record_path(const char *directory, const char *name, char path[RECORD_PATH],
                         weft_error *err)
 {
-    const int length = snprintf(path, RECORD_PATH, "%s/%s", directory, name);
+    const int length = directory == NULL
+                           ? snprintf(path, RECORD_PATH, "%s", name)
+                           : snprintf(path, RECORD_PATH, "%s/%s", directory, name);
     /* room for the suffix of the temporary file */
     if (length < 0 || length + 8 >= RECORD_PATH) {
-        return weft_error_set(err, WEFT_IO, "path too long: %.200s/%s", directory,
-                              name);
+        return weft_error_set(err, WEFT_IO, "path too long: %.200s", path);
     }
     return WEFT_OK;
 }
@@ -73,7 +74,7 @@ weft_status record_file_open(record_file *file, const char *directory, const cha
                              weft_error *err)
 {
     TRY(record_path(directory, name, file->path, err));
-    if (strchr(name, '/') != NULL) { /* in a folder there */
+    if (directory != NULL && strchr(name, '/') != NULL) { /* in a folder there */
         strcpy(file->temporary, file->path);
         *strrchr(file->temporary, '/') = '\0';
         TRY(record_no_link(file->temporary, err));

@@ -104,38 +104,17 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
     if (weft__key_in(match, "fabric") != NULL) {
         weft__make_fabric(reader, match);
     } else {
-        weft__check_one(reader, match, "mass", "density");
+        CHECK_ONE(reader, match, "mass", "density");
     }
     if (reader->report->found->errors == 0) {
         weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
     }
 }
 
-/* Exactly one of grid, mesh and cut. */
-static void check_kind(weft__reader *reader, const weft__match *match)
-{
-    static const char *const kinds[] = { "grid", "mesh", "cut" };
-    const weft__node *first = NULL;
-    bool lacks = true;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
-        const weft__node *key = weft__key_in(match, kinds[i]);
-        lacks = lacks && weft__lacks(match, kinds[i]);
-        if (key != NULL && first != NULL) {
-            weft__report_exclusive(reader->report, first, key);
-        }
-        first = first == NULL ? key : first;
-    }
-    if (lacks) {
-        ERROR_AT(reader, match->map,
-                 "%s lacks 'grid', 'mesh' or 'cut': exactly one is required",
-                 match->title);
-    }
-}
-
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
-    check_kind(reader, match);
+    CHECK_ONE(reader, match, "grid", "mesh", "cut");
     if (reader->scene->meshed) {
         weft__check_mesh_cloth(reader, match);
     } else if (weft__key_in(match, "grid") != NULL) {

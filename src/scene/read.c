@@ -554,22 +554,56 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
                        weft__place_text(report, first->at, where, sizeof where));
 }
 
-void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
-                     const char *b)
+bool weft__report_excluded(weft__reader *reader, const weft__match *match,
+                           const char *const *names, const char *rule)
 {
-    const weft__node *key_a = weft__key_in(match, a);
-    const weft__node *key_b = weft__key_in(match, b);
-    char unit_a[32], unit_b[32];
-    if (key_a != NULL && key_b != NULL) {
-        weft__report_exclusive(reader->report, key_a, key_b);
-    } else if (weft__lacks(match, a) && weft__lacks(match, b)) {
-        ERROR_AT(
-            reader, match->map, "%s lacks '%s'%s or '%s'%s: exactly one is required",
-            match->title, a,
-            weft__unit_text(weft__key_named(match->section, a), unit_a, sizeof unit_a),
-            b,
-            weft__unit_text(weft__key_named(match->section, b), unit_b, sizeof unit_b));
+    bool found = false;
+    for (; *names != NULL; ++names) {
+        const weft__node *key = weft__key_in(match, *names);
+        if (key != NULL) {
+            ERROR_AT(reader, key, "'%s' %s", *names, rule);
+            found = true;
+        }
     }
+    return found;
+}
+
+bool weft__check_exclusive(weft__reader *reader, const weft__match *match,
+                           const char *const *names)
+{
+    const weft__node *first = NULL;
+    bool lacks = true;
+    for (; *names != NULL; ++names) {
+        const weft__node *key = weft__key_in(match, *names);
+        lacks = lacks && weft__lacks(match, *names);
+        if (key != NULL && first != NULL) {
+            weft__report_exclusive(reader->report, first, key);
+        }
+        first = first == NULL ? key : first;
+    }
+    return !lacks;
+}
+
+void weft__check_one(weft__reader *reader, const weft__match *match,
+                     const char *const *names)
+{
+    char list[120] = "", unit[32];
+    size_t used = 0;
+    if (weft__check_exclusive(reader, match, names)) {
+        return;
+    }
+    for (size_t i = 0; names[i] != NULL && used < sizeof list; ++i) {
+        used += (size_t)snprintf(
+            list + used, sizeof list - used, "%s'%s'%s",
+            i == 0                 ? ""
+            : names[i + 1] == NULL ? " or "
+                                   : ", ",
+            names[i],
+            weft__unit_text(weft__key_named(match->section, names[i]), unit,
+                            sizeof unit));
+    }
+    ERROR_AT(reader, match->map, "%s lacks %s: exactly one is required", match->title,
+             list);
 }
 
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,

@@ -226,9 +226,19 @@ bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *
 double *weft__read_table(weft__reader *reader, const weft__key *key,
                          const weft__node *node, size_t width, const char *row);
 
-/* Reports two keys that exclude each other, or the lack of both. */
-void weft__check_one(weft__reader *reader, const weft__match *match, const char *a,
-                     const char *b);
+/* Reports keys, NULL at their end, by a rule: "'mass' needs a grid". Whether there were
+ * some. */
+bool weft__report_excluded(weft__reader *reader, const weft__match *match,
+                           const char *const *names, const char *rule);
+
+/* Reports keys that exclude each other: names, NULL at their end. false: none of them
+ * is there. Then the lack of all as well. */
+bool weft__check_exclusive(weft__reader *reader, const weft__match *match,
+                           const char *const *names);
+void weft__check_one(weft__reader *reader, const weft__match *match,
+                     const char *const *names);
+#define CHECK_ONE(reader, match, ...)                                                  \
+    weft__check_one(reader, match, (const char *const[]){ __VA_ARGS__, NULL })
 
 /* Reports one of two keys that stands without the other. */
 void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,

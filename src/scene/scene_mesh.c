@@ -179,17 +179,6 @@ static void find_fault(void *ctx, size_t field, size_t other, const char *messag
     ERROR_AT(cloth->reader, (held && pins != NULL ? pins : cloth->map), "%s", message);
 }
 
-static void report_excluded(weft__reader *reader, const weft__match *cloth,
-                            const char *const *names, const char *rule)
-{
-    for (; *names != NULL; ++names) {
-        const weft__node *key = weft__key_in(cloth, *names);
-        if (key != NULL) {
-            ERROR_AT(reader, key, "'%s' %s", *names, rule);
-        }
-    }
-}
-
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth)
 {
     static const char *const excluded[] = { "fabrics", "seams", "membrane", NULL };
@@ -197,7 +186,7 @@ void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth)
     const size_t slot = fabric == NULL || fabric->type != WEFT__MAP
                             ? 0
                             : weft__find_key(fabric, "coupling", strlen("coupling"));
-    report_excluded(reader, cloth, excluded, "needs a mesh of triangles");
+    (void)weft__report_excluded(reader, cloth, excluded, "needs a mesh of triangles");
     if (fabric != NULL && fabric->type == WEFT__MAP && slot < fabric->count) {
         ERROR_AT(reader, fabric->entries[slot].key,
                  "coupling needs a mesh of triangles: the springs of a grid "
@@ -209,8 +198,8 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
 {
     static const char *const excluded[] = { "mass", "density", "springs", NULL };
     weft_scene *scene = reader->scene;
-    report_excluded(reader, cloth, excluded,
-                    "needs a grid: a mesh of triangles has a fabric");
+    (void)weft__report_excluded(reader, cloth, excluded,
+                                "needs a grid: a mesh of triangles has a fabric");
     if (weft__lacks(cloth, "fabric")) {
         ERROR_AT(reader, cloth->map,
                  "cloth lacks 'fabric', which a mesh of triangles is made of");

@@ -138,26 +138,18 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
 }
 
 /* An axis has two names: exactly one of them is needed. */
-static void check_axis(weft__reader *reader, const weft__match *match,
-                       const char *plural, const char *singular)
-{
-    const weft__node *many = weft__key_in(match, plural);
-    const weft__node *one = weft__key_in(match, singular);
-    if (many != NULL && one != NULL) {
-        weft__report_exclusive(reader->report, many, one);
-    } else if (weft__lacks(match, plural) && weft__lacks(match, singular)) {
-        ERROR_AT(reader, match->map,
-                 "%s lacks '%s': rows and cols are both needed, each an "
-                 "index, [first, last] or all",
-                 match->title, plural);
-    }
-}
-
 void weft__check_place(weft__reader *reader, const weft__match *match, void *base)
 {
+    static const char *const axes[][3] = { { "rows", "row" }, { "cols", "col" } };
     (void)base;
-    check_axis(reader, match, "rows", "row");
-    check_axis(reader, match, "cols", "col");
+    for (size_t i = 0; i < 2; ++i) {
+        if (!weft__check_exclusive(reader, match, axes[i])) {
+            ERROR_AT(reader, match->map,
+                     "%s lacks '%s': rows and cols are both needed, each an index, "
+                     "[first, last] or all",
+                     match->title, axes[i][0]);
+        }
+    }
 }
 
 /* ---- tracks ------------------------------------------------------------------- */

@@ -156,33 +156,24 @@ void weft__read_inside(weft__reader *reader, const weft__key *key,
 
 void weft__check_vertices(weft__reader *reader, const weft__match *match)
 {
-    static const char *const names[] = { "vertices", "group", "near", "inside" };
-    const bool meshed = reader->scene->meshed;
-    const weft__node *at = weft__key_in(match, "at"), *first = NULL;
-    bool explained = false;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        const weft__node *key = weft__key_in(match, names[i]);
-        explained = explained || weft__found_in(match, names[i])->explained;
-        if (key != NULL && !meshed) {
-            ERROR_AT(reader, key,
-                     "'%s' needs a mesh of triangles: places of a grid are "
-                     "given by 'at'",
-                     names[i]);
-        } else if (key != NULL && first != NULL) {
-            weft__report_exclusive(reader->report, first, key);
+    static const char *const names[] = { "vertices", "group", "near", "inside", NULL },
+                             *const at[] = { "at", NULL };
+    if (reader->scene->meshed) {
+        const bool one = weft__check_exclusive(reader, match, names);
+        if (!weft__report_excluded(reader, match, at,
+                                   "needs a grid: vertices of a mesh are given by "
+                                   "vertices, group, near or inside")
+            && !one) {
+            ERROR_AT(reader, match->map,
+                     "%s lacks 'vertices', 'group', 'near' or 'inside', one of which "
+                     "is required",
+                     match->title);
         }
-        first = first == NULL ? key : first;
-    }
-    if (meshed && at != NULL) {
-        ERROR_AT(reader, at,
-                 "'at' needs a grid: vertices of a mesh are given by vertices, "
-                 "group, near or inside");
-    } else if (meshed ? first == NULL && !explained
-                      : first == NULL && weft__lacks(match, "at")) {
-        ERROR_AT(reader, match->map,
-                 meshed ? "%s lacks 'vertices', 'group', 'near' or 'inside', "
-                          "one of which is required"
-                        : "%s lacks the required key 'at': which particles",
+    } else if (!weft__report_excluded(reader, match, names,
+                                      "needs a mesh of triangles: places of a grid are "
+                                      "given by 'at'")
+               && weft__lacks(match, "at")) {
+        ERROR_AT(reader, match->map, "%s lacks the required key 'at': which particles",
                  match->title);
     }
 }

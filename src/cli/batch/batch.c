@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include "cli/batch/batch.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 
 /* ---- the command line ---------------------------------------------------------- */

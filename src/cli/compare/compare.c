@@ -8,7 +8,6 @@
 
 #include "base/suggest.h"
 #include "cli/compare/compare.h"
-#include "cli/human.h"
 #include "plugin/methods.h"
 #include "record/child_process.h"
 
@@ -124,27 +123,7 @@ static weft_status add_methods(compare *self, weft_error *err)
 static void reference_ended(void *ctx, const process *one)
 {
     const compare *self = ctx;
-    weft_error *err = &self->shared->err[one->job];
-    if (one->status != 0) {
-        err->status = WEFT_SOLVER;
-        process_describe(one->status, err->message, sizeof err->message);
-    }
-}
-
-/* Every job in a child; WEFT_SOLVER if none can be made. */
-static weft_status run_jobs(compare *self, size_t jobs,
-                            int (*work)(void *ctx, size_t job),
-                            void (*ended)(void *ctx, const process *one),
-                            weft_error *err)
-{
-    process_pool pool = { .def = { .work = work, .ctx = self, .end_signal = SIGKILL },
-                          .jobs = jobs,
-                          .at_once = self->given->jobs > 0 ? self->given->jobs : 1,
-                          .ended = ended };
-    return process_pool_run(&pool)
-               ? WEFT_OK
-               : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",
-                                strerror(errno));
+    job_error(one, &self->shared->err[one->job]);
 }
 
 /* The growth of the twin's distance, by least squares of its logarithm over time, and
@@ -210,7 +189,7 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    TRY(run_jobs(self, 2, compare_reference, reference_ended, err));
+    TRY(jobs_run(self->given, self, 2, compare_reference, reference_ended, err));
     self->last = atomic_load(&self->shared->last);
     for (size_t i = 0; i < 2; ++i) {
         const weft_error *why = &self->shared->err[i];
@@ -283,7 +262,7 @@ static weft_status take_times(const compare *self, weft_error *err)
 
 static weft_status compare_all(compare *self, weft_error *err)
 {
-    TRY(run_jobs(self, 1, compare_stiffness, NULL, err));
+    TRY(jobs_run(self->given, self, 1, compare_stiffness, NULL, err));
     TRY(make_references(self, err));
     /* the calls of the costlier reference up to `last`, at most a share of COMPARE_WORK
      */
@@ -293,8 +272,8 @@ static weft_status compare_all(compare *self, weft_error *err)
     const double dearest
         = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
     self->budget = (uint64_t)fmin(share, dearest);
-    const weft_status status
-        = run_jobs(self, self->count + 1, compare_ladder, ladder_ended, err);
+    const weft_status status = jobs_run(self->given, self, self->count + 1,
+                                        compare_ladder, ladder_ended, err);
     progress_clear(&self->progress);
     return status == WEFT_OK ? take_times(self, err) : status;
 }

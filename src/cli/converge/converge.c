@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "cli/converge/converge.h"
-#include "cli/human.h"
 #include "cli/survey/survey.h"
 #include "record/child_process.h"
 #include "record/series.h"
@@ -160,10 +159,7 @@ static void size_ended(void *ctx, const process *one)
 {
     converge *self = ctx;
     converge_result *result = &self->results[one->job];
-    if (one->status != 0) {
-        result->err.status = WEFT_SOLVER;
-        process_describe(one->status, result->err.message, sizeof result->err.message);
-    }
+    job_error(one, &result->err);
     if (result->err.status != WEFT_OK) {
         progress_clear(&self->progress);
         self->code = report_size(self->sizes[one->job].size, &result->err);
@@ -176,19 +172,16 @@ static void size_ended(void *ctx, const process *one)
 
 static int run_sizes(converge *self)
 {
-    process_pool pool
-        = { .def = { .work = run_size, .ctx = self, .end_signal = SIGKILL },
-            .jobs = self->count,
-            .at_once = self->given->jobs > 0 ? self->given->jobs : 1,
-            .ended = size_ended };
+    weft_error err;
     self->results = process_memory(self->count, sizeof *self->results);
     if (self->results == NULL) {
         return report_status(WEFT_NO_MEMORY, "no memory for the results");
     }
-    const bool able = process_pool_run(&pool);
+    const weft_status status
+        = jobs_run(self->given, self, self->count, run_size, size_ended, &err);
     progress_clear(&self->progress);
-    if (!able) {
-        return report_status(WEFT_SOLVER, "no process for a run: %s", strerror(errno));
+    if (status != WEFT_OK) {
+        return report_error(&err);
     }
     converge_print(self, self->given->csv);
     return self->code;

@@ -4,7 +4,6 @@
 
 #include "base/suggest.h"
 #include "cli/converge/converge.h"
-#include "cli/human.h"
 #include "record/series.h"
 
 static const struct {

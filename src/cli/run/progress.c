@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cli/human.h"
 #include "record/yaml_out.h"
 
 #define TERMINAL_PERIOD 0.2 /* [s] */

@@ -13,7 +13,6 @@
 
 #include "base/hash.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "mpi/comm_mpi.h"
 

@@ -5,7 +5,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/human.h"
 #include "cli/run/run.h"
 
 /* The checkpoint, if it is one of this scene and this program. */
@@ -45,9 +44,8 @@ static bool ended_as(const char *directory, const char *status)
 static int open_longer(const arguments *given, const char *directory,
                        const weft_scene *scene, weft_scene **out)
 {
-    char path[RECORD_PATH], set[64];
+    char set[64];
     const char *sets[] = { set };
-    weft_error err = { 0 };
     arguments longer = *given;
     const double now = weft_scene_run(scene)->duration;
     *out = NULL;
@@ -58,13 +56,10 @@ static int open_longer(const arguments *given, const char *directory,
         return usage_error(given, "--until %s: not a time beyond %.9g s, where %s ends",
                            given->until, now, directory);
     }
-    if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
     (void)snprintf(set, sizeof set, "run.duration=%s", given->until);
     longer.sets = sets;
     longer.set_count = 1;
-    return open_scene(path, &longer, out, NULL);
+    return open_run(directory, &longer, out);
 }
 
 int resume_scene(const arguments *given, const char *directory, const weft_scene *scene)
@@ -106,9 +101,7 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
 /* In a directory that is claimed. */
 static int resume_claimed(const arguments *given, const char *directory)
 {
-    char path[RECORD_PATH];
     weft_scene *scene = NULL;
-    weft_error err = { 0 };
     if (given->until == NULL && ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             print_plainly(stderr, "%s: is already done\n", directory);
@@ -122,10 +115,7 @@ static int resume_claimed(const arguments *given, const char *directory)
                       directory);
         return EXIT_SIMULATION;
     }
-    if (record_path(directory, "scene.yaml", path, &err) != WEFT_OK) {
-        return report_error(&err);
-    }
-    int code = open_scene(path, given, &scene, NULL);
+    int code = open_run(directory, given, &scene);
     if (code == EXIT_DONE) {
         code = resume_scene(given, directory, scene);
     }

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 
 #include "cli/cli.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/run/progress.h"
 #include "record/checkpoint.h"

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/human.h"
 #include "cli/survey/survey.h"
 #include "record/yaml_out.h"
 

@@ -7,7 +7,6 @@
 
 #include "base/plane.h"
 #include "cli/cli.h"
-#include "cli/human.h"
 
 #define WORTH 1.2 /* the least saving of evaluations that is reported */
 

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 
 enum { PORT_LEAST = 1024 };

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "cli/human.h"
 #include "cli/run/interrupt.h"
 #include "cli/watch/watch.h"
 #include "record/page.h"
