@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/plane.h"
-#include "cut/delaunay.h"
 
 #define ROW    0.8660254037844386 /* [spacings] from row to row of equal triangles */
 #define JITTER 0.1                /* [spacings] of the first points inside */
@@ -45,13 +45,14 @@ typedef struct cut_part {
 
 typedef struct cutter {
     const weft_cut *cut;
+    weft_allocator memory; /* of all but the mesh */
     cut_point *point;
     size_t points, point_room;
     cut_part *parts;
     size_t part_count, part_room;
     uint32_t *first;  /* part of a line */
     weft__ends *ends; /* of all parts at the last triangulation, sorted */
-    size_t end_count;
+    size_t end_count, end_room;
     uint32_t *corner;
     size_t triangles; /* inside, counterclockwise */
     uint32_t *number; /* of a point in the mesh */
@@ -60,25 +61,25 @@ typedef struct cutter {
 
 /* ---- points and parts ---------------------------------------------------------- */
 
-static void *grown(cutter *self, void *array, size_t *room, size_t count, size_t size)
+static bool reserve(cutter *self, void *to, size_t *room, size_t count, size_t size)
 {
-    if (count < *room || self->no_memory) {
-        return array;
-    }
-    void *more = realloc(array, (count + count / 2 + 64) * size);
-    self->no_memory = more == NULL;
-    if (more != NULL) {
-        *room = count + count / 2 + 64;
-        array = more;
-    }
-    return array;
+    const bool made = weft__reserve(&self->memory, to, room, count, size);
+    self->no_memory = self->no_memory || !made;
+    return made;
+}
+
+/* Zeroed. */
+static void *take(cutter *self, size_t count, size_t size)
+{
+    void *block = weft__zeroed(&self->memory, count, size);
+    self->no_memory = self->no_memory || block == NULL;
+    return block;
 }
 
 static uint32_t add_point(cutter *self, double u, double v, double size, bool fixed)
 {
     const size_t i = self->points;
-    self->point = grown(self, self->point, &self->point_room, i, sizeof *self->point);
-    if (self->no_memory) {
+    if (!reserve(self, &self->point, &self->point_room, i + 1, sizeof *self->point)) {
         return 0;
     }
     self->point[i] = (cut_point){ { u, v }, fmin(size, self->cut->spacing), fixed };
@@ -87,9 +88,8 @@ static uint32_t add_point(cutter *self, double u, double v, double size, bool fi
 
 static void add_part(cutter *self, cut_part one)
 {
-    self->parts = grown(self, self->parts, &self->part_room, self->part_count,
-                        sizeof *self->parts);
-    if (!self->no_memory) {
+    if (reserve(self, &self->parts, &self->part_room, self->part_count + 1,
+                sizeof *self->parts)) {
         self->parts[self->part_count++] = one;
     }
 }
@@ -230,8 +230,7 @@ static void add_inside(cutter *self)
 {
     const double high = ROW * self->cut->spacing;
     double low = INFINITY, top = -INFINITY;
-    double *list = malloc((self->cut->border_count + 1) * sizeof *list);
-    self->no_memory = self->no_memory || list == NULL;
+    double *list = take(self, self->cut->border_count, sizeof *list);
     for (size_t i = 0; i < 2 * self->cut->border_count; ++i) {
         const double v = self->point[self->cut->lines[i]].at[1];
         low = fmin(low, v), top = fmax(top, v);
@@ -243,25 +242,24 @@ static void add_inside(cutter *self)
             add_row(self, row, list[i], list[i + 1]);
         }
     }
-    free(list);
+    weft__free(&self->memory, list);
 }
 
 /* ---- triangles ----------------------------------------------------------------- */
 
 static void sort_ends(cutter *self)
 {
-    weft__ends *list = realloc(self->ends, (self->part_count + 1) * sizeof *list);
-    self->no_memory = self->no_memory || list == NULL;
-    self->ends = list == NULL ? self->ends : list;
-    self->end_count = list == NULL ? 0 : self->part_count;
-    for (size_t i = 0; list != NULL && i < self->part_count; ++i) {
+    self->end_count = 0;
+    if (!reserve(self, &self->ends, &self->end_room, self->part_count,
+                 sizeof *self->ends)) {
+        return;
+    }
+    for (size_t i = 0; i < self->part_count; ++i) {
         cut_part *one = &self->parts[i];
         one->found = false;
-        list[i] = weft__ends_of(one->from, one->to, (uint32_t)i);
+        self->ends[self->end_count++] = weft__ends_of(one->from, one->to, (uint32_t)i);
     }
-    if (list != NULL) {
-        qsort(list, self->part_count, sizeof *list, weft__compare_ends);
-    }
+    qsort(self->ends, self->end_count, sizeof *self->ends, weft__compare_ends);
 }
 
 /* The part from a to b or back; NULL: there is none. */
@@ -303,22 +301,20 @@ static bool take_triangle(cutter *self, uint32_t c[3])
 static bool triangulate(cutter *self)
 {
     const double noise = NOISE * self->cut->spacing;
-    double(*moved)[2] = malloc((self->points + 1) * sizeof *moved);
+    double(*moved)[2] = take(self, self->points, sizeof *moved);
     size_t count = 0;
     free(self->corner);
     self->corner = NULL;
     self->triangles = 0;
     sort_ends(self);
-    for (size_t i = 0; moved != NULL && i < self->points; ++i) {
-        for (unsigned k = 0; k < 2; ++k) {
-            moved[i][k]
-                = self->point[i].at[k] + noise * random_of(self->cut->seed, i, k);
-        }
+    for (size_t i = 0; moved != NULL && i < 2 * self->points; ++i) {
+        moved[i / 2][i % 2] = self->point[i / 2].at[i % 2]
+                              + noise * random_of(self->cut->seed, i / 2, i % 2);
     }
     if (moved != NULL && !self->no_memory) {
         self->corner = cut_delaunay(self->points, &moved[0][0], &count);
     }
-    free(moved);
+    weft__free(&self->memory, moved);
     for (size_t t = 0; t < count; ++t) {
         uint32_t *c = &self->corner[3 * t];
         if (take_triangle(self, c)) {
@@ -335,22 +331,24 @@ static void drop_near(cutter *self)
 {
     const double reach = CLEAR * self->cut->spacing;
     size_t kept = 0;
-    bool *near = calloc(self->points + 1, sizeof *near);
-    self->no_memory = self->no_memory || near == NULL;
-    for (size_t i = 0; near != NULL && i < 3 * self->triangles; ++i) {
+    bool *near = take(self, self->points, sizeof *near);
+    if (near == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < 3 * self->triangles; ++i) {
         const uint32_t a = self->corner[i], b = self->corner[i - i % 3 + (i + 1) % 3];
         if (self->point[a].fixed != self->point[b].fixed
             && weft__squared(self->point[a].at, self->point[b].at) < reach * reach) {
             near[self->point[a].fixed ? b : a] = true;
         }
     }
-    for (size_t i = 0; near != NULL && i < self->points; ++i) {
+    for (size_t i = 0; i < self->points; ++i) {
         if (!near[i]) {
             self->point[kept++] = self->point[i];
         }
     }
-    self->points = near != NULL ? kept : self->points;
-    free(near);
+    self->points = kept;
+    weft__free(&self->memory, near);
 }
 
 /* Halves the parts that are no edges. How many; -1: *at is too short for that. */
@@ -372,8 +370,7 @@ static int halve_missing(cutter *self, const double **at)
 
 static void smooth(cutter *self)
 {
-    double(*sum)[3] = calloc(self->points + 1, sizeof *sum);
-    self->no_memory = self->no_memory || sum == NULL;
+    double(*sum)[3] = take(self, self->points, sizeof *sum);
     for (size_t t = 0; sum != NULL && t < self->triangles; ++t) {
         const uint32_t *c = &self->corner[3 * t];
         const double *x = self->point[c[0]].at, *y = self->point[c[1]].at,
@@ -391,7 +388,7 @@ static void smooth(cutter *self)
             self->point[i].at[1] = sum[i][1] / sum[i][2];
         }
     }
-    free(sum);
+    weft__free(&self->memory, sum);
 }
 
 /* Tangent of the smallest angle of a triangle, opposite its shortest edge. */
@@ -532,34 +529,35 @@ static void give_number(cutter *self, uint32_t point, weft_cut_mesh *out)
  */
 static void give_numbers(cutter *self, weft_cut_mesh *out)
 {
-    inner *list = malloc((self->points + 1) * sizeof *list);
-    self->number = malloc((self->points + 1) * sizeof *self->number);
-    self->no_memory = list == NULL || self->number == NULL;
-    if (!self->no_memory) {
-        size_t count = 0;
-        memset(self->number, 0xff, (self->points + 1) * sizeof *self->number);
-        for (size_t i = 0; i < 3 * self->triangles; ++i) {
-            self->number[self->corner[i]] = CUT_NONE - 1;
-        }
-        for (size_t i = 0; i < self->cut->line_count; ++i) {
-            for (uint32_t k = self->first[i]; k != CUT_NONE; k = self->parts[k].next) {
-                give_number(self, self->parts[k].from, out);
-                give_number(self, self->parts[k].to, out);
-            }
-        }
-        for (uint32_t i = 0; i < self->points; ++i) {
-            if (self->number[i] == CUT_NONE - 1) {
-                const double *x = self->point[i].at;
-                list[count++]
-                    = (inner){ x[0], floor(x[1] / (ROW * self->cut->spacing)), i };
-            }
-        }
-        qsort(list, count, sizeof *list, by_place);
-        for (size_t i = 0; i < count; ++i) {
-            give_number(self, list[i].point, out);
+    inner *list = take(self, self->points, sizeof *list);
+    size_t count = 0;
+    self->number = take(self, self->points, sizeof *self->number);
+    if (self->no_memory) {
+        weft__free(&self->memory, list);
+        return;
+    }
+    memset(self->number, 0xff, self->points * sizeof *self->number);
+    for (size_t i = 0; i < 3 * self->triangles; ++i) {
+        self->number[self->corner[i]] = CUT_NONE - 1;
+    }
+    for (size_t i = 0; i < self->cut->line_count; ++i) {
+        for (uint32_t k = self->first[i]; k != CUT_NONE; k = self->parts[k].next) {
+            give_number(self, self->parts[k].from, out);
+            give_number(self, self->parts[k].to, out);
         }
     }
-    free(list);
+    for (uint32_t i = 0; i < self->points; ++i) {
+        if (self->number[i] == CUT_NONE - 1) {
+            const double *x = self->point[i].at;
+            list[count++]
+                = (inner){ x[0], floor(x[1] / (ROW * self->cut->spacing)), i };
+        }
+    }
+    qsort(list, count, sizeof *list, by_place);
+    for (size_t i = 0; i < count; ++i) {
+        give_number(self, list[i].point, out);
+    }
+    weft__free(&self->memory, list);
 }
 
 static int by_corners(const void *a, const void *b)
@@ -607,20 +605,15 @@ static void write_edges(const cutter *self, weft_cut_mesh *out)
     }
 }
 
-static void *take(cutter *self, size_t count, size_t size)
-{
-    const weft_allocator *memory = self->cut->memory;
-    void *block = memory->resize(memory->ctx, NULL, (count + 1) * size);
-    self->no_memory = self->no_memory || block == NULL;
-    return block;
-}
-
 static void write_mesh(cutter *self, weft_cut_mesh *out)
 {
     give_numbers(self, out);
-    out->places = take(self, out->vertices, 2 * sizeof *out->places);
-    out->corners = take(self, self->triangles, 3 * sizeof *out->corners);
-    out->edge = take(self, self->part_count, 3 * sizeof *out->edge);
+    const weft_allocator *memory = self->cut->memory;
+    out->places = weft__alloc(memory, out->vertices, 2 * sizeof *out->places);
+    out->corners = weft__alloc(memory, self->triangles, 3 * sizeof *out->corners);
+    out->edge = weft__alloc(memory, self->part_count, 3 * sizeof *out->edge);
+    self->no_memory = self->no_memory || out->places == NULL || out->corners == NULL
+                      || out->edge == NULL;
     for (size_t i = 0; !self->no_memory && i < self->points; ++i) {
         if (self->number[i] != CUT_NONE) {
             memcpy(&out->places[2 * (size_t)self->number[i]], self->point[i].at,
@@ -636,11 +629,10 @@ static void write_mesh(cutter *self, weft_cut_mesh *out)
 weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
                      weft_error *err)
 {
-    cutter self = { .cut = cut };
+    cutter self = { .cut = cut, .memory = weft_allocator_or_malloc(NULL) };
     (void)ctx;
     *out = (weft_cut_mesh){ .vertices = 0 };
-    self.first = malloc((cut->line_count + 1) * sizeof *self.first);
-    self.no_memory = self.first == NULL;
+    self.first = take(&self, cut->line_count, sizeof *self.first);
     for (size_t i = 0; i < cut->point_count; ++i) {
         (void)add_point(&self, cut->points[2 * i], cut->points[2 * i + 1], cut->spacing,
                         true);
@@ -653,11 +645,9 @@ weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
     if (status == WEFT_OK) {
         write_mesh(&self, out);
     }
-    void *const blocks[]
-        = { self.point, self.parts, self.first, self.ends, self.corner, self.number };
-    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) {
-        free(blocks[i]);
-    }
+    WEFT__FREE_ALL(&self.memory, self.point, self.parts, self.first, self.ends,
+                   self.number);
+    free(self.corner);
     return !self.no_memory
                ? status
                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the mesh of a cut");

@@ -9,3 +9,9 @@
  */
 weft_status cut_mesh(void *ctx, const weft_cut *cut, weft_cut_mesh *out,
                      weft_error *err);
+
+#define CUT_NONE UINT32_MAX
+
+/* delaunay.c: the three corners of each triangle, of malloc; at: u v of each point.
+ * NULL: no memory, or all points lie on a line. */
+uint32_t *cut_delaunay(size_t points, double *at, size_t *triangles);

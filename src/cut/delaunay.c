@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* delaunay.c -- by Qhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, ACM Trans. Math.
  * Softw. 22, 1996): the one file that includes it. */
-#include "cut/delaunay.h"
+#include "cut/cut.h"
 
 #include <libqhull_r/libqhull_r.h>
 #include <stdio.h>

@@ -359,46 +359,31 @@ void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double an
     }
 }
 
-/* As memcmp, of a name and a text. */
-static int compare(const weft__obj_name *name, const char *text, size_t length)
+bool weft__obj_named(const weft__obj_names *names, const char *name, size_t length,
+                     uint32_t *of, uint32_t value)
 {
-    const int order
-        = memcmp(name->text, text, name->length < length ? name->length : length);
-    return order != 0 ? order : (name->length > length) - (name->length < length);
-}
-
-/* Marks the statements g with a name; whether there is one. They are sorted. */
-static bool find_statements(const weft__obj *obj, const char *name, bool *listed)
-{
-    const weft__obj_name *list = obj->groups.list;
-    const size_t length = strlen(name);
-    size_t low = 0, high = obj->groups.count;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (compare(&list[middle], name, length) < 0) {
-            low = middle + 1;
-        } else {
-            high = middle;
+    bool found = false;
+    for (size_t i = 0; i < names->count; ++i) {
+        const weft__obj_name *one = &names->list[i];
+        if (one->length == length && memcmp(one->text, name, length) == 0) {
+            of[one->statement] = value;
+            found = true;
         }
     }
-    for (high = low;
-         high < obj->groups.count && compare(&list[high], name, length) == 0; ++high) {
-        listed[list[high].statement] = true;
-    }
-    return high > low;
+    return found;
 }
 
 bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
 {
-    bool *listed = weft__report_take(obj->report, (size_t)obj->groups.statements + 1,
-                                     sizeof *listed);
+    uint32_t *listed = weft__report_take(
+        obj->report, (size_t)obj->groups.statements + 1, sizeof *listed);
     if (listed == NULL) {
         return true;
     }
-    const bool found = find_statements(obj, name, listed);
+    const bool found = weft__obj_named(&obj->groups, name, strlen(name), listed, true);
     for (size_t f = 0; found && f < obj->faces; ++f) {
         const weft__obj_face *face = &obj->face[f];
-        for (size_t k = 0; listed[face->groups] && k < 4; ++k) {
+        for (size_t k = 0; listed[face->groups] != 0 && k < 4; ++k) {
             if (face->vertex[k] != WEFT__NONE) {
                 member[obj->vertex_of[face->vertex[k]]] = true;
             }
@@ -406,7 +391,7 @@ bool weft__obj_group(const weft__obj *obj, const char *name, bool *member)
     }
     for (size_t p = 0; found && p < obj->points; ++p) {
         const uint32_t vertex = obj->vertex_of[obj->point[p].vertex];
-        if (listed[obj->point[p].groups] && vertex != WEFT__NONE) {
+        if (listed[obj->point[p].groups] != 0 && vertex != WEFT__NONE) {
             member[vertex] = true;
         }
     }

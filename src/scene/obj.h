@@ -45,11 +45,11 @@ typedef struct weft__obj {
     weft__obj_face *face;
     weft__obj_point *point;
     size_t point_room;
-    weft__obj_names fabrics, groups; /* groups: sorted */
-    uint32_t *vertex_of;             /* of v in the definition; WEFT__NONE: unused */
-    uint32_t *place_of, *face_of;    /* vt of a place, face of a triangle */
-    size_t coarse;                   /* vertices before it was refined */
-    uint32_t (*parent)[2];           /* vertices beside those that came then */
+    weft__obj_names fabrics, groups;
+    uint32_t *vertex_of;          /* of v in the definition; WEFT__NONE: unused */
+    uint32_t *place_of, *face_of; /* vt of a place, face of a triangle */
+    size_t coarse;                /* vertices before it was refined */
+    uint32_t (*parent)[2];        /* vertices beside those that came then */
     /* as long as the definition that points to it */
     weft_mesh_def def;
     double *start, *rest;
@@ -86,6 +86,12 @@ weft__mark weft__obj_mark(const weft__obj *obj, uint32_t byte);
 /* Marks vertices of the definition that are of faces or points of a group in
  * member[vertices]. false: the file has no such group. */
 bool weft__obj_group(const weft__obj *obj, const char *name, bool *member);
+
+/* Writes a value to of[statement] of each statement with a name. Whether there are
+ * some.
+ */
+bool weft__obj_named(const weft__obj_names *names, const char *name, size_t length,
+                     uint32_t *of, uint32_t value);
 
 /* " (did you mean 'x'?)" of the names in a file, or "", into out[size]. */
 const char *weft__obj_near(const weft__obj_names *names, const char *typed, char *out,

@@ -295,14 +295,6 @@ static bool make_room(weft__obj *obj)
     return !obj->report->no_memory;
 }
 
-static int by_name(const void *a, const void *b)
-{
-    const weft__obj_name *p = a, *q = b;
-    const size_t least = p->length < q->length ? p->length : q->length;
-    const int order = memcmp(p->text, q->text, least);
-    return order != 0 ? order : p->length < q->length ? -1 : p->length > q->length;
-}
-
 bool weft__obj_parse(weft__obj *obj)
 {
     const size_t before = obj->report->mistakes;
@@ -322,9 +314,6 @@ bool weft__obj_parse(weft__obj *obj)
         }
     }
     obj->faces = self.faces;
-    if (obj->groups.count > 0) {
-        qsort(obj->groups.list, obj->groups.count, sizeof *obj->groups.list, by_name);
-    }
     if (obj->report->mistakes == before && obj->faces == 0) {
         MISTAKE(&self, obj->text, "the file has no faces (lines 'f 1/1 2/2 3/3')");
     } else if (obj->report->mistakes == before && obj->places == 0) {

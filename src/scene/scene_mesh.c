@@ -115,16 +115,8 @@ static void find_fabrics(weft__reader *reader, uint32_t *of)
     const weft__node *node = reader->scene->fabrics.node;
     for (size_t i = 0; i < node->count; ++i) {
         const weft__node *name = node->entries[i].key;
-        bool used = false;
-        for (size_t k = 0; k < obj->fabrics.count; ++k) {
-            const weft__obj_name *one = &obj->fabrics.list[k];
-            if (one->length == name->count
-                && memcmp(one->text, name->text, one->length) == 0) {
-                of[one->statement] = (uint32_t)(i + 1);
-                used = true;
-            }
-        }
-        if (!used) {
+        if (!weft__obj_named(&obj->fabrics, name->text, name->count, of,
+                             (uint32_t)(i + 1))) {
             char near[80];
             ERROR_AT(reader, name, "the mesh has no usemtl '%.60s'%s", name->text,
                      weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
