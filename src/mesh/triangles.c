@@ -458,10 +458,19 @@ static void copy_fabrics(weft__work *at)
 /* The arrays of T triangles between n particles, with names if there are some. */
 #define ARRAYS(X)                                                                      \
     X(corner, t)                                                                       \
-    X(place, t) X(edge, t) X(piece, t) X(fabric, t) X(area, t) X(rest, 3 * t)          \
-        X(mirrored, 3 * t) X(particle, 3 * t) X(edge_list, 3 * t) X(around, 3 * t)     \
-            X(around_first, n + 1) X(start, 3 * n) X(lumped, n) X(vertex, n)           \
-                X(of_vertex, n) X(fabrics, of->fabric_count)
+    X(place, t)                                                                        \
+    X(edge, t)                                                                         \
+    X(piece, t)                                                                        \
+    X(fabric, t)                                                                       \
+    X(area, t)                                                                         \
+    X(rest, 3 * t)                                                                     \
+    X(mirrored, 3 * t)                                                                 \
+    X(particle, 3 * t)                                                                 \
+    X(edge_list, 3 * t)                                                                \
+    X(around, 3 * t)                                                                   \
+    X(around_first, n + 1)                                                             \
+    X(start, 3 * n)                                                                    \
+    X(lumped, n) X(vertex, n) X(of_vertex, n) X(fabrics, of->fabric_count)
 
 static void allocate(weft__work *at)
 {
