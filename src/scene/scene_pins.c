@@ -178,7 +178,7 @@ void weft__read_track(weft__reader *reader, const weft__key *key,
 void weft__check_wind(weft__reader *reader, const weft__match *match, void *base)
 {
     (void)base;
-    weft__check_one(reader, match, "velocity", "table");
+    CHECK_ONE(reader, match, "velocity", "table");
 }
 
 /* ---- pins ------------------------------------------------------------------- */
