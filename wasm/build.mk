@@ -21,8 +21,8 @@ WASM_OBJ := $(patsubst %.c,$(WASM)/%.o,$(WASM_SRC)) $(WASM_YAML_SRC:%=$(WASM)/ya
     $(WASM_SUNDIALS_SRC:%=$(WASM)/sundials/%.o)
 WASM_FETCHED := $(WASM)/sources/.fetched
 
-.PHONY: wasm check-wasm
-wasm: $(WASM)/libweft.a $(WASM)/hashes.wasm
+.PHONY: wasm check-wasm playground
+wasm: $(WASM)/libweft.a $(WASM)/hashes.wasm $(WASM)/page.wasm
 
 $(WASM_FETCHED): tools/wasm-sources
 	$(call say,GET)WASM_CC='$(WASM_CC)' tools/wasm-sources $(@D) && touch $@
@@ -32,12 +32,12 @@ $(WASM)/%.o: %.c $(WASM_FETCHED)
 	$(call say,CC)$(WASM_COMPILE) -std=c11 -D_POSIX_C_SOURCE=200809L $(WARN) -Wno-pass-failed $(INCS) \
 	    $(if $(KERNELS),,-DWEFT_PLAIN) -c -o $@ $<
 
-$(WASM)/yaml/%.o: $(WASM_FETCHED)
+$(WASM_YAML_SRC:%=$(WASM)/yaml/%.o): $(WASM)/yaml/%.o: $(WASM_FETCHED)
 	@mkdir -p $(@D)
 	$(call say,CC)$(WASM_COMPILE) -w -DYAML_VERSION_MAJOR=0 -DYAML_VERSION_MINOR=2 -DYAML_VERSION_PATCH=5 \
 	    -DYAML_VERSION_STRING='"0.2.5"' -c -o $@ $(WASM_YAML)/$*.c
 
-$(WASM)/sundials/%.o: $(WASM_FETCHED)
+$(WASM_SUNDIALS_SRC:%=$(WASM)/sundials/%.o): $(WASM)/sundials/%.o: $(WASM_FETCHED)
 	@mkdir -p $(@D)
 	$(call say,CC)$(WASM_COMPILE) -w -I$(WASM_SUNDIALS)/src/sundials -I$(WASM_SUNDIALS)/src/arkode \
 	    -c -o $@ $(WASM_SUNDIALS)/$*.c
@@ -51,9 +51,18 @@ $(WASM)/%.wasm: $(WASM)/libweft.a
 	    -Wl,--strip-debug -o $@ $(filter %.o,$^) $(filter %.a,$^) -lm
 
 $(WASM)/hashes.wasm: $(WASM)/tests/hashes.o
+$(WASM)/page.wasm: $(WASM)/wasm/page.o
+$(WASM)/page.wasm: WASM_LINK = -mexec-model=reactor
 
-# The same bits as those of this machine.
-check-wasm: wasm hashes
+# The same bits as those of this machine, also in the playground in a browser.
+check-wasm: wasm hashes playground
 	@node wasm/check.mjs $(BUILD)
+	@WEFT_BUILD=$(BUILD) node --test viewer/test/playground.mjs
+
+# One page, which fetches nothing when it is shown.
+playground: $(BUILD)/playground.html
+$(BUILD)/playground.html: $(WASM)/page.wasm $(wildcard viewer/src/* viewer/*.mjs viewer/*.json scenes/*)
+	@tools/viewer-packages
+	$(call say,GEN)node viewer/playground.mjs $(WASM) $@
 
 -include $(shell find $(WASM) -name '*.d' 2>/dev/null)
