@@ -19,6 +19,7 @@ extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
 root_doc = "index"
 exclude_patterns = ["README.md", "**/*.txt"]
 pygments_style, pygments_dark_style = "friendly", "native"
+suppress_warnings = ["myst.header"]  # of notebooks
 default_role = "literal"
 StandaloneHTMLBuilder.supported_image_types.append("image/webp")
 
