@@ -6,6 +6,7 @@ import { fitted } from './data.js';
 import { decades, powerText } from './decades.js';
 
 const HEIGHT = 148;
+const PAPER = 335; // px
 const LABELS = 66; // px: of an axis labelled -2.25e-10
 const SPAN = 1e3; // an axis that reaches so far beyond what it must show has powers of ten
 const DASHES = [[], [5, 4]]; // first run, second run
@@ -70,7 +71,7 @@ const PLOTS = [
         curves: [{ label: 'h', ink: 1, brief: true, of: (c) => positive(c.get('step_size')) }],
     },
     {
-        title: 'force evaluations per frame',
+        title: 'evaluations per frame',
         zero: true,
         curves: [{ label: 'calls', ink: 2, brief: true, of: (c) => perFrame(c.get('rhs_calls'), c.get('frame')) }],
     },
@@ -223,6 +224,7 @@ export class Plots {
         this.drawn = [];
         this.collect();
         new ResizeObserver(() => this.resize()).observe(element);
+        matchMedia('print').addEventListener('change', () => this.resize());
     }
 
     /** Takes the columns as they are now. */
@@ -314,8 +316,9 @@ export class Plots {
         }
     }
 
+    /** A sheet of paper has two in a row. */
     resize() {
-        const width = this.element.clientWidth;
+        const width = matchMedia('print').matches ? PAPER : this.element.clientWidth;
         this.drawn.filter((plot) => plot.width !== width).forEach((plot) => plot.setSize({ width, height: HEIGHT }));
     }
 }

@@ -277,6 +277,13 @@ test('on paper there are no controls', async () => {
     for (const kept of ['#canvas', '#legend', '.uplot']) {
         assert.ok(await page.locator(kept).first().isVisible(), kept);
     }
+    await page.setViewportSize({ width: 718, height: 1000 }); // A4
+    await drawn(page);
+    await page.waitForFunction(() => document.documentElement.scrollWidth <= 718);
+    const boxes = await page.locator('.uplot').evaluateAll((list) => list.map((one) => one.getBoundingClientRect().toJSON()));
+    assert.equal(boxes[0].top, boxes[1].top);
+    assert.ok(boxes.every(({ right }) => right <= 718) && boxes[0].right <= boxes[1].left, JSON.stringify(boxes));
+    await page.screenshot({ path: at('print.png'), fullPage: true });
     writeFileSync(at('print.pdf'), await page.pdf({ format: 'A4' }));
 });
 
@@ -296,7 +303,7 @@ test('plots show the columns there are', async () => {
     const { page } = await open(browser, at('a/run.html'));
     const titles = await page.locator('.u-title').allTextContents();
     assert.deepEqual(titles, ['energy [J]', 'largest strain [%]', 'step size [s]',
-        'force evaluations per frame']);
+        'evaluations per frame']);
     const legend = await page.locator('.uplot').first().textContent();
     for (const name of ['kinetic', 'elastic', 'gravitational', 'total']) {
         assert.match(legend, new RegExp(name));
