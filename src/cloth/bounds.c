@@ -1,22 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bounds.c -- bounds on the stiffness and damping of all modes.
- *
- * Linearised about a state, M x'' = -K x - C x'. An eigenvector x, x* M x = 1, has
- * mu^2 + c mu + w = 0 with w = x* K x and c = x* C x, so that bounds
- *
- *     a w + b c <= lambda_max(M^-1 (a K + b C))
- *
- * in several directions (a, b) hold every pair (w, c) in a convex polygon. A spring
- * between p and q adds [A -A; -A A] to a K + b C, which for A >= 0 is at most
- * diag((1 + m_p / m_q) A, (1 + m_q / m_p) A) (Young's inequality). Hence, over free i,
- *
- *     lambda_max <= max_i lambda_max(sum_j (1 / m_i + 1 / m_j) A_ij),   3 x 3 each,
- *
- * with 1 / m_j = 0 for a pin. K has A = k u u^T + (T / L) (I - u u^T), C has
- * A = c u u^T; where a A_K + b A_C is negative, 0 bounds it. In any state whatever
- * A_K <= k I, as T / L = k (1 - s / L) < k. The matrix B of bending, damped by tau B,
- * is at most the diagonal of its absolute row sums: (a + b tau) / m_i times these are
- * added for particle i. */
+/* bounds.c -- bounds on the stiffness and damping of all modes: in several directions
+ * (a, b) one on the eigenvalues of M^-1 (a K + b C), a sum over the free neighbours of
+ * each particle, and the polygon of all pairs (w, c) within them. Derived in
+ * docs/physics.md, "Largest stable step". */
 #include <string.h>
 
 #include "base/memory.h"

@@ -192,27 +192,24 @@ static void expect_part(trial *self, const half_run *whole, const half_run *part
 {
     const outcome *w = &whole->outcomes[i], *o = &part->outcomes[i];
     double y[DIM];
-    weft__expect(self,
-                 o->status == w->status
-                     && (o->status == WEFT_OK || strcmp(o->message, w->message) == 0),
-                 "%s: step %d returned '%s' (%s), that of the whole '%s' (%s)", what,
-                 i + 1, weft_status_text(o->status), o->message,
-                 weft_status_text(w->status), w->message);
-    weft__expect(self, memcmp(&o->t, &w->t, sizeof o->t) == 0,
-                 "%s: step %d ended at %.17g s, that of the whole at %.17g s", what,
-                 i + 1, o->t, w->t);
-    weft__expect(self, memcmp(o->y, part_of(w->y, part->side, y), sizeof y) == 0,
-                 "%s: step %d has another result than that of the whole", what, i + 1);
-    weft__expect(self,
-                 o->stats.steps == w->stats.steps
-                     && o->stats.rejected == w->stats.rejected,
-                 "%s: after step %d, %" PRIu64 " steps and %" PRIu64
-                 " rejected; of the whole %" PRIu64 " and %" PRIu64,
-                 what, i + 1, o->stats.steps, o->stats.rejected, w->stats.steps,
-                 w->stats.rejected);
-    weft__expect(self, o->stats.rhs_calls == w->stats.rhs_calls,
-                 "%s: %" PRIu64 " rhs_calls after step %d, of the whole %" PRIu64, what,
-                 o->stats.rhs_calls, i + 1, w->stats.rhs_calls);
+    EXPECT(o->status == w->status
+               && (o->status == WEFT_OK || strcmp(o->message, w->message) == 0),
+           "%s: step %d returned '%s' (%s), that of the whole '%s' (%s)", what, i + 1,
+           weft_status_text(o->status), o->message, weft_status_text(w->status),
+           w->message);
+    EXPECT(memcmp(&o->t, &w->t, sizeof o->t) == 0,
+           "%s: step %d ended at %.17g s, that of the whole at %.17g s", what, i + 1,
+           o->t, w->t);
+    EXPECT(memcmp(o->y, part_of(w->y, part->side, y), sizeof y) == 0,
+           "%s: step %d has another result than that of the whole", what, i + 1);
+    EXPECT(o->stats.steps == w->stats.steps && o->stats.rejected == w->stats.rejected,
+           "%s: after step %d, %" PRIu64 " steps and %" PRIu64
+           " rejected; of the whole %" PRIu64 " and %" PRIu64,
+           what, i + 1, o->stats.steps, o->stats.rejected, w->stats.steps,
+           w->stats.rejected);
+    EXPECT(o->stats.rhs_calls == w->stats.rhs_calls,
+           "%s: %" PRIu64 " rhs_calls after step %d, of the whole %" PRIu64, what,
+           o->stats.rhs_calls, i + 1, w->stats.rhs_calls);
 }
 
 static void try_parts(trial *self, disturbance d)
@@ -237,9 +234,9 @@ static void try_parts(trial *self, disturbance d)
     const bool ran = run_all(&whole, parts, &err);
     (void)pthread_cond_destroy(&m.met);
     (void)pthread_mutex_destroy(&m.lock);
-    weft__expect(self, ran, "no instance with agree, or no thread: %s", err.message);
-    weft__expect(self, !m.parted, "%s: one %s, t = %.9g s, while the other %s", what,
-                 call_names[m.calls[0]], m.given[0], call_names[m.calls[1]]);
+    EXPECT(ran, "no instance with agree, or no thread: %s", err.message);
+    EXPECT(!m.parted, "%s: one %s, t = %.9g s, while the other %s", what,
+           call_names[m.calls[0]], m.given[0], call_names[m.calls[1]]);
     for (int i = 0; i < STEPS; ++i) {
         expect_part(self, &whole, &parts[0], i, what);
         expect_part(self, &whole, &parts[1], i, what);

@@ -5,25 +5,24 @@
 void weft__table_is_sane(trial *self)
 {
     const weft_stepper_type *type = self->type;
-    weft__expect(self, type->order >= 0 && type->stages >= 0, "order %d with %d stages",
-                 type->order, type->stages);
-    weft__expect(self, type->error_order >= 0, "error_order %d", type->error_order);
-    weft__expect(self, weft__adapts(type) || type->error_order == 0,
-                 "an error_order without error control");
-    weft__expect(self, type->reference[0] != '\0' && type->license[0] != '\0',
-                 "an empty reference or license");
+    EXPECT(type->order >= 0 && type->stages >= 0, "order %d with %d stages",
+           type->order, type->stages);
+    EXPECT(type->error_order >= 0, "error_order %d", type->error_order);
+    EXPECT(weft__adapts(type) || type->error_order == 0,
+           "an error_order without error control");
+    EXPECT(type->reference[0] != '\0' && type->license[0] != '\0',
+           "an empty reference or license");
     type->destroy(NULL);
 }
 
 void weft__create_calls_no_rhs(trial *self)
 {
     const trial_run *r = weft__begin_usual(self, 0);
-    weft__expect(self, r->model.calls == 0, "create called the rhs");
+    EXPECT(r->model.calls == 0, "create called the rhs");
     const weft_stepper_stats stats = weft__stats(r);
-    weft__expect(self,
-                 stats.steps == 0 && stats.rejected == 0 && stats.rhs_calls == 0
-                     && !(stats.last_step > 0.0),
-                 "statistics are not 0 before the first step");
+    EXPECT(stats.steps == 0 && stats.rejected == 0 && stats.rhs_calls == 0
+               && !(stats.last_step > 0.0),
+           "statistics are not 0 before the first step");
 }
 
 #define FIELD(field) #field, offsetof(weft_stepper_config, field)
@@ -59,16 +58,15 @@ static void refuses(trial *self, size_t dim, const weft_stepper_config *config,
     if (status == WEFT_OK) {
         self->type->destroy(instance);
     }
-    weft__expect(self, status == WEFT_INVALID || status == WEFT_UNSUPPORTED,
-                 "%s: create returned '%s', not that it is invalid or unsupported",
-                 what, weft_status_text(status));
-    weft__expect(self, instance == NULL, "%s: *self is not NULL after a refusal", what);
-    weft__expect(self, err.status == status && err.message[0] != '\0',
-                 "%s: refused without a reason in *err", what);
+    EXPECT(status == WEFT_INVALID || status == WEFT_UNSUPPORTED,
+           "%s: create returned '%s', not that it is invalid or unsupported", what,
+           weft_status_text(status));
+    EXPECT(instance == NULL, "%s: *self is not NULL after a refusal", what);
+    EXPECT(err.status == status && err.message[0] != '\0',
+           "%s: refused without a reason in *err", what);
     status = self->type->create(self->type, &ode, config, &instance, NULL);
-    weft__expect(self, status == err.status, "%s: another status without a weft_error",
-                 what);
-    weft__expect(self, m.calls == 0, "%s: create called the rhs", what);
+    EXPECT(status == err.status, "%s: another status without a weft_error", what);
+    EXPECT(m.calls == 0, "%s: create called the rhs", what);
 }
 
 static void numbers_are_refused(trial *self, const weft_stepper_config *good)
@@ -142,13 +140,12 @@ void weft__other_versions_are_served(trial *self)
         r->self = NULL;
         const weft_status status
             = self->type->create(self->type, &r->ode, &newer.config, &r->self, &r->err);
-        weft__expect(self, status == WEFT_OK,
-                     "a config with a struct_size of %u bytes is refused: %s",
-                     (unsigned)sizes[i], r->err.message);
+        EXPECT(status == WEFT_OK,
+               "a config with a struct_size of %u bytes is refused: %s",
+               (unsigned)sizes[i], r->err.message);
         weft__go(self, r, 0.125);
-        weft__expect(self, weft__same(self, r, &self->runs[0]),
-                     "results differ with a struct_size of %u bytes",
-                     (unsigned)sizes[i]);
+        EXPECT(weft__same(self, r, &self->runs[0]),
+               "results differ with a struct_size of %u bytes", (unsigned)sizes[i]);
     }
 }
 
@@ -162,9 +159,7 @@ void weft__fixed_steps_ignore_tolerances(trial *self)
     trial_run *odd = weft__begin(self, 1, config);
     weft__go(self, plain, 0.5);
     weft__go(self, odd, 0.5);
-    weft__expect(self, weft__same(self, plain, odd),
-                 "the result depends on tolerances");
+    EXPECT(weft__same(self, plain, odd), "the result depends on tolerances");
     const uint64_t steps = weft__stats(odd).steps;
-    weft__expect(self, steps == 256,
-                 "%" PRIu64 " steps of 1/512 s up to 0.5 s, not 256", steps);
+    EXPECT(steps == 256, "%" PRIu64 " steps of 1/512 s up to 0.5 s, not 256", steps);
 }

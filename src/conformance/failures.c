@@ -18,21 +18,20 @@ static bool fails_and_heals(trial *self, fault kind, uint64_t k)
     r->model.at = r->model.calls + k;
     const weft_status status = weft__step(r, 1.0);
     if (status == WEFT_OK) {
-        weft__expect(self, isfinite(weft__model_distance(r->y, r->y)),
-                     "%s: a state that is not finite was accepted", what);
+        EXPECT(isfinite(weft__model_distance(r->y, r->y)),
+               "%s: a state that is not finite was accepted", what);
         return false;
     }
     const weft_status wanted = kind == STOP ? WEFT_STOPPED : WEFT_NOT_FINITE;
-    weft__expect(self, status == wanted && r->err.status == status,
-                 "%s: the step returned '%s', not '%s'", what, weft_status_text(status),
-                 weft_status_text(wanted));
+    EXPECT(status == wanted && r->err.status == status,
+           "%s: the step returned '%s', not '%s'", what, weft_status_text(status),
+           weft_status_text(wanted));
     weft__unchanged(self, r, &before, what);
-    weft__expect(self, weft__stats(r).steps == 3, "%s: the failure counts as a step",
-                 what);
+    EXPECT(weft__stats(r).steps == 3, "%s: the failure counts as a step", what);
     weft__calls_counted(self, r, what);
-    weft__expect(self, kind != STOP || r->model.calls == r->model.at,
-                 "%s: it was called %" PRIu64 " times more", what,
-                 r->model.calls - r->model.at);
+    EXPECT(kind != STOP || r->model.calls == r->model.at,
+           "%s: it was called %" PRIu64 " times more", what,
+           r->model.calls - r->model.at);
     r->model.fault = NO_FAULT;
     weft__go(self, r, 0.25);
     strcat(what, ", and healed");
@@ -48,9 +47,8 @@ void weft__a_failed_step_changes_nothing(trial *self)
         while (fails_and_heals(self, kind, k)) {
             k += 1 + k / 8;
         }
-        weft__expect(self, k > least,
-                     "rhs %s from call %" PRIu64 " of a step on: not noticed",
-                     weft__fault_names[kind], k);
+        EXPECT(k > least, "rhs %s from call %" PRIu64 " of a step on: not noticed",
+               weft__fault_names[kind], k);
     }
 }
 
@@ -67,8 +65,7 @@ void weft__one_refusal_costs_a_smaller_step(trial *self)
         r->model.at = r->model.calls + 2;
         weft__go(self, r, 1.0);
         (void)snprintf(what, sizeof what, "rhs %s once", weft__fault_names[kinds[i]]);
-        weft__expect(self, weft__stats(r).rejected > rejected,
-                     "%s: no step was rejected", what);
+        EXPECT(weft__stats(r).rejected > rejected, "%s: no step was rejected", what);
         weft__near_solution(self, r, what);
     }
 }
@@ -82,8 +79,8 @@ void weft__a_first_step_too_large_is_rescued(trial *self)
     r->model.edge = 1.2;
     r->model.last = 8.0; /* at the start's y too, which implicit stages begin with */
     weft__good_step(self, r, 100.0);
-    weft__expect(self, weft__stats(r).rejected > 0 && r->t < 4.0,
-                 "%s: %.17g s were taken", what, r->t);
+    EXPECT(weft__stats(r).rejected > 0 && r->t < 4.0, "%s: %.17g s were taken", what,
+           r->t);
     weft__go(self, r, 4.0);
     weft__near(self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type), what);
 }
@@ -98,8 +95,8 @@ void weft__needing_less_than_min_step_fails(trial *self)
     const trial_run before = *r;
     r->model.k = 1e14; /* 1e-6 s is a period and a half */
     const weft_status status = weft__step(r, 1.0);
-    weft__expect(self, status == WEFT_STEP_TOO_SMALL, "%s returned '%s'", what,
-                 weft_status_text(status));
+    EXPECT(status == WEFT_STEP_TOO_SMALL, "%s returned '%s'", what,
+           weft_status_text(status));
     weft__unchanged(self, r, &before, what);
     r->model.k = 1.0;
     weft__go(self, r, 1.0);

@@ -35,9 +35,8 @@ void weft__the_heap_does_not_grow(trial *self)
     const uint64_t first = weft__stats(r).steps;
     weft__go(self, r, 8.0);
     const size_t after = heap_in_use();
-    weft__expect(self, after <= before,
-                 "%zu bytes more are allocated after %" PRIu64 " steps", after - before,
-                 weft__stats(r).steps - first);
+    EXPECT(after <= before, "%zu bytes more are allocated after %" PRIu64 " steps",
+           after - before, weft__stats(r).steps - first);
 }
 
 /* free() and solvers keep a varying amount for later use, up to some 500 bytes more
@@ -63,9 +62,8 @@ static void nothing_is_left_of(trial *self, check_fn *round, const char *what)
         const size_t grown = grows_in_a_row(self, round);
         least = grown < least ? grown : least;
     }
-    weft__expect(self, least < ROUNDS * LEAST,
-                 "%zu bytes more are allocated each time after %s", least / ROUNDS,
-                 what);
+    EXPECT(least < ROUNDS * LEAST, "%zu bytes more are allocated each time after %s",
+           least / ROUNDS, what);
 }
 
 static void live(trial *self)
@@ -110,8 +108,8 @@ void weft__the_allocator_is_used(trial *self)
     config.allocator = &memory;
     weft__go(self, weft__begin(self, 0, config), 0.0625);
     weft__end(self, 0);
-    weft__expect(self, count.blocks == 0,
-                 "blocks of config->allocator not given back to it: %ld", count.blocks);
+    EXPECT(count.blocks == 0, "blocks of config->allocator not given back to it: %ld",
+           count.blocks);
     if (count.calls == 0) {
         self->out->verdict = WEFT_PROMISE_NOTED;
         (void)snprintf(self->out->seen, sizeof self->out->seen,

@@ -81,36 +81,33 @@ static void look_around(surroundings *out)
 static void expect_same(trial *self, const surroundings *before,
                         const surroundings *after)
 {
-    weft__expect(self, strcmp(before->locale, after->locale) == 0,
-                 "the locale was '%s' and is '%s'", before->locale, after->locale);
-    weft__expect(self,
-                 before->rounding == after->rounding
-                     && before->subnormals == after->subnormals,
-                 "the floating-point environment has changed");
+    EXPECT(strcmp(before->locale, after->locale) == 0,
+           "the locale was '%s' and is '%s'", before->locale, after->locale);
+    EXPECT(before->rounding == after->rounding
+               && before->subnormals == after->subnormals,
+           "the floating-point environment has changed");
     for (int i = 1; i < SIGNALS; ++i) {
-        weft__expect(self,
-                     before->actions[i].sa_handler == after->actions[i].sa_handler,
-                     "signal %d has another handler", i);
+        EXPECT(before->actions[i].sa_handler == after->actions[i].sa_handler,
+               "signal %d has another handler", i);
     }
     for (int i = 0; i < DESCRIPTORS; ++i) {
-        weft__expect(self,
-                     before->open[i].file == after->open[i].file
-                         && before->open[i].device == after->open[i].device,
-                     "descriptor %d was %s and is %s", i,
-                     before->open[i].file == 0 ? "closed" : "open",
-                     after->open[i].file == 0    ? "closed"
-                     : before->open[i].file == 0 ? "open"
-                                                 : "another file");
+        EXPECT(before->open[i].file == after->open[i].file
+                   && before->open[i].device == after->open[i].device,
+               "descriptor %d was %s and is %s", i,
+               before->open[i].file == 0 ? "closed" : "open",
+               after->open[i].file == 0    ? "closed"
+               : before->open[i].file == 0 ? "open"
+                                           : "another file");
     }
-    weft__expect(self, memcmp(before->timers, after->timers, sizeof after->timers) == 0,
-                 "a timer is set");
-    weft__expect(self, strcmp(before->directory, after->directory) == 0,
-                 "the current directory was '%.200s' and is '%.200s'",
-                 before->directory, after->directory);
-    weft__expect(self, before->mask == after->mask, "the umask was %03o and is %03o",
-                 (unsigned)before->mask, (unsigned)after->mask);
-    weft__expect(self, before->environment == after->environment,
-                 "the environment variables have changed");
+    EXPECT(memcmp(before->timers, after->timers, sizeof after->timers) == 0,
+           "a timer is set");
+    EXPECT(strcmp(before->directory, after->directory) == 0,
+           "the current directory was '%.200s' and is '%.200s'", before->directory,
+           after->directory);
+    EXPECT(before->mask == after->mask, "the umask was %03o and is %03o",
+           (unsigned)before->mask, (unsigned)after->mask);
+    EXPECT(before->environment == after->environment,
+           "the environment variables have changed");
 }
 
 void weft__the_process_is_left_alone(trial *self)
@@ -122,14 +119,14 @@ void weft__the_process_is_left_alone(trial *self)
     look_around(&before);
     trial_run *r = weft__begin_usual(self, 0);
     weft__go(self, r, 0.125);
-    weft__expect(self, r->err.status == WEFT_OK && r->err.message[0] == '\0',
-                 "create and all steps succeeded, and *err is '%s'", r->err.message);
+    EXPECT(r->err.status == WEFT_OK && r->err.message[0] == '\0',
+           "create and all steps succeeded, and *err is '%s'", r->err.message);
     r->model.fault = GIVE_NAN;
     (void)weft__step(r, 1.0);
     self->type->state_changed(r->self);
     weft__end(self, 0);
     look_around(&after);
     expect_same(self, &before, &after);
-    weft__expect(self, waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD,
-                 "a child process is left");
+    EXPECT(waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD,
+           "a child process is left");
 }

@@ -16,9 +16,9 @@ void weft__needless_changes_change_nothing(trial *self)
     }
     const bool equal = weft__same(self, quiet, notified)
                        && weft__stats(quiet).steps == weft__stats(notified).steps;
-    weft__expect(self, equal || (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0,
-                 "%s: the results differ by %.3g", what,
-                 weft__model_distance(quiet->y, notified->y));
+    EXPECT(equal || (self->type->flags & WEFT_STEPPER_MULTISTEP) != 0,
+           "%s: the results differ by %.3g", what,
+           weft__model_distance(quiet->y, notified->y));
     weft__near(self, notified, weft__error_at_end(notified), 5e-3, what);
 }
 
@@ -48,10 +48,10 @@ static void as_a_fresh_one(trial *self, trial_run *r, double h, const char *what
     memcpy(fresh->y, r->y, sizeof fresh->y);
     weft__good_step(self, r, r->t + h);
     weft__good_step(self, fresh, fresh->t + h);
-    weft__expect(self, r->t != fresh->t || weft__same(self, r, fresh),
-                 "%s: a step of %.3g s gives another result than that of a new "
-                 "instance, of %.3g",
-                 what, h, weft__model_distance(r->y, fresh->y));
+    EXPECT(r->t != fresh->t || weft__same(self, r, fresh),
+           "%s: a step of %.3g s gives another result than that of a new "
+           "instance, of %.3g",
+           what, h, weft__model_distance(r->y, fresh->y));
 }
 
 /* `also_y`: else y is left as it was, and an f that is kept for it is of another t. */
@@ -95,13 +95,12 @@ static void stats_fit(trial *self, const trial_run *r, size_t size)
     memset(out.bytes, FILL, sizeof out.bytes);
     out.stats.struct_size = (uint32_t)size;
     self->type->stats(r->self, &out.stats);
-    weft__expect(self, out.stats.struct_size == size, "struct_size was overwritten");
-    weft__expect(self, out.stats.steps == whole.steps, "steps is not filled in");
+    EXPECT(out.stats.struct_size == size, "struct_size was overwritten");
+    EXPECT(out.stats.steps == whole.steps, "steps is not filled in");
     for (size_t b = size < sizeof whole ? size : sizeof whole; b < sizeof out.bytes;
          ++b) {
-        weft__expect(self, out.bytes[b] == FILL,
-                     "the caller's struct has %zu bytes, byte %zu was written", size,
-                     b);
+        EXPECT(out.bytes[b] == FILL,
+               "the caller's struct has %zu bytes, byte %zu was written", size, b);
     }
 }
 
@@ -126,13 +125,12 @@ void weft__stats_never_fall(trial *self)
             self->type->state_changed(r->self);
         }
         const weft_stepper_stats now = weft__stats(r);
-        weft__expect(self,
-                     now.steps >= last.steps && now.rejected >= last.rejected
-                         && now.rhs_calls >= last.rhs_calls,
-                     "a count fell at %.17g s: steps %" PRIu64 ", rejected %" PRIu64
-                     ", rhs_calls %" PRIu64,
-                     r->t, now.steps, now.rejected, now.rhs_calls);
-        weft__expect(self, i < 100000, "100000 steps, and only at %.17g s", r->t);
+        EXPECT(now.steps >= last.steps && now.rejected >= last.rejected
+                   && now.rhs_calls >= last.rhs_calls,
+               "a count fell at %.17g s: steps %" PRIu64 ", rejected %" PRIu64
+               ", rhs_calls %" PRIu64,
+               r->t, now.steps, now.rejected, now.rhs_calls);
+        EXPECT(i < 100000, "100000 steps, and only at %.17g s", r->t);
         last = now;
     }
 }
@@ -150,9 +148,9 @@ static void pairs(trial *self)
 static void both_as_alone(trial *self, const char *how)
 {
     for (int i = 0; i < 2; ++i) {
-        weft__expect(self, weft__same(self, &self->runs[i], &self->runs[2 + i]),
-                     "two instances %s: results differ from those alone by %.3g", how,
-                     weft__model_distance(self->runs[i].y, self->runs[2 + i].y));
+        EXPECT(weft__same(self, &self->runs[i], &self->runs[2 + i]),
+               "two instances %s: results differ from those alone by %.3g", how,
+               weft__model_distance(self->runs[i].y, self->runs[2 + i].y));
     }
 }
 
@@ -186,12 +184,11 @@ void weft__two_threads_are_independent(trial *self)
     here->model.baton = there->model.baton = &turns;
     there->model.side = 1;
     pthread_t thread;
-    weft__expect(self, pthread_create(&thread, NULL, go_in_thread, there) == 0,
-                 "no thread could be started");
+    EXPECT(pthread_create(&thread, NULL, go_in_thread, there) == 0,
+           "no thread could be started");
     (void)go_in_thread(here);
     (void)pthread_join(thread, NULL);
-    weft__expect(self, here->t >= 1.0 && there->t >= 1.0,
-                 "a step in a thread failed: %s",
-                 (here->t >= 1.0 ? there : here)->err.message);
+    EXPECT(here->t >= 1.0 && there->t >= 1.0, "a step in a thread failed: %s",
+           (here->t >= 1.0 ? there : here)->err.message);
     both_as_alone(self, "in two threads");
 }

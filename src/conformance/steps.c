@@ -4,21 +4,19 @@
 
 static void at_exactly(trial *self, const trial_run *r, double t_end)
 {
-    weft__expect(self, memcmp(&r->t, &t_end, sizeof t_end) == 0,
-                 "t is %.17g where t_end was %.17g", r->t, t_end);
+    EXPECT(memcmp(&r->t, &t_end, sizeof t_end) == 0, "t is %.17g where t_end was %.17g",
+           r->t, t_end);
 }
 
 /* The statistics of the step just taken from t = before. */
 static void counted(trial *self, const trial_run *r, double before, uint64_t steps)
 {
     const weft_stepper_stats s = weft__stats(r);
-    weft__expect(self, s.steps == steps + 1,
-                 "one step made steps %" PRIu64 " of %" PRIu64, s.steps, steps);
-    weft__expect(self, fabs(s.last_step - (r->t - before)) <= 1e-15,
-                 "last_step is %.17g after a step of %.17g s", s.last_step,
-                 r->t - before);
-    weft__expect(self, s.next_step >= 0.0 && isfinite(s.next_step), "next_step is %g",
-                 s.next_step);
+    EXPECT(s.steps == steps + 1, "one step made steps %" PRIu64 " of %" PRIu64, s.steps,
+           steps);
+    EXPECT(fabs(s.last_step - (r->t - before)) <= 1e-15,
+           "last_step is %.17g after a step of %.17g s", s.last_step, r->t - before);
+    EXPECT(s.next_step >= 0.0 && isfinite(s.next_step), "next_step is %g", s.next_step);
     weft__calls_counted(self, r, "after a step");
 }
 
@@ -35,8 +33,8 @@ void weft__every_end_is_met(trial *self)
         }
         at_exactly(self, r, t_end);
     }
-    weft__expect(self, isfinite(weft__model_distance(r->y, weft__model_start)),
-                 "y is not finite after good steps");
+    EXPECT(isfinite(weft__model_distance(r->y, weft__model_start)),
+           "y is not finite after good steps");
 }
 
 /* t + (t_end - t) is not t_end where t < t_end / 2. */
@@ -55,9 +53,8 @@ static void takes_steps(trial *self, trial_run *r, double t_end, uint64_t wanted
 {
     weft__go(self, r, t_end);
     const uint64_t steps = weft__stats(r).steps;
-    weft__expect(self, steps == wanted,
-                 "%" PRIu64 " steps up to %.17g s instead of %" PRIu64, steps, t_end,
-                 wanted);
+    EXPECT(steps == wanted, "%" PRIu64 " steps up to %.17g s instead of %" PRIu64,
+           steps, t_end, wanted);
 }
 
 void weft__steps_that_fit_leave_no_sliver(trial *self)
@@ -68,8 +65,8 @@ void weft__steps_that_fit_leave_no_sliver(trial *self)
         takes_steps(self, r, frame / 299.7, 10 * frame);
         takes_steps(self, rough, frame / 299.7, 4 * frame);
         const double last = weft__stats(rough).last_step;
-        weft__expect(self, fabs(last - 1.0 / 2997.0) <= 1e-12,
-                     "the last step to %.17g s has %.17g s", frame / 299.7, last);
+        EXPECT(fabs(last - 1.0 / 2997.0) <= 1e-12,
+               "the last step to %.17g s has %.17g s", frame / 299.7, last);
     }
 }
 
@@ -80,13 +77,13 @@ void weft__stages_are_the_rhs_calls(trial *self)
     const uint64_t first = r->model.calls;
     weft__good_step(self, r, 1.0);
     const uint64_t second = r->model.calls - first;
-    weft__expect(self, second == (uint64_t)self->type->stages,
-                 "the table says %d stages, a step calls the rhs %" PRIu64 " times",
-                 self->type->stages, second);
-    weft__expect(self, (self->type->flags & WEFT_STEPPER_FSAL) != 0 || first == second,
-                 "%" PRIu64 " rhs calls in the first step and %" PRIu64
-                 " in the second, without WEFT_STEPPER_FSAL",
-                 first, second);
+    EXPECT(second == (uint64_t)self->type->stages,
+           "the table says %d stages, a step calls the rhs %" PRIu64 " times",
+           self->type->stages, second);
+    EXPECT((self->type->flags & WEFT_STEPPER_FSAL) != 0 || first == second,
+           "%" PRIu64 " rhs calls in the first step and %" PRIu64
+           " in the second, without WEFT_STEPPER_FSAL",
+           first, second);
 }
 
 void weft__step_sizes_are_kept(trial *self)
@@ -96,17 +93,16 @@ void weft__step_sizes_are_kept(trial *self)
     config.max_step = 0.0113;
     trial_run *r = weft__begin(self, 0, config);
     weft__good_step(self, r, 1.0);
-    weft__expect(self, fabs(r->t - 1.7e-5) <= 1e-18,
-                 "first_step 1.7e-5 s became %.17g s", r->t);
+    EXPECT(fabs(r->t - 1.7e-5) <= 1e-18, "first_step 1.7e-5 s became %.17g s", r->t);
     double longest = 0.0;
     while (r->t < 1.0) {
         weft__good_step(self, r, 1.0);
         longest = fmax(longest, weft__stats(r).last_step);
     }
-    weft__expect(self, longest <= 0.0113 * (1.0 + 1e-11),
-                 "a step of %.17g s, max_step is 0.0113 s", longest);
-    weft__expect(self, longest >= 0.0056,
-                 "the longest step is %g s where 0.0113 s would do", longest);
+    EXPECT(longest <= 0.0113 * (1.0 + 1e-11), "a step of %.17g s, max_step is 0.0113 s",
+           longest);
+    EXPECT(longest >= 0.0056, "the longest step is %g s where 0.0113 s would do",
+           longest);
 }
 
 void weft__no_step_goes_backwards(trial *self)
@@ -119,11 +115,10 @@ void weft__no_step_goes_backwards(trial *self)
         char what[64];
         (void)snprintf(what, sizeof what, "a step from 0.25 to %g s", t_ends[i]);
         const weft_status status = weft__step(r, t_ends[i]);
-        weft__expect(self, status == WEFT_INVALID, "%s returned '%s'", what,
-                     weft_status_text(status));
+        EXPECT(status == WEFT_INVALID, "%s returned '%s'", what,
+               weft_status_text(status));
         weft__unchanged(self, r, &before, what);
     }
-    weft__expect(self, r->model.calls == before.model.calls,
-                 "steps to nowhere called the rhs");
+    EXPECT(r->model.calls == before.model.calls, "steps to nowhere called the rhs");
     weft__go(self, r, 0.5);
 }

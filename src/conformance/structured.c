@@ -159,16 +159,14 @@ static void swing(trial *self, const weft_structure *structure, double y[WEFT__S
     weft__end(self, 0);
     r->ode = ode, r->t = 0.0;
     weft__string_start(y);
-    weft__expect(self,
-                 self->type->create(self->type, &r->ode, &config, &r->self, &r->err)
-                     == WEFT_OK,
-                 "%s a structure create failed: %s",
-                 structure != NULL ? "with" : "without", r->err.message);
+    EXPECT(self->type->create(self->type, &r->ode, &config, &r->self, &r->err)
+               == WEFT_OK,
+           "%s a structure create failed: %s", structure != NULL ? "with" : "without",
+           r->err.message);
     while (r->t < 0.25) {
-        weft__expect(self,
-                     self->type->step(r->self, 0.25, &r->t, y, &r->err) == WEFT_OK,
-                     "%s a structure a step failed: %s",
-                     structure != NULL ? "with" : "without", r->err.message);
+        EXPECT(self->type->step(r->self, 0.25, &r->t, y, &r->err) == WEFT_OK,
+               "%s a structure a step failed: %s",
+               structure != NULL ? "with" : "without", r->err.message);
     }
 }
 
@@ -198,8 +196,8 @@ void weft__a_structure_leaves_the_solution(trial *self)
         apart = fmax(apart, isfinite(with[j]) ? fabs(with[j] - without[j]) : INFINITY);
     }
     const double allowed = self->type->order == 1 ? 2e-2 : 2e-3;
-    weft__expect(self, apart <= allowed,
-                 "beads are %.2g m from where they are without a structure, %.2g "
-                 "allowed",
-                 apart, allowed);
+    EXPECT(apart <= allowed,
+           "beads are %.2g m from where they are without a structure, %.2g "
+           "allowed",
+           apart, allowed);
 }

@@ -42,8 +42,8 @@ trial_run *weft__begin(trial *self, int slot, weft_stepper_config config)
     config.quadratures = self->apart;
     const weft_status status
         = self->type->create(self->type, &r->ode, &config, &r->self, &r->err);
-    weft__expect(self, status == WEFT_OK, "create failed: %s", r->err.message);
-    weft__expect(self, r->self != NULL, "create succeeded and left *self NULL");
+    EXPECT(status == WEFT_OK, "create failed: %s", r->err.message);
+    EXPECT(r->self != NULL, "create succeeded and left *self NULL");
     return r;
 }
 
@@ -60,20 +60,17 @@ weft_status weft__step(trial_run *r, double t_end)
 void weft__good_step(trial *self, trial_run *r, double t_end)
 {
     const double before = r->t;
-    weft__expect(self, weft__step(r, t_end) == WEFT_OK,
-                 "step from %.17g to %.17g s failed: %s", before, t_end,
-                 r->err.message);
-    weft__expect(self, before < r->t && r->t <= t_end,
-                 "a step from %.17g towards %.17g s ended at %.17g s", before, t_end,
-                 r->t);
+    EXPECT(weft__step(r, t_end) == WEFT_OK, "step from %.17g to %.17g s failed: %s",
+           before, t_end, r->err.message);
+    EXPECT(before < r->t && r->t <= t_end,
+           "a step from %.17g towards %.17g s ended at %.17g s", before, t_end, r->t);
 }
 
 void weft__go(trial *self, trial_run *r, double t_end)
 {
     for (long steps = 1; r->t < t_end; ++steps) {
         weft__good_step(self, r, t_end);
-        weft__expect(self, steps < 1000000, "%ld steps, and only at %.17g s", steps,
-                     r->t);
+        EXPECT(steps < 1000000, "%ld steps, and only at %.17g s", steps, r->t);
     }
 }
 
@@ -92,17 +89,16 @@ bool weft__same(const trial *self, const trial_run *a, const trial_run *b)
 void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
                      const char *what)
 {
-    weft__expect(self, memcmp(&r->t, &before->t, sizeof r->t) == 0,
-                 "%s: t changed from %.17g to %.17g", what, before->t, r->t);
-    weft__expect(self, weft__same(self, r, before), "%s: y changed", what);
+    EXPECT(memcmp(&r->t, &before->t, sizeof r->t) == 0,
+           "%s: t changed from %.17g to %.17g", what, before->t, r->t);
+    EXPECT(weft__same(self, r, before), "%s: y changed", what);
 }
 
 void weft__calls_counted(trial *self, const trial_run *r, const char *when)
 {
     const uint64_t calls = weft__stats(r).rhs_calls;
-    weft__expect(self, calls == r->model.calls,
-                 "%s: rhs_calls is %" PRIu64 ", there were %" PRIu64, when, calls,
-                 r->model.calls);
+    EXPECT(calls == r->model.calls, "%s: rhs_calls is %" PRIu64 ", there were %" PRIu64,
+           when, calls, r->model.calls);
 }
 
 double weft__error_at_end(const trial_run *r)
@@ -121,8 +117,8 @@ void weft__near(trial *self, const trial_run *r, double error, double allowed,
     }
     trial_run *quiet = weft__begin(self, SLOTS - 1, r->config);
     weft__go(self, quiet, r->t);
-    weft__expect(self, false, "%s: off by %.3g at %g s, %g allowed; without that %.2g",
-                 what, error, r->t, allowed, weft__error_at_end(quiet));
+    EXPECT(false, "%s: off by %.3g at %g s, %g allowed; without that %.2g", what, error,
+           r->t, allowed, weft__error_at_end(quiet));
 }
 
 void weft__near_solution(trial *self, const trial_run *r, const char *what)

@@ -35,6 +35,7 @@ typedef struct trial {
 /* If not ok, the promise is broken: the text is reported and the check ends here. */
 WEFT_PRINTF(3, 4)
 void weft__expect(trial *self, bool ok, const char *format, ...);
+#define EXPECT(...) weft__expect(self, __VA_ARGS__)
 
 /* Starts a run at t = 0 in that slot and ends the former one. */
 trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);

@@ -9,7 +9,6 @@
 #define WEFT_SIM_BANDS_H
 
 #include "sim/forces.h"
-#include "sim/step_check.h"
 #include "weft/sim.h"
 
 /* Whether all functions of a comm are there. */

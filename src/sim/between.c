@@ -1,13 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* between.c -- the state within the last step, as the polynomial in s = (t - t0) / h
- *
- *     x(s) with x, v, a at both ends and a at inner nodes;  v(s) = x'(s) / h
- *
- * of degree 5 + nodes: Hermite's for x'' = a. The accelerations at the nodes are
- * evaluated in states of the polynomial with one node less, and then all again, so that
- * each node adds an order (W. H. Enright, K. R. Jackson, S. P. Norsett, P. G. Thomsen,
- * Interpolants for Runge-Kutta formulas, ACM TOMS 12(3), 1986). Quadratures have values
- * at the ends and rates everywhere: degree 3 + nodes. Derived in docs/physics.md. */
+/* between.c -- the state within the last step, as a polynomial in s = (t - t0) / h:
+ * Hermite's for x, v, a at both ends and a at inner nodes, v(s) = x'(s) / h; derived in
+ * docs/physics.md, "States within a step". */
 
 #include <math.h>
 #include <string.h>

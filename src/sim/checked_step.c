@@ -29,14 +29,6 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
-/* Whether a step that failed did so for a stage in a shape. */
-static bool failed_in_shape(const weft_sim *sim, weft_status status)
-{
-    return sim->refused.found
-           && (status == WEFT_NOT_FINITE || status == WEFT_STEP_TOO_SMALL
-               || status == WEFT_SOLVER);
-}
-
 /* As if the step from t0 had not been, but for the counts. */
 static void take_back(weft_sim *sim, double t0)
 {
@@ -56,7 +48,10 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     *again = false;
     if (status != WEFT_OK) {
         weft__bands_deepest(sim->def.comm, &sim->refused);
-        *again = sim->refused.found = failed_in_shape(sim, status);
+        *again = sim->refused.found /* it failed for a stage in a shape */
+            = sim->refused.found
+              && (status == WEFT_NOT_FINITE || status == WEFT_STEP_TOO_SMALL
+                  || status == WEFT_SOLVER);
         return status;
     }
     const weft__path path = { t0, sim->t, sim->start, sim->y };

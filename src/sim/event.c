@@ -51,16 +51,14 @@ static double guess(const bracket *in)
                        : 0.5 * (in->a + in->b);
 }
 
-static bool is_narrow(const bracket *in)
-{
-    return !(in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b)));
-}
-
 static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_error *why)
 {
     weft_status status = WEFT_OK;
     int side = 0;
-    for (unsigned trial = 0; status == WEFT_OK && !is_narrow(in); ++trial) {
+    for (unsigned trial = 0;
+         status == WEFT_OK
+         && in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b));
+         ++trial) {
         /* now and then a half: a line is slow where g bends or jumps */
         const double t = trial % 4 == 3 ? 0.5 * (in->a + in->b) : guess(in);
         status = step_again(sim, in->t0, t, before, why);

@@ -38,4 +38,49 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
 weft_measures weft__forces_measure(const weft__forces *forces, const weft__state *at,
                                    weft__measure_fn *of);
 
+/* step_check.c: no free particle gets into a shape or through it, and no part of the
+ * cloth through another: the conditions of contact.h and self.h, on the
+ * threads of a simulation. */
+/* A free particle that is in a shape, or may have passed through it; or two primitives
+ * that may have met. The functions below look at the own rows of a band. */
+typedef struct weft__breach {
+    bool found;
+    weft_primitive pair[2]; /* count 0: a particle and a shape */
+    size_t particle, shape;
+    double gap;    /* [m] */
+    double t;      /* [s] of the gap */
+    uint64_t call; /* number of the right-hand side that found it, or none, last */
+} weft__breach;
+
+/* On the threads; allocates nothing. */
+bool weft__path_clear(const weft__forces *forces, const weft__path *path);
+
+/* The first by particles, then shapes, for which a path is not clear, else the first
+ * pair of primitives. */
+weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path);
+
+/* The particle deepest in a shape: gap <= 0. A state that is not finite has none. */
+weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y);
+
+/* That, else two primitives at the same place. */
+weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double *y);
+
+/* Of one particle, free or not. */
+weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
+                                   size_t i);
+
+/* Halves each particle's displacement from `from` to y until its straight path cannot
+ * enter or cross a shape, nor the cloth itself. */
+void weft__hold_back(const weft__forces *forces, double t, const double *from,
+                     double *y);
+
+/* "particle (3, 4) and shapes[1]", or both primitives, of the whole; returns text. */
+enum { WEFT__BREACH_TEXT = 160 };
+const char *weft__breach_text(const weft__mesh *mesh, const weft__breach *breach,
+                              char text[WEFT__BREACH_TEXT]);
+
+/* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */
+weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
+                               const char *what, weft_error *err);
+
 #endif

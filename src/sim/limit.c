@@ -1,19 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* limit.c -- shortens springs that have become too long in a step.
- *
- * A sweep of weft__limited_sweep projects the state onto one convex set after another;
- * repeated, it converges to a state in all of them (Bregman 1967). `fast` continues
- * from
- *
- *     z = x_k + b_k (x_k - x_(k-1)),  b_k = (t_k - 1) / t_(k+1),
- *     t_(k+1) = (1 + sqrt(1 + 4 t_k^2)) / 2,  t_1 = 1,          x_(k+1) = sweep(z)
- *
- * (Nesterov 1983), and from x_k with t = 1 again where the momentum points against the
- * last sweep: (z - x_(k+1), x_(k+1) - x_k) > 0 in the product sum m a.b of the
- * projections (the gradient scheme of O'Donoghue, Candes 2015). A sweep is no gradient
- * step, so growth is possible: it restarts too, and bounds t for the rest of the step.
- * Differences of states move no centre of mass and no pin, so neither does the
- * momentum. */
+/* limit.c -- shortens springs that have become too long in a step: sweeps of
+ * projections that `fast` extrapolates, as derived in docs/physics.md, "Strain limits".
+ */
 #include "sim/simulation.h"
 
 #include <math.h>

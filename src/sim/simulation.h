@@ -5,7 +5,6 @@
 
 #include "base/finite.h"
 #include "sim/forces.h"
-#include "sim/step_check.h"
 #include "weft/sim.h"
 
 /* between.c: the state within the last step, of any method. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "sim/step_check.h"
+#include "sim/forces.h"
 
 #include <math.h>
 #include <stdatomic.h>

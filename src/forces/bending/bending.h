@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* bending.h -- the bending rigidity of a plate, with second differences of neighbours,
+/* bending.h -- the bending rigidity of a plate, F = -K (x + damping v), with second
+ * differences of neighbours D_r, D_c (docs/physics.md, "Bending rigidity"):
  *
- *     D_r x = (x(r+1, c) - x(r, c)) - (x(r, c) - x(r-1, c)),   D_c along the row,
+ *     K = D_r k_r D_r + D_c k_c D_c + k_t D_r D_c
  *
- * in which a particle beyond the rim is where the last one is (a symmetric matrix),
- *
- *     F = -K (x + damping v),   K = D_r k_r D_r + D_c k_c D_c + k_t D_r D_c
- *
- * k_r is `along`, half of it on the first and last column, and 0 on the first and last
- * row, where no three particles are centred; k_c is `across` likewise, k_t is `twist`.
- * K has no force on flat cloth, stretched or rotated (docs/physics.md). */
+ * k_r is `along`, k_c `across`, k_t `twist`. */
 #ifndef WEFT_FORCES_BENDING_BENDING_H
 #define WEFT_FORCES_BENDING_BENDING_H
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plate_matrix.c -- the second derivatives of each triangle by Morley's element (L. S.
- * D. Morley, Aeronautical Quarterly 19, 1968), whose slopes come from plate_slope.h,
+ * D. Morley, Aeronautical Quarterly 19, 1968), whose slopes come from plate_slope.c,
  * and the sum of their squares. */
 #include "forces/bending/plate.h"
 
 #include "base/memory.h"
-#include "forces/bending/plate_slope.h"
 
 #define DEPENDENT 1e-10 /* part of a column that is orthogonal to the others */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plate_slope.c -- weighted fits of quadratics about the middle of each edge. Only
  * + - * / and square roots: the same bits everywhere. */
-#include "forces/bending/plate_slope.h"
+#include "forces/bending/plate.h"
 
 #include <stdlib.h>
 

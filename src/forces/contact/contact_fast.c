@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_fast.c -- the contact of contact.h and the check of ccd.c, LANES particles at
- * a time, by the law of contact_law.h. Blocks of particles are compared with the
- * bounding box of a shape first, as most of them are far from most shapes. */
+/* contact_fast.c -- the contact of contact.h and the check of contact.h, LANES
+ * particles at a time, by the law of contact_law.h. Blocks of particles are compared
+ * with the bounding box of a shape first, as most of them are far from most shapes. */
 #include "forces/lanes.h"
 
 #define LAW_OF_LANES

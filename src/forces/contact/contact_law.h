@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_law.h -- the gap of shapes.h, the law of contact.h and the condition of ccd.c
- * for one particle or a vector of them (forces/law.h). */
+/* contact_law.h -- the gap of shapes.c, the law of contact.h and the condition of
+ * contact.h for one particle or a vector of them (forces/law.h). */
 #ifndef WEFT_FORCES_CONTACT_CONTACT_LAW_H
 #define WEFT_FORCES_CONTACT_CONTACT_LAW_H
 
@@ -106,7 +106,8 @@ LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
     }
 }
 
-/* The condition of ccd.c, by places and velocities at both ends; gap: [m] at the ends.
+/* The condition of contact.h, by places and velocities at both ends; gap: [m] at the
+ * ends.
  */
 LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num v[2][3],
                     num gap[2])

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_slopes.c -- the derivatives of contact, by mass. The law of contact.h, along
- * (dx, dv), with dd = g.dx, dg = (grad grad d) dx, V' = spin x dx:
- *
- *     dn = (dg - n (n.dg)) / |g|
- *     d(speed) = dn.w + n.(dv - V'),   dw = dv - V' - d(speed) n - speed dn
- *     dN = -S dd - D d(speed),   S = kn f,   D = damping N / sqrt(1 + u^2)
- *     friction = most hold w,   most = mu |g| N,   d hold = -fade (w.dw + d(q^2) / 2)
- */
+/* contact_slopes.c -- the derivatives of contact, by mass, along (dx, dv):
+ * docs/physics.md, "The derivatives of the forces". friction = most hold w, most = mu
+ * |g| N, d hold = -fade (w.dw + d(q^2) / 2). */
 #include "forces/contact/contact_law.h"
 
 typedef struct law_slopes {

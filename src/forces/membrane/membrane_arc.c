@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_arc.c -- the plain loops of membrane_arc.h; membrane_arc_fast.c has the same
+/* membrane_arc.c -- the plain loops of membrane.h; membrane_arc_fast.c has the same
  * bits. */
-#include "forces/membrane/membrane_arc.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_arc_fast.c -- the arcs of membrane_arc.h, one group after the other, with
+/* membrane_arc_fast.c -- the arcs of membrane.h, one group after the other, with
  * vectors in space as records x, y, z, 0. */
 #include "forces/lanes.h"
 #include "forces/membrane/membrane.h"

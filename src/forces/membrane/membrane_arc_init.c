@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_arc_init.c -- the tables of membrane_arc.h. */
+/* membrane_arc_init.c -- the tables of membrane.h. */
 #include <stdlib.h>
 #include <string.h>
 

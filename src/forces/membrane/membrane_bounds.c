@@ -1,21 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_bounds.c -- bounds on the stiffness of a membrane.
- *
- * With gradients g_a of the shape functions, the stress S, V_a = (g_a1 0; 0 g_a2;
- * g_a2 g_a1) and the matrix C of the fabric, a triangle adds to K the blocks
- *
- *     K_ab = A (F V_a^T C V_b F^T + g_a.S g_b I)
- *
- * and to C those of the first term, by the damping. For norms k_ab >= |K_ab| and any
- * d > 0, K <= diag((k d)_a / d_a), as 2 |x_a| |x_b| <= d_b / d_a |x_a|^2 + d_a / d_b
- * |x_b|^2. |F|^2 is the square of the largest stretch, and the part of S below 0 may be
- * left out. Steps of d <- M^-1 k d at rest make the bound sharper (L. Collatz, Math. Z.
- * 48, 1942).
- *
- * The arc adds to edge vectors d = D x the terms N x = h^T (share x), and to K what S
- * has of share x. With (D + N)^T K (D + N) <= (1 + e) D^T K D + (1 + 1/e) N^T K N, rows
- * k_i of K absolutely summed, and r = sum of share d, an edge's share x is bounded by
- * |share x|^2 <= r sum of share_i / d_i |x_i|^2. */
+/* membrane_bounds.c -- bounds on the stiffness of a membrane, by norms of the blocks
+ * K_ab of each triangle, derived in docs/physics.md, "Largest stable step". An edge's
+ * arc, share x, is bounded by |share x|^2 <= r sum of share_i / d_i |x_i|^2, r = sum of
+ * share d. */
 #include <string.h>
 
 #include "base/memory.h"
@@ -126,14 +113,6 @@ static void any_load(const weft__rest *of, weft__load *out)
     out->press = -least * (fmax(warp, weft) + fabs(e12)) + c->shear * (e - least);
 }
 
-/* A bound of |g_a.S g_b| where S is one. */
-static double most_geometric(const weft__rest *of, const double s[3], size_t a,
-                             size_t b)
-{
-    const double *g = of->grad[a], *h = of->grad[b];
-    return fabs(g[0] * s[0] * h[0]) + fabs(g[1] * s[1] * h[1]);
-}
-
 /* [N/m] The part of a triangle's S of the edge opposite corner i that pulls, and the
  * part that presses, absolutely. */
 static void arc_pulls(const weft__rest *of, const weft__load *at, bool any, size_t i,
@@ -203,8 +182,11 @@ static bound_parts parts_of(const weft__membrane *own, const weft__state *at, si
         const double area = share * rest->area;
         sum.stiff += (own->arc.begin != NULL ? 1.0 + SHARE : 1.0)
                      * (area * now.square * norm_of(rest, a, b));
-        if (at->y == NULL) {
-            sum.taut += area * most_geometric(rest, now.taut, a, b);
+        if (at->y == NULL) { /* a bound of |g_a.S g_b| where S is one */
+            const double *g = rest->grad[a], *h = rest->grad[b];
+            sum.taut += area
+                        * (fabs(g[0] * now.taut[0] * h[0])
+                           + fabs(g[1] * now.taut[1] * h[1]));
             continue;
         }
         sum.taut += area * fabs(weft__geometric(rest, now.taut, a, b))

@@ -20,13 +20,6 @@ typedef struct maker {
     size_t batches, batch_room, halos, halo_room;
 } maker;
 
-/* Gives back what an array has beyond its end. */
-static void shrink(const maker *by, void *array, size_t count, size_t size)
-{
-    void **at = array, *less = weft__resize(by->memory, *at, count, size);
-    *at = less != NULL ? less : *at;
-}
-
 /* Numbers the particles of the `count` triangles listed, own ones first. */
 static bool number_particles(maker *by, size_t b, size_t count)
 {
@@ -57,31 +50,25 @@ static bool number_particles(maker *by, size_t b, size_t count)
     return true;
 }
 
-static bool is_free(const maker *by, const uint32_t corner[3])
-{
-    const uint32_t *taken = by->taken, batch = (uint32_t)by->batches + 1;
-    return taken[corner[0]] != batch && taken[corner[1]] != batch
-           && taken[corner[2]] != batch;
-}
-
 /* Takes for one batch the first that wait and have no particle in common; what waits
  * begins at *head. */
 static void take_batch(maker *by, uint32_t *head, weft__batch_corners *to)
 {
+    const uint32_t *taken = by->taken, batch = (uint32_t)by->batches + 1;
     size_t lane = 0;
     uint32_t *link = head;
     for (size_t tries = 0; *link != WEFT__NONE && lane < WEFT__WIDTH && tries < WINDOW;
          ++tries) {
-        const uint32_t at = *link, t = by->list[at];
-        if (!is_free(by, by->of->corner[t])) {
+        const uint32_t at = *link, t = by->list[at], *corner = by->of->corner[t];
+        if (taken[corner[0]] == batch || taken[corner[1]] == batch
+            || taken[corner[2]] == batch) {
             link = &by->next[at];
             continue;
         }
         to->triangle[lane] = t;
         for (size_t k = 0; k < 3; ++k) {
-            const uint32_t i = by->of->corner[t][k];
-            by->taken[i] = (uint32_t)by->batches + 1;
-            to->near[k][lane] = (uint16_t)by->near[i];
+            by->taken[corner[k]] = batch;
+            to->near[k][lane] = (uint16_t)by->near[corner[k]];
         }
         ++lane;
         *link = by->next[at];
@@ -162,8 +149,10 @@ static bool make(maker *by)
         }
     }
     by->own->blocks[blocks] = (weft__membrane_block){ by->batches, by->halos };
-    shrink(by, &by->own->corners, by->batches, sizeof *by->own->corners);
-    shrink(by, &by->own->halo, by->halos, sizeof *by->own->halo);
+    /* gives back what is beyond their ends */
+    (void)weft__resized(by->memory, &by->own->corners, by->batches,
+                        sizeof *by->own->corners);
+    (void)weft__resized(by->memory, &by->own->halo, by->halos, sizeof *by->own->halo);
     return make_constants(by);
 }
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self_bounds.c -- what self-contact adds to the stiffness and damping of particles. A
- * pair has K = S n n^T and C = D n n^T + T (I - n n^T) between its feet, hence b_i b_j
- * of them between its particles. As sum |b_i| = 2, the quadratic form of |sum b_i
- * x_i|^2 is at most that of sum 2 |b_i| |x_i|^2. */
+/* self_bounds.c -- what self-contact adds to the stiffness and damping of particles: a
+ * pair's K = S n n^T and C = D n n^T + T (I - n n^T) between its feet, at most 2 |b_i|
+ * of them at each particle (docs/physics.md, "Self-contact"). */
 #include "forces/self/self.h"
 
 /* Two layers push a particle as one pair would that had this part of the law; a shape

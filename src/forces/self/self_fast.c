@@ -273,11 +273,6 @@ INLINE void add_run(const double *from, const double *to, size_t first, size_t e
     }
 }
 
-INLINE run_bounds no_bounds(void)
-{
-    return (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
-}
-
 /* Lane by lane for all planes, which do not wait for each other. */
 INLINE void narrow(const run_bounds of[3], weft__drift *to)
 {
@@ -290,12 +285,6 @@ INLINE void narrow(const run_bounds of[3], weft__drift *to)
             to->high[k] = of[k].high[l] > to->high[k] ? of[k].high[l] : to->high[k];
         }
     }
-}
-
-/* The first of LANES columns whose vectors have all columns of a tile. */
-INLINE size_t first_column(const size_t in[4])
-{
-    return in[2] + LANES <= in[3] ? in[2] : in[3] > LANES ? in[3] - LANES : 0;
 }
 
 void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double *to,
@@ -313,10 +302,13 @@ void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double 
         weft__patch_range(own->mesh, level, i, in);
         const bool whole = in[3] - in[2] == cols; /* then its rows are one run */
         const size_t rows = in[1] - in[0], runs = whole ? 1 : rows;
-        const size_t start = first_column(in);
+        /* vectors have all columns of the tile, from here on */
+        const size_t start = in[2] + LANES <= in[3] ? in[2]
+                             : in[3] > LANES        ? in[3] - LANES
+                                                    : 0;
         const size_t stop = whole ? rows * cols : in[3] < LANES ? LANES : in[3];
         for (size_t k = 0; k < 3; ++k) {
-            of[k] = no_bounds();
+            of[k] = (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
             for (size_t r = 0; r < runs; ++r) {
                 const size_t at = k * n + (in[0] + r) * cols;
                 add_run(from, to, at + start, at + stop, &of[k], &trouble);

@@ -243,8 +243,9 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
             continue;
         }
         const size_t at = in->count++;
-        if (i != at) {
-            weft__self_pairs_move(in, i, at);
+        for (size_t k = 0; i != at && k < 4; ++k) {
+            in->near.particle[k][at] = in->near.particle[k][i];
+            in->numbers[k][at] = in->numbers[k][i];
         }
         if (new) {
             const weft__pair pair = weft__near_pair(kind, &in->near, at);

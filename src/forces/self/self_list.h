@@ -137,15 +137,6 @@ static inline size_t weft__self_first(const weft__self_groups *of, size_t i,
     return i > 0 ? of->spans[i - 1].end[which] : 0;
 }
 
-/* Pair `from` becomes pair `to`. */
-static inline void weft__self_pairs_move(weft__self_pairs *in, size_t from, size_t to)
-{
-    for (size_t k = 0; k < 4; ++k) {
-        in->near.particle[k][to] = in->near.particle[k][from];
-        in->numbers[k][to] = in->numbers[k][from];
-    }
-}
-
 /* ---- self_list.c ----------------------------------------------------------------- */
 
 /* [m] The extent of a displacement, infinite if a number is not finite, and the bounds

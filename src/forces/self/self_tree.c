@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self_tree.c -- the search of self_tree.h.
- *
- * In a convex patch of the rest grid whose edges down / a and right / b differ from two
- * orthonormal directions by E, in the Frobenius norm, the gradient of the position is
- * [e0 e1] + E: two points of the patch are at least (1 - E) times as far apart as at
- * rest, where primitives without a common particle are a b / sqrt(a^2 + b^2) or more
- * apart. */
+/* self_tree.c -- the search of self_tree.h. A patch whose edges differ from two
+ * orthonormal directions by E < 1, in the Frobenius norm, has points (1 - E) times as
+ * far apart as at rest or more (docs/physics.md), where primitives without a common
+ * particle are a b / sqrt(a^2 + b^2) or more apart. */
 #include "forces/self/self_tree.h"
 
 #include <string.h>

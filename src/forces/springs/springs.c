@@ -271,8 +271,10 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
          weft__each_spring(&walk);) {
-        sum->energy.elastic[walk.spring.group->family]
-            += weft__spring_energy(&walk.spring);
+        const weft__spring *of = &walk.spring;
+        const double stretch = sqrt(of->square) - of->group->rest_length;
+        sum->energy.elastic[of->group->family]
+            += 0.5 * weft__spring_stiffness(of) * stretch * stretch;
     }
 }
 
@@ -317,18 +319,13 @@ static void worst(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void raise_strain(double *kept, double strain)
-{
-    *kept = strain > *kept ? strain : *kept;
-}
-
 static void strains(const void *own, const weft__state *at, size_t b, double *strain)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
          weft__each_spring(&walk);) {
         const double here = weft__spring_strain(&walk.spring);
-        raise_strain(&strain[walk.spring.p], here);
-        raise_strain(&strain[walk.spring.q], here);
+        double *p = &strain[walk.spring.p], *q = &strain[walk.spring.q];
+        *p = fmax(*p, here), *q = fmax(*q, here);
     }
 }
 

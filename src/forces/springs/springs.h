@@ -6,10 +6,7 @@
  *
  *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
  *
- * and has no force where L = 0. The strain law T = K (L / s - 1) is the same with
- * k = K / s. The elastic part is -dE/dx of E = k (L - s)^2 / 2; the damped part acts
- * along the spring only, so that both momenta are conserved. The three families are
- * those of Provot 1995; the damped law is the one of the lecture (docs/physics.md).
+ * and has no force where L = 0; k = K / s under the strain law (docs/physics.md).
  *
  * Springs are implicit: a family has two groups, one for each direction, and the
  * springs of a group differ only in their first particle. Nothing is stored per spring.
@@ -179,13 +176,6 @@ static inline void weft__spring_change(const weft__spring *spring, const double 
     for (size_t j = 0; j < 3; ++j) {
         change[j] = part * spring->d[j] + q * dd[j];
     }
-}
-
-/* [J] E */
-static inline double weft__spring_energy(const weft__spring *spring)
-{
-    const double stretch = sqrt(spring->square) - spring->group->rest_length;
-    return 0.5 * weft__spring_stiffness(spring) * stretch * stretch;
 }
 
 /* (L - s) / s */
