@@ -794,25 +794,6 @@ START_TEST(fast_forms_have_the_bits_of_the_loops)
 }
 END_TEST
 
-START_TEST(products_are_those_of_the_force)
-{
-    sample of;
-    sample_init(&of, _i);
-    double *out = calloc(3 * of.n, sizeof *out), apart = 0.0, size = 0.0;
-    const weft__plate *plate = &of.cloth->plate;
-    memcpy(of.y + 3 * of.n, of.y, 3 * of.n * sizeof *of.y); /* v = x */
-    weft__plate_force.multiply(plate, &of.at, 1.0, 1.0, of.y, out);
-    push(&of, of.y, of.force);
-    for (size_t i = 0; i < 3 * of.n; ++i) {
-        apart = fmax(apart, fabs(out[i] + of.force[i]));
-        size = fmax(size, fabs(out[i]));
-    }
-    ck_assert(apart < 1e-11 * size);
-    free(out);
-    sample_free(&of);
-}
-END_TEST
-
 START_TEST(ties_are_the_matrix)
 {
     sample of;
@@ -927,7 +908,6 @@ TEST_SUITE(plate)
     tcase_add_loop_test(tcase, momentum_is_kept_and_heat_is_what_damping_takes, 0, 3);
     tcase_add_test(tcase, moving_pins_put_in_what_the_cloth_takes);
     tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);
-    tcase_add_loop_test(tcase, products_are_those_of_the_force, 0, 3);
     tcase_add_loop_test(tcase, ties_are_the_matrix, 0, 3);
     tcase_add_test(tcase, memory_that_is_missing_is_reported_and_goes_back);
     tcase_add_test(tcase, bending_beyond_a_double_is_refused);

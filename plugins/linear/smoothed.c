@@ -61,27 +61,23 @@ struct weft__smoothed {
 
 static void list_edges(weft__smoothed *self, weft__pile *pile, weft__pile *scratch)
 {
-    const size_t n = self->net->n, count = weft__network_edges(self->net, NULL);
-    uint32_t(*ends)[2] = weft__pile_take(scratch, count, sizeof *ends);
-    self->first = weft__pile_take(pile, n + 2, sizeof *self->first);
-    self->edge = weft__pile_take(pile, 2 * count, sizeof *self->edge);
-    self->end = weft__pile_take(pile, 2 * count, sizeof *self->end);
+    weft__rows halves = { .n = 2 * weft__network_edges(self->net, NULL) };
+    weft__rows of = { .n = self->net->n };
+    halves.start = weft__pile_take(scratch, halves.n + 1, sizeof *halves.start);
+    halves.column = weft__pile_take(scratch, halves.n, sizeof *halves.column);
+    self->end = weft__pile_take(pile, halves.n, sizeof *self->end);
     if (pile->failed || scratch->failed) {
         return;
     }
+    uint32_t(*ends)[2] = (uint32_t(*)[2])halves.column;
     (void)weft__network_edges(self->net, ends);
-    size_t *next = self->first + 1; /* becomes first once all are filled in */
-    memset(self->first, 0, (n + 2) * sizeof *self->first);
-    for (size_t h = 0; h < 2 * count; ++h) {
-        ++next[ends[h / 2][h % 2] + 1];
+    for (size_t h = 0; h <= halves.n; ++h) {
+        halves.start[h] = h;
     }
-    for (size_t i = 0; i < n; ++i) {
-        next[i + 1] += next[i];
-    }
-    for (size_t h = 0; h < 2 * count; ++h) {
-        const size_t at = next[ends[h / 2][h % 2]]++;
-        self->end[at] = ends[h / 2][1 - h % 2];
-        self->edge[at] = (uint32_t)h;
+    weft__transpose(&halves, &of, pile);
+    self->first = of.start, self->edge = of.column;
+    for (size_t k = 0; !pile->failed && k < halves.n; ++k) {
+        self->end[k] = ends[self->edge[k] / 2][1 - self->edge[k] % 2];
     }
 }
 

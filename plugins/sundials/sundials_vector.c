@@ -215,36 +215,19 @@ static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_V
     (void)linear_combination(2, c, both, z);
 }
 
-/* These are rare in a step. */
-static void absolute(N_Vector x, N_Vector z)
-{
-    (void)make_writable(of(z), true);
-    N_VAbs_Serial(x, z);
-}
-
-static void multiply(N_Vector x, N_Vector y, N_Vector z)
-{
-    (void)make_writable(of(z), true);
-    N_VProd_Serial(x, y, z);
-}
-
-static void divide(N_Vector x, N_Vector y, N_Vector z)
-{
-    (void)make_writable(of(z), true);
-    N_VDiv_Serial(x, y, z);
-}
-
-static void add_constant(N_Vector x, sunrealtype b, N_Vector z)
-{
-    (void)make_writable(of(z), true);
-    N_VAddConst_Serial(x, b, z);
-}
-
-static void invert(N_Vector x, N_Vector z)
-{
-    (void)make_writable(of(z), true);
-    N_VInv_Serial(x, z);
-}
+/* These are rare in a step: the library computes them in an array of z alone. */
+#define IN_OWN_ARRAY(name, of_serial, parameters, ...)                                 \
+    static void name parameters                                                        \
+    {                                                                                  \
+        (void)make_writable(of(z), true);                                              \
+        of_serial(__VA_ARGS__);                                                        \
+    }
+IN_OWN_ARRAY(absolute, N_VAbs_Serial, (N_Vector x, N_Vector z), x, z)
+IN_OWN_ARRAY(multiply, N_VProd_Serial, (N_Vector x, N_Vector y, N_Vector z), x, y, z)
+IN_OWN_ARRAY(divide, N_VDiv_Serial, (N_Vector x, N_Vector y, N_Vector z), x, y, z)
+IN_OWN_ARRAY(add_constant, N_VAddConst_Serial, (N_Vector x, sunrealtype b, N_Vector z),
+             x, b, z)
+IN_OWN_ARRAY(invert, N_VInv_Serial, (N_Vector x, N_Vector z), x, z)
 
 /* ---- norms ----------------------------------------------------------------------- */
 

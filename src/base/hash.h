@@ -45,4 +45,9 @@ static inline uint64_t weft__hash_reals(uint64_t hash, const double *values,
     return hash;
 }
 
+/* Of numbers that are listed. */
+#define WEFT__HASH_NUMBERS(hash, ...)                                                  \
+    weft__hash_reals((hash), (const double[]){ __VA_ARGS__ },                          \
+                     sizeof((const double[]){ __VA_ARGS__ }) / sizeof(double))
+
 #endif

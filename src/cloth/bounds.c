@@ -170,12 +170,117 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
 
 /* ---- the power method ----------------------------------------------------------- */
 
+/* The linearisation of all forces but contact, for particles at rest. */
+typedef struct matrix {
+    weft_bonds *runs;
+    weft_link *links;
+    weft_tie *ties;
+    double *y, *planes, *numbers; /* the state; of bonds; of links */
+    size_t run_count, bond_count, bend_at, link_count, tie_count;
+} matrix;
+
+static void free_matrix(const weft_cloth *cloth, matrix *of)
+{
+    WEFT__FREE_ALL(&cloth->memory, of->runs, of->links, of->ties, of->y, of->planes,
+                   of->numbers);
+}
+
+/* The runs of all forces, bending's last; out->runs NULL: only counts. */
+static void list_runs(const weft_cloth *cloth, matrix *out)
+{
+    out->run_count = out->bond_count = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        out->bend_at = k <= WEFT__FORCE_bending ? out->bond_count : out->bend_at;
+        const weft__run_count all = weft__list_runs(
+            cloth, k, out->runs != NULL ? out->runs + out->run_count : NULL);
+        out->run_count += all.runs, out->bond_count += all.bonds;
+    }
+}
+
+/* False: no memory. */
+static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *out)
+{
+    const weft_allocator *memory = &cloth->memory;
+    const size_t n = cloth->mesh.particles;
+    *out = (matrix){ .link_count = weft__list_links(cloth, NULL),
+                     .tie_count = weft__list_ties(cloth, NULL) };
+    list_runs(cloth, out);
+    out->runs = weft__alloc(memory, out->run_count, sizeof *out->runs);
+    out->links = weft__alloc(memory, out->link_count, sizeof *out->links);
+    out->ties = weft__alloc(memory, out->tie_count, sizeof *out->ties);
+    out->y = weft__zeroed(memory, 6 * n, sizeof *out->y);
+    out->planes = weft__alloc(memory, out->bond_count, 6 * sizeof *out->planes);
+    out->numbers = weft__alloc(memory, out->link_count,
+                               WEFT_LINK_NUMBERS * sizeof *out->numbers);
+    if (out->runs == NULL || out->links == NULL || out->ties == NULL || out->y == NULL
+        || out->planes == NULL || out->numbers == NULL) {
+        return false;
+    }
+    memcpy(out->y, at->y, 3 * n * sizeof *out->y);
+    list_runs(cloth, out);
+    (void)weft__list_links(cloth, out->links);
+    (void)weft__list_ties(cloth, out->ties);
+    (void)weft__linearise(cloth, at->t, out->y, out->planes, out->bond_count, NULL);
+    (void)weft__linearise_links(cloth, at->t, out->y, out->numbers);
+    return true;
+}
+
+/* Slack springs are taken for straight ones: q is one of [0, k], as k is of bending. */
+static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
+                           double b, const double *x, double *out)
+{
+    const size_t n = cloth->mesh.particles, all = of->bond_count;
+    for (size_t r = 0, e = 0; r < of->run_count; ++r) {
+        for (size_t i = 0; i < of->runs[r].count; ++i, ++e) {
+            const size_t p = of->runs[r].p + i, q = of->runs[r].q + i;
+            const double *u = of->planes + e, pull = u[4 * all], k = u[3 * all] + pull;
+            const double bent = e < of->bend_at ? 0.0 : b * cloth->bending.damping;
+            const double across = (a + bent) * fmin(fmax(pull, 0.0), k);
+            double rate = 0.0;
+            for (size_t j = 0; j < 3; ++j) {
+                rate += u[j * all] * (x[j * n + q] - x[j * n + p]);
+            }
+            for (size_t j = 0; j < 3; ++j) {
+                const double force
+                    = across * (x[j * n + q] - x[j * n + p])
+                      + (a * k + b * u[5 * all] - across) * rate * u[j * all];
+                out[j * n + p] -= force;
+                out[j * n + q] += force;
+            }
+        }
+    }
+}
+
+static void multiply_links(const matrix *of, size_t n, double a, double b,
+                           const double *x, double *out)
+{
+    for (size_t j = 0; j < 9 * of->link_count; ++j) {
+        const double *at = of->numbers + j / 9 * WEFT_LINK_NUMBERS + j % 9;
+        const size_t p = of->links[j / 9].p, q = of->links[j / 9].q;
+        const size_t r = j % 9 / 3 * n, c = j % 3 * n;
+        const double entry = a * at[0] + b * at[9];
+        out[r + p] += entry * (x[c + p] - x[c + q]);
+        out[c + q] += entry * (x[r + q] - x[r + p]);
+    }
+    for (size_t j = 0; j < 3 * of->tie_count; ++j) {
+        const weft_tie *tie = &of->ties[j / 3];
+        const size_t p = j % 3 * n + tie->p, q = j % 3 * n + tie->q;
+        const double force = (a * tie->k + b * tie->c) * (x[p] - x[q]);
+        out[p] += force;
+        out[q] -= force;
+    }
+}
+
 /* M^-1 (a K + b C) x, zero on pins. */
-static void multiply(const weft_cloth *cloth, const weft__state *at,
+static void multiply(const weft_cloth *cloth, const weft__state *at, const matrix *of,
                      const double way[2], const double *x, double *out)
 {
     const size_t n = cloth->mesh.particles;
-    memset(out, 0, 3 * n * sizeof *out);
+    for (size_t j = 0; j < 3 * n; ++j) {
+        out[j] = way[1] * cloth->body.drag * x[j];
+    }
+    multiply_bonds(cloth, of, way[0], way[1], x, out);
+    multiply_links(of, n, way[0], way[1], x, out);
     WEFT__EACH_FORCE(cloth, multiply, at, way[0], way[1], x, out)
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= cloth->mesh.inverse_mass[j % n];
@@ -213,7 +318,7 @@ typedef struct estimate {
     double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
 } estimate;
 
-static estimate power(const weft_cloth *cloth, const weft__state *at,
+static estimate power(const weft_cloth *cloth, const weft__state *at, const matrix *of,
                       const double way[2], size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
@@ -226,7 +331,7 @@ static estimate power(const weft_cloth *cloth, const weft__state *at,
         for (size_t j = 0; norm > 0.0 && j < 3 * cloth->mesh.particles; ++j) {
             x[j] /= norm;
         }
-        multiply(cloth, at, way, x, z);
+        multiply(cloth, at, of, way, x, z);
         const double value = product(&cloth->mesh, x, z),
                      square = product(&cloth->mesh, z, z);
         best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
@@ -243,20 +348,25 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
         return weft_error_set(err, WEFT_INVALID, "the power method needs a state");
     }
     const size_t size = 3 * cloth->mesh.particles;
+    const weft__state at = { .t = t, .y = y };
+    matrix of;
     double *work = weft__alloc(&cloth->memory, 2 * size, sizeof *work);
-    if (work == NULL) {
+    if (!find_matrix(cloth, &at, &of) || work == NULL) {
+        free_matrix(cloth, &of);
+        weft__free(&cloth->memory, work);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
-    const weft__state at = { .t = t, .y = y };
     *out = weft_cloth_stiffness(cloth, t, y);
     static const double ways[2][2] = { { 1.0, 0.0 }, { 0.0, 1.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
-        const estimate found = power(
-            cloth, &at, ways[i], iterations > 0 ? iterations : 100, work, work + size);
+        const estimate found
+            = power(cloth, &at, &of, ways[i], iterations > 0 ? iterations : 100, work,
+                    work + size);
         *values[i] = fmin(*values[i], found.value);
         cut(out, ways[i], found.value + 2.0 * found.spread);
     }
+    free_matrix(cloth, &of);
     weft__free(&cloth->memory, work);
     return WEFT_OK;
 }

@@ -46,7 +46,7 @@ static inline void weft__bound_add(double sum[6], double bound)
     }
 }
 
-/* Of contact (contact/contact_bounds.c), apart: it is sought for many particles at
+/* Of contact (contact/contact_slopes.c), apart: it is sought for many particles at
  * once.
  */
 typedef struct weft__grip {
@@ -56,5 +56,18 @@ typedef struct weft__grip {
     double stiff, drag; /* [1/s^2], [1/s] in any direction, of either sign */
     double turn;        /* [1/s^2] most negative stiffness, from the normal's turning */
 } weft__grip;
+
+/* Adds S n n^T, D n n^T and T (I - n n^T). */
+static inline void weft__grip_add(weft__grip *to, const double n[3], double stiffness,
+                                  double damping, double drag)
+{
+    const double nn[6] = { n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                           n[0] * n[1], n[0] * n[2], n[1] * n[2] };
+    for (size_t k = 0; k < 6; ++k) {
+        to->press[k] += stiffness * nn[k];
+        to->damp[k] += damping * nn[k];
+        to->slide[k] += drag * ((k < 3 ? 1.0 : 0.0) - nn[k]);
+    }
+}
 
 #endif

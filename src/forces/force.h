@@ -76,8 +76,8 @@ typedef struct weft__force {
     /* Stiffness and damping: the ratios of the two that it has; what it adds for each
      * side to the bound of free particle i, at->y NULL: in any state
      * (of a membrane: see membrane_bounds.c); of contact to
-     * those of particles [first, first + count); to (a K + b C) x, for the power
-     * method. */
+     * those of particles [first, first + count), and to (a K + b C) x, for the power
+     * method, which has the others from their linearisation. */
     void (*ratios)(const void *own, struct weft__sides *to);
     void (*bound)(const void *own, const weft__state *at, size_t i,
                   const struct weft__sides *sides, double (*sums)[6]);

@@ -6,24 +6,20 @@
 
 static uint64_t hash_controller(uint64_t hash, const weft_controller *law)
 {
-    const double numbers[]
-        = { law->safety,       law->bias,          law->max_growth,
-            law->first_growth, law->min_reduction, law->failed_growth };
     hash = weft__hash_word(hash, law->type);
     hash = weft__hash_word(hash, (uint64_t)law->gain_count);
     hash = weft__hash_reals(hash, law->gains, (size_t)law->gain_count);
-    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return WEFT__HASH_NUMBERS(hash, law->safety, law->bias, law->max_growth,
+                              law->first_growth, law->min_reduction,
+                              law->failed_growth);
 }
 
 /* The settings of error control. */
 static uint64_t hash_adaptive(uint64_t hash, const weft_stepper_config *config)
 {
-    const double numbers[]
-        = { config->rtol,       config->atol_position, config->atol_velocity,
-            config->first_step, config->min_step,      config->max_step };
-    hash = weft__hash_word(hash, config->norm);
-    hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
-    return hash;
+    return WEFT__HASH_NUMBERS(weft__hash_word(hash, config->norm), config->rtol,
+                              config->atol_position, config->atol_velocity,
+                              config->first_step, config->min_step, config->max_step);
 }
 
 static uint64_t hash_linear(uint64_t hash, const weft_linear *linear)
@@ -48,14 +44,13 @@ static uint64_t hash_table(uint64_t hash, const weft_butcher *table)
 
 static uint64_t hash_limit(uint64_t hash, const weft_limit_def *limit)
 {
-    const double numbers[] = { limit->strain, limit->tolerance };
     hash = weft__hash_word(hash, limit->solver);
     hash = weft__hash_word(hash, limit->sweeps);
     hash = weft__hash_word(hash, limit->keep_velocity);
     for (size_t family = 0; family < WEFT_FAMILIES; ++family) {
         hash = weft__hash_word(hash, limit->families[family]);
     }
-    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return WEFT__HASH_NUMBERS(hash, limit->strain, limit->tolerance);
 }
 
 uint64_t weft__settings_hash(const weft_sim_def *def, const weft_stepper_config *config)

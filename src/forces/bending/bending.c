@@ -74,9 +74,8 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 static uint64_t hash_of(const void *own, uint64_t hash)
 {
     const weft__bending *of = own;
-    const double numbers[] = { of->along, of->across, of->twist, of->damping };
     return of->present
-               ? weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0])
+               ? WEFT__HASH_NUMBERS(hash, of->along, of->across, of->twist, of->damping)
                : hash;
 }
 
@@ -183,19 +182,6 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     const weft__bending *of = own;
     weft__add_fn *form = unit == WEFT__FORCE ? weft__bending_loops : of->fast;
     return form(own, at, unit, to, first, end);
-}
-
-static void multiply(const void *own, const weft__state *at, double a, double b,
-                     const double *x, double *out)
-{
-    const weft__bending *of = own;
-    const size_t n = of->mesh->particles;
-    const double scale = a + b * of->damping;
-    (void)at;
-    for (size_t j = 0; j < 3 * n; ++j) {
-        const field plane = { of, x + j / n * n, NULL };
-        out[j] += scale * resistance(&plane, j % n);
-    }
 }
 
 /* ---- energy and powers ----------------------------------------------------------- */
@@ -371,6 +357,5 @@ const weft__force weft__bending_force = { .name = "bending",
                                           .power = power,
                                           .ratios = ratios,
                                           .bound = bound,
-                                          .multiply = multiply,
                                           .runs = runs,
                                           .bonds = bonds };

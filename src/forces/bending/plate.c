@@ -231,22 +231,6 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     return form(own, at, unit, to, first, end);
 }
 
-static void multiply(const void *own, const weft__state *at, double a, double b,
-                     const double *x, double *out)
-{
-    const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
-    const size_t n = of->particles;
-    (void)at;
-    const weft__plate_term stiff = { of->entry, x, 0.0 },
-                           damped = { of->damping, x, 0.0 };
-    for (size_t j = 0; j < 3 * n; ++j) {
-        out[j] += (a + b * weft__plate_tau(of)) * row(of, &stiff, j % n, j / n);
-        if (of->damping != NULL) {
-            out[j] += b * row(of, &damped, j % n, j / n);
-        }
-    }
-}
-
 /* ---- energy and powers ----------------------------------------------------------- */
 
 /* [x K x] of the rows of block b, for planes x[3 N]: as rows sum to 0, half the sum of
@@ -356,5 +340,4 @@ const weft__force weft__plate_force = { .name = "plate",
                                         .power = power,
                                         .ratios = ratios,
                                         .bound = bound,
-                                        .multiply = multiply,
                                         .ties = ties };

@@ -85,10 +85,10 @@ WEFT_FORMS(weft__add_fn, plate);
  * (u, v), t from the first end of the edge to the second. The fit is exact for
  * quadratics wherever the mesh allows it (docs/physics.md, "Bending of triangles"). */
 typedef struct weft__slopes {
-    size_t *first;      /* of each edge, and their number */
-    uint32_t *particle; /* may come twice in an edge */
-    double *share;      /* [1/m] */
-    size_t count, room; /* of particles and shares */
+    size_t *first;                  /* of each edge, and their number */
+    uint32_t *particle;             /* may come twice in an edge */
+    double *share;                  /* [1/m] */
+    size_t count, room, share_room; /* of particles and shares */
 } weft__slopes;
 
 /* Whether the cloth bends across a seam. Other edges of one triangle are rims. */

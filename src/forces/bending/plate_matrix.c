@@ -19,7 +19,7 @@ typedef struct stencils {
     size_t *first;  /* of each triangle, and their number: */
     uint32_t *particle;
     double (*r)[3]; /* [sqrt(N/m)] */
-    size_t count, room;
+    size_t count, room, r_room;
     size_t *begin;      /* of each particle, and their number: */
     size_t *item;       /* those of `particle` that are it, in the order of triangles */
     uint32_t *triangle; /* of each item */
@@ -171,12 +171,10 @@ static bool reserve(stencils *of, size_t triangle)
                     ? 0
                     : of->slopes.first[other + 1] - of->slopes.first[other];
     }
-    if (of->count + more <= of->room) {
-        return true;
-    }
-    of->room = 2 * (of->count + more) + 16 * of->mesh->count;
-    return weft__resized(of->memory, &of->particle, of->room, sizeof *of->particle)
-           && weft__resized(of->memory, &of->r, of->room, sizeof *of->r);
+    return weft__reserve(of->memory, &of->particle, &of->room, of->count + more,
+                         sizeof *of->particle)
+           && weft__reserve(of->memory, &of->r, &of->r_room, of->count + more,
+                            sizeof *of->r);
 }
 
 static bool stencil(stencils *of, uint32_t triangle)
@@ -267,12 +265,9 @@ static bool resize_columns(const stencils *of, growth *to, size_t room)
 /* Room for what so many columns may add. */
 static bool reserve_columns(const stencils *of, growth *to, size_t more)
 {
-    if (to->halo + more > to->halo_room) {
-        to->halo_room = 2 * (to->halo + more);
-        if (!weft__resized(of->memory, &to->out->halo, to->halo_room,
-                           sizeof *to->out->halo)) {
-            return false;
-        }
+    if (!weft__reserve(of->memory, &to->out->halo, &to->halo_room, to->halo + more,
+                       sizeof *to->out->halo)) {
+        return false;
     }
     return to->columns + more <= to->column_room
            || resize_columns(of, to,

@@ -391,12 +391,11 @@ static faces faces_of(const search *s, const weft__edge *edge, bool held)
 static bool store(search *s, const uint32_t *places, const double *shares, size_t count)
 {
     weft__slopes *out = s->out;
-    if (out->count + count > out->room) {
-        out->room = 2 * (out->count + count) + 12 * s->mesh->edges;
-        if (!weft__resized(s->memory, &out->particle, out->room, sizeof *out->particle)
-            || !weft__resized(s->memory, &out->share, out->room, sizeof *out->share)) {
-            return false;
-        }
+    if (!weft__reserve(s->memory, &out->particle, &out->room, out->count + count,
+                       sizeof *out->particle)
+        || !weft__reserve(s->memory, &out->share, &out->share_room, out->count + count,
+                          sizeof *out->share)) {
+        return false;
     }
     for (size_t k = 0; k < count; ++k, ++out->count) {
         out->particle[out->count] = s->mesh->particle[places[k]];

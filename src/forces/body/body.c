@@ -69,21 +69,10 @@ static void bound(const void *own, const weft__state *at, size_t i,
     }
 }
 
-static void multiply(const void *own, const weft__state *at, double a, double b,
-                     const double *x, double *out)
-{
-    const weft__body *of = own;
-    (void)at, (void)a;
-    for (size_t j = 0; j < 3 * of->mesh->particles; ++j) {
-        out[j] += b * of->drag * x[j];
-    }
-}
-
 const weft__force weft__body_force = { .name = "body",
                                        .check = check,
                                        .init = init,
                                        .hash = hash_of,
                                        .energy = energy,
                                        .power = power,
-                                       .bound = bound,
-                                       .multiply = multiply };
+                                       .bound = bound };

@@ -279,11 +279,10 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
 
 uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash)
 {
-    const double numbers[]
-        = { law->thickness, law->stopping_speed, law->damping, law->slip };
     hash = weft__hash_word(hash, (uint64_t)law->exponent);
     hash = weft__hash_word(hash, (uint64_t)law->law);
-    return weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+    return WEFT__HASH_NUMBERS(hash, law->thickness, law->stopping_speed, law->damping,
+                              law->slip);
 }
 
 uint64_t weft__contact_hash(const weft__contact *own)

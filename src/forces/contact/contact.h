@@ -72,16 +72,10 @@ void weft__shape_turn(const weft__pose *pose, const double x[3],
 double weft__gap_at(const weft__pose *pose, const double x[3]);
 
 /* shapes.c: continuous collision detection: whether a step leads a free particle into a
- * shape or through it.
+ * shape or through it. A step of h from gap d0 to d1 is clear if, for every free
+ * particle and shape (docs/physics.md, "The step check"),
  *
- * A step of h from gap d0 to d1 is clear if, for every free particle and shape,
- *
- *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w), |r1 - r0| < d0 + d1
- *
- * with r the place beside the shape's, so that a particle that is slow at both ends and
- * fast between them is seen, V the velocity of the surface, with or without its spin,
- * whichever gives the larger speed, and w the speed that an oscillation adds between
- * the ends; docs/physics.md. */
+ *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w), |r1 - r0| < d0 + d1 */
 /* From one state to another. */
 typedef struct weft__path {
     double t0, t1; /* [s] */
@@ -172,7 +166,7 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
 weft__add_fn weft__contact_change;
 int weft__contact_blocks(const void *own, const weft__state *at, double *blocks);
 
-/* ---- contact_bounds.c: what it adds to stiffness and damping; docs/physics.md ------
+/* ---- contact_slopes.c: what it adds to stiffness and damping; docs/physics.md ------
  */
 
 /* In a state; at->y NULL: of any free particle that touches one shape at a time, with a

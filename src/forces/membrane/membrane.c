@@ -219,5 +219,4 @@ const weft__force weft__membrane_force = { .name = "membrane",
                                            .links = weft__membrane_links,
                                            .link_numbers = weft__membrane_link_numbers,
                                            .ratios = weft__membrane_ratios,
-                                           .bound = weft__membrane_bound,
-                                           .multiply = weft__membrane_multiply };
+                                           .bound = weft__membrane_bound };

@@ -165,8 +165,6 @@ int weft__membrane_link_numbers(const void *own, const weft__state *at,
 void weft__membrane_ratios(const void *own, struct weft__sides *to);
 void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
                           const struct weft__sides *sides, double (*sums)[6]);
-void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
-                             const double *x, double *out);
 
 /* ---- membrane_loops.c: the triangles, one by one ----------------------------------
  */

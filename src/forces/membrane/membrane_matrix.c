@@ -1,73 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* membrane_matrix.c -- the matrix of a membrane in a state: its products, and the
- * 3 x 3 blocks between particles that share a triangle or, along arcs, a patch. */
+/* membrane_matrix.c -- the matrix of a membrane in a state, never negative (stress
+ * below 0 is left out, and the barrier has its curvature in r alone): the 3 x 3 blocks
+ * between particles that share a triangle or, along arcs, a patch. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "base/plane.h"
 #include "forces/membrane/membrane_law.h"
-
-/* Adds (a K + b C) x of triangle t to out. K is never negative: stress below 0 is left
- * out, and the barrier has its curvature in r alone. Edge i pulls with
- *
- *     sum_j (2 a (K_ij + 2 bend rate_i rate_j) + b lag K_ij) d_j.dd_j d_i + a s_i dd_i
- *
- * s_i = -area g_j.S g_k; along an arc d_j.dd_j has h_j.dh_j more, but not for the
- * barrier, and its parts are pulled likewise, by s_i where it pulls. */
-static void multiply_triangle(const weft__membrane *own, const weft__state *at,
-                              size_t t, double a, double b, const double *x,
-                              double *out)
-{
-    const size_t n = own->mesh->particles;
-    const uint32_t *corner = own->mesh->triangles->corner[t];
-    const weft__slopes *rows = &own->arc.rows;
-    const weft__rest rest = weft__rest_of(own->mesh->triangles, t);
-    double dd[3][3], h[3][3], dh[3][3], chord[3], along[3], s[3];
-    weft__load now;
-    weft__load_of(own, t, &rest, at->y, &now);
-    for (size_t i = 0; i < 3; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            dd[i][k] = x[k * n + corner[(i + 2) % 3]] - x[k * n + corner[(i + 1) % 3]];
-        }
-        along[i] = chord[i] = weft__dot(now.d[i], dd[i]);
-        if (rows->first != NULL) {
-            weft__arc_row(own, at->y, own->mesh->triangles->edge[t][i], h[i]);
-            weft__arc_row(own, x, own->mesh->triangles->edge[t][i], dh[i]);
-            along[i] += weft__dot(h[i], dh[i]);
-        }
-    }
-    const double scale = 2.0 * a + b * CONSTANT(now.of, WEFT__LAG);
-    const double bend = 4.0 * a * now.barrier.bend * weft__dot(now.barrier.rate, chord);
-    law_stiff(now.of, along, s);
-    for (size_t i = 0; i < 3; ++i) {
-        const size_t j = (i + 1) % 3, k = (i + 2) % 3;
-        const size_t e = own->mesh->triangles->edge[t][i];
-        const double pull = scale * s[i] + bend * now.barrier.rate[i];
-        const double across = -a * rest.area * weft__geometric(&rest, now.taut, j, k);
-        for (size_t m = 0; m < 3; ++m) {
-            const double force = pull * now.d[i][m] + across * dd[i][m];
-            out[m * n + corner[j]] -= force;
-            out[m * n + corner[k]] += force;
-        }
-        for (size_t p = rows->first != NULL ? 3 * rows->first[e] : 0;
-             rows->first != NULL && p < 3 * rows->first[e + 1]; ++p) {
-            out[p % 3 * n + rows->particle[p / 3]]
-                += rows->share[p / 3]
-                   * (scale * s[i] * h[i][p % 3] + fmax(across, 0.0) * dh[i][p % 3]);
-        }
-    }
-}
-
-void weft__membrane_multiply(const void *own, const weft__state *at, double a, double b,
-                             const double *x, double *out)
-{
-    const weft__membrane *of = own;
-    const weft__triangles *tri = of->mesh->triangles;
-    for (size_t t = 0; t < tri->count; ++t) {
-        multiply_triangle(of, at, t, a, b, x, out);
-    }
-}
 
 /* Particles on which a triangle's edges depend: corners, and parts of three arcs. */
 enum { MOVERS = 3 + 3 * WEFT__CURVE_PARTS };

@@ -1,15 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self.c -- the forces of self-contact. A pair with the foot-point difference
- * r = sum b_i x_i, d = |r| < dh = thickness, whose feet are inside both primitives, has
- *
- *     U = M e W phi(1 - d / dh) / 4,   M = smallest mass of its free particles
- *     F_i = b_i (N n - friction) - M e phi / 4 dW/dx_i,   n = r / d
- *
- * by the law of contact.h for m = M, e W / 4 for e and v = sum b_i v_i. The weight W is
- * a product of S(x) = y^4 (35 - 84 y + 70 y^2 - 20 y^3), y = x / x0 <= 1, of the feet's
- * coordinates and, for edges, of z = |e1 x e2|^2 by its value at rest for perpendicular
- * ones. The feet satisfy e_k.r = 0 for the edges e_k; hence along dx, with
- * delta = sum b_i dx_i, dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
+/* self.c -- the forces of self-contact, by the law of contact.h for the mass M, e W / 4
+ * for e and v = sum b_i v_i (docs/physics.md, "Self-contact"). The feet satisfy e_k.r =
+ * 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i, the weight changes by
+ * dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
 #include "forces/self/self_list.h"
 
 #include <stdio.h>

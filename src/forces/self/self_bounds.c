@@ -9,11 +9,11 @@
 #define LAYERS_SHARE 2.6
 #define LAYERS_PHI   0.39
 
-/* Of a pair: S, D, T, those in the planes xx, yy, zz, xy, xz, yz, and b_i. */
+/* Of a pair: S, D, T, n and b_i. */
 typedef struct matrices {
     double stiffness, damping, drag; /* [N/m], [kg/s] twice */
     double turn;                     /* [N/m] of its force about the other foot */
-    double nn[6], normal[3], arm[4];
+    double normal[3], arm[4];
 } matrices;
 
 typedef struct pair_sums {
@@ -37,15 +37,12 @@ static bool visit(void *ctx, const weft__pair *pair)
     weft__touch touch;
     matrices of;
     if (weft__pair_meets(&self->law, pair, self->y, of.arm, &touch)) {
-        const double *n = touch.normal, u = law->damping * touch.speed;
+        const double u = law->damping * touch.speed;
         of.stiffness = touch.stiffness * touch.factor;
         of.damping = law->damping * touch.push * touch.factor / sqrt(1.0 + u * u);
         of.drag = touch.drag;
         of.turn = touch.push * touch.factor / touch.gap;
-        for (size_t k = 0; k < 3; ++k) {
-            of.normal[k] = n[k], of.nn[k] = n[k] * n[k];
-        }
-        of.nn[3] = n[0] * n[1], of.nn[4] = n[0] * n[2], of.nn[5] = n[1] * n[2];
+        memcpy(of.normal, touch.normal, sizeof of.normal);
         self->add(self, pair, &of);
     }
     return true;
@@ -72,11 +69,8 @@ static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *o
         }
         weft__grip *to = &self->grips[i - self->first];
         const double by = 2.0 * fabs(of->arm[k]) * self->own->mesh->inverse_mass[i];
-        for (size_t j = 0; j < 6; ++j) {
-            to->press[j] += by * of->stiffness * of->nn[j];
-            to->damp[j] += by * of->damping * of->nn[j];
-            to->slide[j] += by * of->drag * ((j < 3 ? 1.0 : 0.0) - of->nn[j]);
-        }
+        weft__grip_add(to, of->normal, by * of->stiffness, by * of->damping,
+                       by * of->drag);
         to->stiff += by * 0.5 * mu * of->stiffness;
         to->drag += by * 0.5 * mu * of->damping;
         to->turn += by * of->turn;
@@ -141,18 +135,17 @@ void weft__self_multiply(const void *own, const weft__state *at, double a, doubl
 
 static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
-    static const size_t planes[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
     const size_t n = self->own->mesh->particles;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         const double by = self->own->mesh->pin[i] == 0 ? 2.0 * fabs(of->arm[k]) : 0.0;
         double *to = self->blocks + i;
         for (size_t j = 0; j < 9; ++j, to += n) {
-            *to += by * of->stiffness * of->nn[planes[j / 3][j % 3]];
+            *to += by * of->stiffness * (of->normal[j / 3] * of->normal[j % 3]);
             self->bad += *to * 0.0;
         }
         for (size_t j = 0; j < 9; ++j) {
-            const double nn = of->nn[planes[j / 3][j % 3]];
+            const double nn = of->normal[j / 3] * of->normal[j % 3];
             if (j / 3 <= j % 3) {
                 *to += by
                        * ((of->damping - of->drag) * nn

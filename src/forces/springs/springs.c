@@ -198,11 +198,10 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     const weft__springs *of = own;
     for (size_t g = 0; g < of->group_count; ++g) {
         const weft__group *group = &of->groups[g];
-        const double numbers[]
-            = { group->rest_length, group->stiffness, group->damping };
         hash = weft__hash_word(hash, group->family);
         hash = weft__hash_word(hash, group->way);
-        hash = weft__hash_reals(hash, numbers, sizeof numbers / sizeof numbers[0]);
+        hash = WEFT__HASH_NUMBERS(hash, group->rest_length, group->stiffness,
+                                  group->damping);
         hash = group->half_rim ? weft__hash_word(hash, 1) : hash;
     }
     return hash;
@@ -341,6 +340,5 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .strains = strains,
                                           .ratios = weft__springs_ratios,
                                           .bound = weft__springs_bound,
-                                          .multiply = weft__springs_multiply,
                                           .runs = weft__springs_runs,
                                           .bonds = weft__springs_bonds };

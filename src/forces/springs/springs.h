@@ -71,8 +71,6 @@ size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t 
 void weft__springs_ratios(const void *own, struct weft__sides *to);
 void weft__springs_bound(const void *own, const weft__state *at, size_t i,
                          const struct weft__sides *sides, double (*sums)[6]);
-void weft__springs_multiply(const void *own, const weft__state *at, double a, double b,
-                            const double *x, double *out);
 size_t weft__springs_runs(const void *own, size_t b, weft_bonds *to);
 double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
                             double *to, size_t all, double *bad);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* springs_matrix.c -- stiffness and damping of springs: their bounds, products and
+/* springs_matrix.c -- stiffness and damping of springs: their bounds and
  * linearisation. */
 #include "forces/bounds.h"
 #include "forces/springs/springs.h"
@@ -74,37 +74,6 @@ void weft__springs_bound(const void *own, const weft__state *at, size_t i,
     }
     for (size_t s = 0; s < sides->count; ++s) {
         bound_side(own, &all, sides->way[s][0], sides->way[s][1], sums[s]);
-    }
-}
-
-/* out += (a K + b C) x of one spring: slack springs are taken for straight ones. */
-static void multiply_spring(const weft__mesh *mesh, const weft__spring *at, double a,
-                            double b, const double *x, double *out)
-{
-    if (at->square == 0.0) {
-        return;
-    }
-    const double across = a * fmax(0.0, weft__spring_tension(at, 0.0));
-    const double along = a * weft__spring_stiffness(at) + b * weft__spring_damping(at);
-    const double stretch = weft__spring_rate(mesh, at, x) / at->square;
-    double d[3];
-    weft__spring_difference(mesh, at, x, d);
-    for (size_t k = 0; k < 3; ++k, out += mesh->particles) {
-        const double force = across * d[k] + (along - across) * stretch * at->d[k];
-        out[at->p] -= force;
-        out[at->q] += force;
-    }
-}
-
-void weft__springs_multiply(const void *own, const weft__state *at, double a, double b,
-                            const double *x, double *out)
-{
-    const weft__springs *of = own;
-    for (size_t r = 0; r < weft__blocks(of->mesh); ++r) {
-        for (weft__walk walk = weft__row_springs(of, at->y, r);
-             weft__each_spring(&walk);) {
-            multiply_spring(of->mesh, &walk.spring, a, b, x, out);
-        }
     }
 }
 
