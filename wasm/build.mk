@@ -26,6 +26,7 @@ wasm: $(WASM)/libweft.a $(WASM)/hashes.wasm $(WASM)/page.wasm
 
 $(WASM_FETCHED): tools/wasm-sources
 	$(call say,GET)WASM_CC='$(WASM_CC)' tools/wasm-sources $(@D) && touch $@
+$(WASM)/sources/%: $(WASM_FETCHED) ;
 
 $(WASM)/%.o: %.c $(WASM_FETCHED)
 	@mkdir -p $(@D)

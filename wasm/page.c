@@ -31,6 +31,7 @@ static struct {
     weft_error err;
     size_t frame;  /* the last one */
     uint64_t hash; /* of its state */
+    float *places;
     double *strain;
     char text[TEXT];
     size_t used;
@@ -64,10 +65,12 @@ static void forget(void)
     weft_sim_destroy(page.sim);
     weft_cloth_destroy(page.cloth);
     weft_scene_destroy(page.scene);
+    free(page.places);
     free(page.strain);
     page.sim = NULL;
     page.cloth = NULL;
     page.scene = NULL;
+    page.places = NULL;
     page.strain = NULL;
     page.frame = 0;
     page.dragged = NOBODY;
@@ -119,12 +122,14 @@ static weft_status begin(void)
     def.config = *weft_scene_config(page.scene);
     def.limit = *weft_scene_limit(page.scene);
     status = weft_sim_create(&def, &page.sim, &page.err);
-    page.strain = malloc(weft_cloth_particles(page.cloth) * sizeof *page.strain);
+    const size_t n = weft_cloth_particles(page.cloth);
+    page.places = malloc(n * 3 * sizeof *page.places);
+    page.strain = malloc(n * sizeof *page.strain);
     if (status != WEFT_OK) {
         page.found.count = 1;
         weft_scene_refusal(page.scene, &page.err, &page.found.items[0]);
     }
-    return page.strain == NULL ? WEFT_NO_MEMORY : status;
+    return page.places == NULL || page.strain == NULL ? WEFT_NO_MEMORY : status;
 }
 
 /* Room for text of the page, which frees nothing. */
@@ -275,18 +280,21 @@ CALL(size_t, triangles, uint32_t *corners)
                                            : weft_cloth_triangles(page.cloth, corners);
 }
 
+/* Coordinate k of the dragged particle [m]. */
+static double dragged_at(size_t k)
+{
+    const size_t at = weft_cloth_index(page.cloth, (size_t)page.dragged);
+    return weft_sim_state(page.sim)[k * weft_cloth_particles(page.cloth) + at];
+}
+
 /* Moves the dragged particle so that it arrives at `until`, at no more than ten metres
  * per second: a jump would tear its springs. */
 static weft_status pull(double until)
 {
     enum { FASTEST = 10 };
-    const size_t n = weft_cloth_particles(page.cloth);
-    const double dt = until - weft_sim_time(page.sim);
     double velocity[3], speed = 0.0;
     for (size_t k = 0; k < 3; ++k) {
-        velocity[k]
-            = (page.to[k] - weft_sim_state(page.sim)[k * n + (size_t)page.dragged])
-              / dt;
+        velocity[k] = (page.to[k] - dragged_at(k)) / (until - weft_sim_time(page.sim));
         speed = hypot(speed, velocity[k]);
     }
     for (size_t k = 0; k < 3; ++k) {
@@ -340,8 +348,7 @@ CALL(int, grab, int i)
     page.dragged = i;
     page.pinned = i != NOBODY && weft_cloth_pinned(weft_sim_cloth(page.sim), (size_t)i);
     for (size_t k = 0; i != NOBODY && k < 3; ++k) {
-        page.to[k] = weft_sim_state(
-            page.sim)[k * weft_cloth_particles(page.cloth) + (size_t)i];
+        page.to[k] = dragged_at(k);
     }
     return (int)status;
 }
@@ -353,10 +360,11 @@ CALL(void, drag, double x, double y, double z)
     page.to[2] = z;
 }
 
-/* x of all particles, then y, then z [m]; behind them the velocities. */
-CALL(const double *, state, void)
+/* x y z of particle 0 [m], x y z of particle 1, ... */
+CALL(const float *, places, void)
 {
-    return weft_sim_state(page.sim);
+    weft_sim_vertices(page.sim, page.places, NULL, 0);
+    return page.places;
 }
 
 /* The largest strain of the springs at each particle. */

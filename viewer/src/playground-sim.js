@@ -68,9 +68,9 @@ export class Simulation {
     look() {
         const n = this.count;
         const planes = new Float32Array(4 * n);
-        const of = (at, size) => new Float64Array(this.calls.memory.buffer, at, size);
-        planes.set(of(this.calls.state(), 3 * n));
-        planes.set(of(this.calls.strains(), n), 3 * n);
+        const places = new Float32Array(this.calls.memory.buffer, this.calls.places(), 3 * n);
+        places.forEach((x, i) => { planes[(i % 3) * n + (i - (i % 3)) / 3] = x; });
+        planes.set(new Float64Array(this.calls.memory.buffer, this.calls.strains(), n), 3 * n);
         return { planes, numbers: this.json(this.calls.measure()) };
     }
 }

@@ -125,7 +125,8 @@ async function readBase() {
         opened.scene = opened.scene && { ...opened.scene, substituted: true };
     }
     tell(opened.mistakes);
-    return opened.scene && { ...opened.scene, text };
+    // a cloth without vibrations has no limit: the slider is about something
+    return opened.scene && { ...opened.scene, text, limit: opened.scene.limit || opened.scene.step || 1e-3 };
 }
 
 async function openScene(numbers = {}) {
@@ -250,7 +251,7 @@ function write() {
 /** How long steps may be, and whether they are longer. */
 function writeLimits() {
     const { limit } = runs[0].scene;
-    const parts = [`2/ω = ${length(limit)} of the stiffest vibration`];
+    const parts = limit > 0 ? [`2/ω = ${length(limit)} of the stiffest vibration`] : [];
     for (const { scene } of runs) {
         if (scene.step > 0 && scene.stable > 0) {
             parts.push(`${scene.method} is stable up to ${length(scene.stable)}`);
@@ -259,7 +260,7 @@ function writeLimits() {
     const over = runs.filter(({ scene }) => scene.step > 0 && scene.stable > 0 && scene.step > scene.stable);
     const warning = document.createElement('b');
     warning.textContent = over.length > 0 ? ` h is too long for ${over.map(({ scene }) => scene.method).join(' and ')}.` : '';
-    $('limits').replaceChildren(`${parts.join('; ')}.`, warning);
+    $('limits').replaceChildren(parts.length > 0 ? `${parts.join('; ')}.` : '', warning);
 }
 
 function caption(run) {
