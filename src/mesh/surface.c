@@ -7,14 +7,17 @@
 
 /* ---- triangles and edges --------------------------------------------------------- */
 
-static size_t grid_triangles(const weft__mesh *mesh, uint32_t *corners)
+/* Triangles, of 3 particles, or edges, of 2. */
+static size_t grid_cells(const weft__mesh *mesh, size_t size, uint32_t *corners)
 {
     size_t count = 0;
     for (size_t i = 0; i < mesh->particles; ++i) {
-        uint32_t own[2][3];
-        const size_t more = weft__triangles_of(mesh, i, own);
-        for (size_t j = 0; corners != NULL && j < 3 * more; ++j) {
-            corners[3 * count + j] = own[j / 3][j % 3];
+        uint32_t triangles[2][3], edges[3][2];
+        const size_t more = size == 3 ? weft__triangles_of(mesh, i, triangles)
+                                      : weft__edges_of(mesh, i, edges);
+        for (size_t j = 0; corners != NULL && j < size * more; ++j) {
+            corners[size * count + j]
+                = size == 3 ? triangles[j / 3][j % 3] : edges[j / 2][j % 2];
         }
         count += more;
     }
@@ -25,26 +28,12 @@ size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners)
 {
     const weft__triangles *of = mesh->triangles;
     if (of == NULL) {
-        return grid_triangles(mesh, corners);
+        return grid_cells(mesh, 3, corners);
     }
     for (size_t j = 0; corners != NULL && j < 3 * of->count; ++j) {
         corners[j] = of->vertex[of->corner[j / 3][j % 3]];
     }
     return of->count;
-}
-
-static size_t grid_edges(const weft__mesh *mesh, uint32_t *ends)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < mesh->particles; ++i) {
-        uint32_t own[3][2];
-        const size_t more = weft__edges_of(mesh, i, own);
-        for (size_t j = 0; ends != NULL && j < 2 * more; ++j) {
-            ends[2 * count + j] = own[j / 2][j % 2];
-        }
-        count += more;
-    }
-    return count;
 }
 
 /* [m] u along a row, v up a column of a grid. */
@@ -68,7 +57,7 @@ size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends)
     const weft__triangles *of = mesh->triangles;
     size_t count = 0;
     if (of == NULL) {
-        return grid_edges(mesh, ends);
+        return grid_cells(mesh, 2, ends);
     }
     for (size_t e = 0; e < of->edges; ++e) {
         const weft__edge *edge = &of->edge_list[e];
@@ -88,7 +77,7 @@ size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places, dou
     const weft__triangles *of = mesh->triangles;
     const size_t places = of != NULL ? of->places : mesh->particles;
     if (of == NULL && corner_places != NULL) {
-        (void)grid_triangles(mesh, corner_places);
+        (void)grid_cells(mesh, 3, corner_places);
     }
     for (size_t j = 0; of != NULL && corner_places != NULL && j < 3 * of->count; ++j) {
         corner_places[j] = of->place[j / 3][j % 3];

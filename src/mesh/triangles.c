@@ -3,6 +3,8 @@
  */
 #include "mesh/triangles_work.h"
 
+#include <stdlib.h>
+
 #include "base/memory.h"
 #include "base/sized.h"
 
@@ -14,21 +16,12 @@ void weft_mesh_def_init(weft_mesh_def *def, size_t size)
 
 /* ---- edges ----------------------------------------------------------------------- */
 
-static bool before(const weft__half_edge *a, const weft__half_edge *b)
+static int by_high(const void *a, const void *b)
 {
-    return a->high < b->high || (a->high == b->high && a->triangle < b->triangle);
-}
-
-static void sort_few(weft__half_edge *from, weft__half_edge *end)
-{
-    for (weft__half_edge *i = from + 1; i < end; ++i) {
-        const weft__half_edge kept = *i;
-        weft__half_edge *j = i;
-        for (; j > from && before(&kept, j - 1); --j) {
-            *j = j[-1];
-        }
-        *j = kept;
-    }
+    const weft__half_edge *x = a, *y = b;
+    return x->high != y->high
+               ? (x->high > y->high) - (x->high < y->high)
+               : (x->triangle > y->triangle) - (x->triangle < y->triangle);
 }
 
 /* Fills halves and first from the corners of T triangles: the edges of a vertex are
@@ -60,7 +53,8 @@ static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices
         }
     }
     for (size_t i = 0; i < vertices; ++i) {
-        sort_few(at->halves + at->first[i], at->halves + at->first[i + 1]);
+        qsort(at->halves + at->first[i], at->first[i + 1] - at->first[i],
+              sizeof *at->halves, by_high);
     }
 }
 

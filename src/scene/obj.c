@@ -54,20 +54,15 @@ static void fill_place(const weft__obj *obj, const char *at, weft_diagnostic *it
     item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
 }
 
-/* The items stand in the order of the file. */
 static void fill_places(const weft__obj *obj)
 {
-    size_t line = 1;
-    const char *last = obj->text;
     for (size_t i = 0; obj->text != NULL && i < obj->report->found->count; ++i) {
         weft_diagnostic *item = &obj->report->found->items[i];
         const size_t byte = obj->report->origin[i].at.byte;
         if (byte > 0 && item->line == 0) {
             const char *at = obj->text + (byte - 1);
-            line += lines_in(last, at);
-            last = at;
             fill_place(obj, at, item);
-            item->line = (int)line;
+            item->line = (int)lines_in(obj->text, at) + 1;
         }
     }
 }

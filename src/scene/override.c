@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/scalar.h"
+#include "scene/tree.h"
 
 typedef struct graft {
     weft__tree *tree;

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "scene/scalar.h"
 
 /* ---- messages --------------------------------------------------------------- */
 

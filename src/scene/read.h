@@ -4,8 +4,39 @@
 
 #include "scene/keys.h"
 #include "scene/obj.h"
-#include "scene/sweep.h"
 #include "scene/tree.h"
+
+/* ---- sweep.c: `sweep`, one scene file that stands for many runs ---- */
+
+#define WEFT__SWEEP_KEYS 16
+
+/* A key that is varied, and the list of its values. */
+typedef struct weft__axis {
+    const weft__node *key, *list;
+} weft__axis;
+
+typedef struct weft__sweep {
+    bool present, zip;
+    weft__mark at;     /* of its key */
+    size_t keys, runs; /* runs 1 without a sweep, 0 if something is wrong with it */
+    weft__axis axis[WEFT__SWEEP_KEYS];
+} weft__sweep;
+
+/* Finds and checks the sweep of a tree whose root is a mapping, and takes it out of
+ * there. Keys that one of set_count overrides sets as well are mistakes, and so are so
+ * many runs that reading them all would take more than half a minute. */
+void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out);
+
+/* Whether it varies the key at a path, or a part of its value. */
+bool weft__sweep_varies(const weft__sweep *sweep, const char *path);
+
+/* Which value of a list a run takes; the last key varies fastest. */
+size_t weft__sweep_choice(const weft__sweep *sweep, size_t axis, size_t run);
+
+/* Puts the values of one run, from 1, into its tree. */
+void weft__sweep_apply(weft__tree *to, const weft__sweep *sweep, size_t run);
+
+/* ---- what a scene is read into ---- */
 
 typedef struct weft__place {
     weft_range rows, cols;
@@ -304,7 +335,7 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth);
 /* Whether a pin or a load says on what it is, in the way of its cloth. */
 void weft__check_vertices(weft__reader *reader, const weft__match *match);
 
-/* scene_bands.c: of a scene without mistakes. */
+/* The same: of a scene without mistakes. */
 void weft__check_bands(weft__reader *reader, const weft__match *root);
 
 /* butcher.c */

@@ -4,7 +4,7 @@
  * Number:  [-+]? ( digits ( . digits? )? | . digits ) ( [eE] [-+]? digits )?
  * where digits before the point have no leading zero, which YAML 1.1 and many people
  * read as octal. strtod and snprintf run in the "C" locale (scene.c sees to that). */
-#include "scene/scalar.h"
+#include "scene/tree.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -7,7 +7,6 @@
 #include "base/file.h"
 #include "base/sized.h"
 #include "scene/read.h"
-#include "scene/sweep.h"
 
 void weft_scene_def_init(weft_scene_def *def, size_t size)
 {

@@ -9,7 +9,6 @@
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 #include "weft/elementary.h"
 
 /* [vertices] Larger cuts are refused. */

@@ -8,7 +8,6 @@
 #include "base/finite.h"
 #include "cloth/model.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 enum { MOST_FABRICS = 64 };
 

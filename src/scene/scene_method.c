@@ -7,7 +7,6 @@
 
 #include "plugin/methods.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 /* Keys of error control. */
 static const char *const adaptive_keys[]

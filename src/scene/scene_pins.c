@@ -9,7 +9,6 @@
 #include "mesh/grid_def.h"
 #include "mesh/track.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
                        == offsetof(weft__place, cols)

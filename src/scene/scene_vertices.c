@@ -5,7 +5,6 @@
 
 #include "cloth/model.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 #define INSIDE 1e-9 /* [m] within so much of a shape counts as in it */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* source.c -- lines and columns of a text, counted as libyaml counts them. */
-#include "scene/source.h"
+#include "scene/diagnostics.h"
 
 #include <stdbool.h>
 #include <stdint.h>

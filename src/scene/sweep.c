@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sweep.c -- `sweep` in the tree of a scene, and the values of one run. */
-#include "scene/sweep.h"
 
 #include <string.h>
 
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 #define MAX_RUNS 100000
 #define MAX_READ 20000000 /* nodes, in all runs: each takes a microsecond */

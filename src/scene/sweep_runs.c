@@ -6,7 +6,6 @@
 
 #include "base/sized.h"
 #include "scene/read.h"
-#include "scene/scalar.h"
 
 /* ---- in words ------------------------------------------------------------------ */
 

@@ -97,7 +97,7 @@ bool refine_line(const refine_axis *axis, size_t place, size_t *line);
 /* converge_quantity.c: reads the options --at; returns the exit code. */
 int converge_add_quantities(converge *self);
 
-/* converge_mesh.c: the cloth of a size, and where its quantities are; returns the exit
+/* refine.c: the cloth of a size, and where its quantities are; returns the exit
  * code. */
 int converge_open_mesh(converge *self, converge_size *to);
 
