@@ -60,6 +60,8 @@ HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
 HAVE_HTTP := $(call has,microhttpd.h)
 # The mesher of cloth.cut, of the program alone.
 HAVE_QHULL := $(call has,libqhull_r/libqhull_r.h)
+# The example with a window.
+HAVE_SDL2 := $(call has,SDL2/SDL.h)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
 # SUNDIALS 7 that was built with MPI includes mpi.h everywhere.
 mpi = $(shell pkg-config --$(1) mpi-c 2>/dev/null || mpicc --showme:$(2) 2>/dev/null)
@@ -128,8 +130,10 @@ SUITES = $(filter-out $(ALONE),$(TESTS))
 TEST_BIN = $(BUILD)/tests/run $(patsubst %,$(BUILD)/tests/test_%,$(filter $(ALONE),$(TESTS)))
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
 PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
+HAVE_CXX := $(shell command -v $(CXX) >/dev/null && echo yes)
 # examples/weft-ID.c are plugins.
-EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-%,$(wildcard examples/*.c))) \
+EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-% examples/window.c,$(wildcard examples/*.c))) \
+            $(if $(HAVE_CXX),$(BUILD)/examples/sail) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
@@ -227,7 +231,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_CXX),-DHAVE_CXX) $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 TEST_LIBS = -lcheck -lsubunit -lrt $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
@@ -307,6 +311,20 @@ $(PRELOADED): $(BUILD)/tests/%.so: tests/%.c
 $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) $(LDFLAGS) -o $@ $^ $(call rpath,.. ../plugins) -lm -pthread $(LDLIBS)
+
+$(BUILD)/examples/%: examples/%.cpp include/weft/weft.hpp $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
+	@mkdir -p $(@D)
+	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude $(CPPFLAGS) $(CFLAGS) $(SAN) $(LDFLAGS) \
+	    -o $@ $(filter-out %.hpp,$^) $(call rpath,.. ../plugins) -lm -pthread $(LDLIBS)
+
+# A cloth to be dragged with the mouse; check-window runs it without a screen.
+$(BUILD)/examples/window: LDLIBS += -lSDL2
+.PHONY: window check-window
+window: $(if $(HAVE_SDL2),$(BUILD)/examples/window)
+	@$(if $(HAVE_SDL2),echo $<,echo "window skipped: SDL2/SDL.h not found (package libsdl2-dev)")
+
+check-window: window
+	@$(if $(HAVE_SDL2),tools/check-window $(BUILD))
 
 $(BUILD)/examples/%.so: examples/%.c
 	@mkdir -p $(@D)
@@ -499,7 +517,7 @@ fuzz-corpus:
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
-	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
+	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 valgrind: all
@@ -551,7 +569,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

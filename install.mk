@@ -52,7 +52,7 @@ DOCS = README.md CHANGELOG.md LICENSE $(wildcard docs/*.md docs/pictures/* examp
 
 # Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
-        $(foreach h,$(wildcard include/weft/*.h),$(h):$(INCLUDEDIR)/weft/) \
+        $(foreach h,$(wildcard include/weft/*.h include/weft/*.hpp),$(h):$(INCLUDEDIR)/weft/) \
         $(BUILD)/libweft.a:$(LIBDIR)/ $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(VERSION) \
         $(foreach p,$(PLUGINS),$(BUILD)/plugins/weft-$(p).so:$(PLUGINDIR)/ \
             $(BUILD)/libweft-plugin-$(p).a:$(LIBDIR)/) \

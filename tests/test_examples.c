@@ -225,6 +225,34 @@ START_TEST(scene_from_memory_is_that_of_a_file)
 }
 END_TEST
 
+#ifdef HAVE_CXX
+/* The gust blows from frame 10 to 40; the corner is hauled in at 0.5 m/s from 30 to 50.
+ */
+START_TEST(sail_in_cpp_blows_and_is_hauled_in)
+{
+    double t, x[6][3], n[3];
+    expect(shell(EXAMPLE("sail") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 9);
+    ck_assert_int_eq(strncmp(line(0), "500 particles, 912 triangles\n", 29), 0);
+    for (int i = 0; i < 6; ++i) {
+        ck_assert_int_eq(sscanf(line(i + 1), "%lf s %lf %lf %lf normal %lf %lf %lf", &t,
+                                &x[i][0], &x[i][1], &x[i][2], &n[0], &n[1], &n[2]),
+                         7);
+        ck_assert_double_eq_tol(t, (i + 1) / 6.0, 6e-4);
+        ck_assert_double_eq_tol(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1.0, 3e-3);
+    }
+    ck_assert_double_eq_tol(x[0][2], 0.0, 2e-3); /* of one frame of the gust */
+    ck_assert_double_gt(x[2][2], 0.1);
+    const double hauled[3] = { -0.5 / 6.0, 0.2 / 6.0, 0.0 }; /* ten frames */
+    for (int k = 0; k < 3; ++k) {
+        ck_assert_double_eq_tol(x[3][k] - x[2][k], hauled[k], 1.1e-4);
+    }
+    ck_assert_int_eq(strncmp(line(7), "the same again\nrefused: no particle 500", 39),
+                     0);
+}
+END_TEST
+#endif
+
 TEST_SUITE(examples)
 {
     Suite *suite = suite_create("examples");
@@ -243,6 +271,9 @@ TEST_SUITE(examples)
     tcase_add_test(tcase, restored_simulation_ends_in_the_same_state);
 #endif
     tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
+#ifdef HAVE_CXX
+    tcase_add_test(tcase, sail_in_cpp_blows_and_is_hauled_in);
+#endif
     suite_add_tcase(suite, tcase);
     return suite;
 }
