@@ -172,29 +172,14 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
 
 /* The linearisation of all forces but contact, for particles at rest. */
 typedef struct matrix {
-    weft_bonds *runs;
-    weft_link *links;
-    weft_tie *ties;
+    weft_structure of;
+    void *lists;                  /* of `of` */
     double *y, *planes, *numbers; /* the state; of bonds; of links */
-    size_t run_count, bond_count, bend_at, link_count, tie_count;
 } matrix;
 
 static void free_matrix(const weft_cloth *cloth, matrix *of)
 {
-    WEFT__FREE_ALL(&cloth->memory, of->runs, of->links, of->ties, of->y, of->planes,
-                   of->numbers);
-}
-
-/* The runs of all forces, bending's last; out->runs NULL: only counts. */
-static void list_runs(const weft_cloth *cloth, matrix *out)
-{
-    out->run_count = out->bond_count = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        out->bend_at = k <= WEFT__FORCE_bending ? out->bond_count : out->bend_at;
-        const weft__run_count all = weft__list_runs(
-            cloth, k, out->runs != NULL ? out->runs + out->run_count : NULL);
-        out->run_count += all.runs, out->bond_count += all.bonds;
-    }
+    WEFT__FREE_ALL(&cloth->memory, of->lists, of->y, of->planes, of->numbers);
 }
 
 /* False: no memory. */
@@ -202,25 +187,19 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
 {
     const weft_allocator *memory = &cloth->memory;
     const size_t n = cloth->mesh.particles;
-    *out = (matrix){ .link_count = weft__list_links(cloth, NULL),
-                     .tie_count = weft__list_ties(cloth, NULL) };
-    list_runs(cloth, out);
-    out->runs = weft__alloc(memory, out->run_count, sizeof *out->runs);
-    out->links = weft__alloc(memory, out->link_count, sizeof *out->links);
-    out->ties = weft__alloc(memory, out->tie_count, sizeof *out->ties);
+    weft_structure *of = &out->of;
+    *out = (matrix){ .lists = NULL };
+    out->lists = weft__list_structure(cloth, true, memory, of);
     out->y = weft__zeroed(memory, 6 * n, sizeof *out->y);
-    out->planes = weft__alloc(memory, out->bond_count, 6 * sizeof *out->planes);
-    out->numbers = weft__alloc(memory, out->link_count,
-                               WEFT_LINK_NUMBERS * sizeof *out->numbers);
-    if (out->runs == NULL || out->links == NULL || out->ties == NULL || out->y == NULL
-        || out->planes == NULL || out->numbers == NULL) {
+    out->planes = weft__alloc(memory, of->bond_count, 6 * sizeof *out->planes);
+    out->numbers
+        = weft__alloc(memory, of->link_count, WEFT_LINK_NUMBERS * sizeof *out->numbers);
+    if (out->lists == NULL || out->y == NULL || out->planes == NULL
+        || out->numbers == NULL) {
         return false;
     }
     memcpy(out->y, at->y, 3 * n * sizeof *out->y);
-    list_runs(cloth, out);
-    (void)weft__list_links(cloth, out->links);
-    (void)weft__list_ties(cloth, out->ties);
-    (void)weft__linearise(cloth, at->t, out->y, out->planes, out->bond_count, NULL);
+    (void)weft__linearise(cloth, at->t, out->y, out->planes, of->bond_count, NULL);
     (void)weft__linearise_links(cloth, at->t, out->y, out->numbers);
     return true;
 }
@@ -229,12 +208,13 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
 static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
                            double b, const double *x, double *out)
 {
-    const size_t n = cloth->mesh.particles, all = of->bond_count;
-    for (size_t r = 0, e = 0; r < of->run_count; ++r) {
-        for (size_t i = 0; i < of->runs[r].count; ++i, ++e) {
-            const size_t p = of->runs[r].p + i, q = of->runs[r].q + i;
+    const size_t n = cloth->mesh.particles, all = of->of.bond_count;
+    for (size_t r = 0, e = 0; r < of->of.run_count; ++r) {
+        for (size_t i = 0; i < of->of.runs[r].count; ++i, ++e) {
+            const size_t p = of->of.runs[r].p + i, q = of->of.runs[r].q + i;
             const double *u = of->planes + e, pull = u[4 * all], k = u[3 * all] + pull;
-            const double bent = e < of->bend_at ? 0.0 : b * cloth->bending.damping;
+            const double bent
+                = e < all - of->of.bend_bonds ? 0.0 : b * cloth->bending.damping;
             const double across = (a + bent) * fmin(fmax(pull, 0.0), k);
             double rate = 0.0;
             for (size_t j = 0; j < 3; ++j) {
@@ -254,16 +234,16 @@ static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
 static void multiply_links(const matrix *of, size_t n, double a, double b,
                            const double *x, double *out)
 {
-    for (size_t j = 0; j < 9 * of->link_count; ++j) {
+    for (size_t j = 0; j < 9 * of->of.link_count; ++j) {
         const double *at = of->numbers + j / 9 * WEFT_LINK_NUMBERS + j % 9;
-        const size_t p = of->links[j / 9].p, q = of->links[j / 9].q;
+        const size_t p = of->of.links[j / 9].p, q = of->of.links[j / 9].q;
         const size_t r = j % 9 / 3 * n, c = j % 3 * n;
         const double entry = a * at[0] + b * at[9];
         out[r + p] += entry * (x[c + p] - x[c + q]);
         out[c + q] += entry * (x[r + q] - x[r + p]);
     }
-    for (size_t j = 0; j < 3 * of->tie_count; ++j) {
-        const weft_tie *tie = &of->ties[j / 3];
+    for (size_t j = 0; j < 3 * of->of.tie_count; ++j) {
+        const weft_tie *tie = &of->of.ties[j / 3];
         const size_t p = j % 3 * n + tie->p, q = j % 3 * n + tie->q;
         const double force = (a * tie->k + b * tie->c) * (x[p] - x[q]);
         out[p] += force;

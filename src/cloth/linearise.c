@@ -2,25 +2,55 @@
 /* linearise.c -- the derivatives of the forces, for weft_structure. */
 #include <string.h>
 
+#include "base/memory.h"
 #include "cloth/model.h"
 
-weft__run_count weft__list_runs(const weft_cloth *cloth, size_t k, weft_bonds *runs)
+/* Unless runs is NULL, which only counts, writes them. */
+static void list_runs(const weft_cloth *cloth, weft_bonds *runs, weft_structure *of)
 {
-    const weft__force *force = weft__force_at(cloth, k);
-    const bool has = force != NULL && force->runs != NULL;
-    weft_bonds some[WEFT_GROUPS];
-    weft__run_count all = { 0, 0 };
-    for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
-        const size_t count = force->runs(weft__own(cloth, k), b, some);
-        for (size_t i = 0; i < count; ++i) {
-            if (runs != NULL) {
-                runs[all.runs] = some[i];
+    of->run_count = of->bond_count = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(cloth, k);
+        const bool has = force != NULL && force->runs != NULL;
+        const size_t runs_before = of->run_count, bonds_before = of->bond_count;
+        weft_bonds some[WEFT_GROUPS];
+        for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
+            const size_t count = force->runs(weft__own(cloth, k), b, some);
+            for (size_t i = 0; i < count; ++i, ++of->run_count) {
+                of->bond_count += some[i].count;
+                if (runs != NULL) {
+                    runs[of->run_count] = some[i];
+                }
             }
-            ++all.runs;
-            all.bonds += some[i].count;
+        }
+        if (k == WEFT__FORCE_bending) {
+            of->bend_runs = of->run_count - runs_before;
+            of->bend_bonds = of->bond_count - bonds_before;
         }
     }
-    return all;
+}
+
+void *weft__list_structure(const weft_cloth *cloth, bool links,
+                           const weft_allocator *memory, weft_structure *out)
+{
+    list_runs(cloth, NULL, out);
+    out->link_count = links ? weft__list_links(cloth, NULL) : 0;
+    out->tie_count = links ? weft__list_ties(cloth, NULL) : 0;
+    const size_t run_bytes = out->run_count * sizeof *out->runs;
+    const size_t bytes = run_bytes + out->tie_count * sizeof *out->ties;
+    char *room = weft__alloc(memory, bytes + out->link_count * sizeof *out->links, 1);
+    if (room != NULL) {
+        weft_bonds *runs = (void *)room;
+        weft_tie *ties = (void *)(room + run_bytes);
+        weft_link *to = (void *)(room + bytes);
+        list_runs(cloth, runs, out);
+        if (links) {
+            (void)weft__list_links(cloth, to);
+            (void)weft__list_ties(cloth, ties);
+        }
+        out->runs = runs, out->links = to, out->ties = ties;
+    }
+    return room;
 }
 
 int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *planes,

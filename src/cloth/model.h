@@ -137,14 +137,12 @@ void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES]);
 
-/* linearise.c: the runs of weft_structure, of all forces one after the other; bending's
- * last. runs NULL: counts alone. */
-typedef struct weft__run_count {
-    size_t runs, bonds;
-} weft__run_count;
-weft__run_count weft__list_runs(const weft_cloth *cloth, size_t k, weft_bonds *runs);
+/* linearise.c: fills what weft_structure lists: the runs of all forces, bending's last,
+ * and with `links` the links and ties. Returns the memory of the lists, NULL: none. */
+void *weft__list_structure(const weft_cloth *cloth, bool links,
+                           const weft_allocator *memory, weft_structure *out);
 
-/* Likewise the links and the ties of all forces; NULL: their number alone. */
+/* The links and the ties of all forces; NULL: their number alone. */
 size_t weft__list_links(const weft_cloth *cloth, weft_link *links);
 size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties);
 

@@ -203,8 +203,7 @@ void weft_sim_destroy(weft_sim *sim)
         weft__forces_destroy(&sim->forces);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
-        WEFT__FREE_ALL(&memory, sim->limit.x, sim->runs, sim->masses, sim->links,
-                       sim->ties, sim->added, sim->y, sim->start, sim->between.start,
-                       sim);
+        WEFT__FREE_ALL(&memory, sim->limit.x, sim->lists, sim->masses, sim->added,
+                       sim->y, sim->start, sim->between.start, sim);
     }
 }

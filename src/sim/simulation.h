@@ -64,10 +64,8 @@ struct weft_sim {
     weft__forces forces;
     weft_team worker_pool;    /* the forces' threads, for the stepper */
     weft_structure structure; /* of the cloth, for the stepper */
-    weft_bonds *runs;
-    weft_link *links;
-    weft_tie *ties;
-    double *masses; /* [kg] N, 0 of the pinned; then their drags [kg/s] */
+    void *lists;              /* of the structure */
+    double *masses;           /* [kg] N, 0 of the pinned; then their drags [kg/s] */
     weft__limit limit;
     double *added;      /* [N] 3 N, filled by the definition's `force` */
     unsigned callbacks; /* calls of the embedder under way, but those of weft_play */

@@ -34,41 +34,6 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
     return count;
 }
 
-/* Those of bending are the last. */
-static void list_runs(const weft_cloth *cloth, weft_structure *of, weft_bonds *runs)
-{
-    of->run_count = of->bond_count = of->bend_runs = of->bend_bonds = 0;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__run_count all
-            = weft__list_runs(cloth, k, runs != NULL ? runs + of->run_count : NULL);
-        of->run_count += all.runs, of->bond_count += all.bonds;
-        if (k == WEFT__FORCE_bending) {
-            of->bend_runs = all.runs, of->bend_bonds = all.bonds;
-        }
-    }
-}
-
-/* Of triangles, for a method that knows them. False: no memory. */
-static bool list_links(weft_sim *sim)
-{
-    weft_structure *of = &sim->structure;
-    if ((sim->def.method->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0) {
-        of->link_count = weft__list_links(sim->cloth, NULL);
-        of->tie_count = weft__list_ties(sim->cloth, NULL);
-    }
-    of->links = sim->links
-        = weft__alloc(&sim->memory, of->link_count, sizeof *sim->links);
-    of->ties = sim->ties = weft__alloc(&sim->memory, of->tie_count, sizeof *sim->ties);
-    if (sim->links == NULL || sim->ties == NULL) {
-        return false;
-    }
-    if (of->link_count + of->tie_count > 0) {
-        (void)weft__list_links(sim->cloth, sim->links);
-        (void)weft__list_ties(sim->cloth, sim->ties);
-    }
-    return true;
-}
-
 /* Whether it would take a matrix without links and ties for one of all forces. */
 static bool takes_springs_alone(const weft_sim *sim)
 {
@@ -89,14 +54,12 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
                             .modes = modes,
                             .ctx = sim,
                             .bend_damping = sim->cloth->bending.damping };
-    list_runs(sim->cloth, of, NULL);
-    sim->runs = weft__alloc(&sim->memory, of->run_count, sizeof *sim->runs);
+    const bool links = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0;
+    sim->lists = weft__list_structure(sim->cloth, links, &sim->memory, of);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
-    if (sim->runs == NULL || sim->masses == NULL || !list_links(sim)) {
+    if (sim->lists == NULL || sim->masses == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
-    list_runs(sim->cloth, of, sim->runs);
-    of->runs = sim->runs;
     of->mass = sim->masses;
     of->drag = sim->masses + n;
     for (size_t i = 0; i < n; ++i) {

@@ -253,29 +253,28 @@ static bool take_pair(void *ctx, const weft__pair *pair)
     return true;
 }
 
-static bool seek(const weft__self *own, pass *all)
+bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
+                     void *ctx)
 {
-    const weft__quadtree tree = weft__tree_of(own->mesh, all->at->y);
-    all->law = weft__self_law_of(own);
-    if (isfinite(weft__extent(own, NULL, all->at->y))) {
-        return weft__each_pair(&tree, own->law.thickness, take_pair, all);
-    }
-    return false;
+    const weft__quadtree tree = weft__tree_of(own->mesh, y);
+    return isfinite(weft__extent(own, NULL, y))
+           && weft__each_pair(&tree, own->law.thickness, visit, ctx);
 }
 
 int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
                    double *to)
 {
-    pass all = { .at = at, .unit = unit, .to = to };
-    return !own->law.self || (seek(own, &all) && all.bad == 0.0) ? 0 : 1;
+    pass all = { weft__self_law_of(own), .at = at, .unit = unit, .to = to };
+    const bool sought = !own->law.self || weft__self_seek(own, at->y, take_pair, &all);
+    return sought && all.bad == 0.0 ? 0 : 1;
 }
 
 void weft__self_measure(const weft__self *own, const weft__state *at,
                         weft_measures *sum)
 {
-    pass all = { .at = at, .sum = sum };
+    pass all = { weft__self_law_of(own), .at = at, .sum = sum };
     if (own->law.self) {
-        (void)seek(own, &all);
+        (void)weft__self_seek(own, at->y, take_pair, &all);
     }
 }
 

@@ -205,6 +205,10 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
                           const weft__pushes *pushes, size_t count, const double *y,
                           weft_measures *sum);
 
+/* Visits the pairs that may push in a state; false if that is not finite, or ended. */
+bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
+                     void *ctx);
+
 /* The same of all pairs of a state, which are sought: as add_all and measure_all of a
  * weft__force. Nothing without contact.self. */
 int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,

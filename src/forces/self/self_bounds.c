@@ -51,12 +51,9 @@ static bool visit(void *ctx, const weft__pair *pair)
 /* Adds all pairs. */
 static bool seek(pair_sums *self)
 {
-    const weft__self *own = self->own;
-    const weft__quadtree tree = weft__tree_of(own->mesh, self->y);
-    self->law = weft__self_law_of(own);
-    return own->law.self && self->y != NULL
-           && isfinite(weft__extent(own, NULL, self->y))
-           && weft__each_pair(&tree, own->law.thickness, visit, self);
+    self->law = weft__self_law_of(self->own);
+    return self->own->law.self && self->y != NULL
+           && weft__self_seek(self->own, self->y, visit, self);
 }
 
 static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
