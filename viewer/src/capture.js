@@ -2,6 +2,7 @@
 // capture.js -- the stage with its words as a picture (PNG), and as a film (WebM).
 import { save } from './save.js';
 
+const LAST = 1500; // ms that a film shows its last picture, and that pictures have to come to the recorder
 const RATE = 12e6; // bits a second of a film
 
 /** Each word of an element where the browser has put it. */
@@ -60,26 +61,27 @@ export async function savePicture(stage, name) {
     save(name, 'image/png', await new Promise((done) => { paper.toBlob(done, 'image/png'); }));
 }
 
-/** A film of the stage, from now to `end`. */
+/** A film of the stage, of the pictures that are taken until it ends. */
 export class Film {
     constructor(stage, name) {
         const paper = paperOf(stage);
-        const context = paper.getContext('2d');
+        const context = paper.getContext('2d', { willReadFrequently: true });
         const parts = [];
-        this.recorder = new MediaRecorder(paper.captureStream(), { mimeType: 'video/webm', videoBitsPerSecond: RATE });
+        const stream = paper.captureStream(0);
+        const [track] = stream.getVideoTracks();
+        this.recorder = new MediaRecorder(stream, { mimeType: 'video/webm', videoBitsPerSecond: RATE });
         this.recorder.ondataavailable = ({ data }) => parts.push(data);
         this.recorder.onstop = () => save(name, 'video/webm', ...parts);
         this.recorder.start();
-        const next = () => {
-            if (this.recorder.state === 'recording') {
-                compose(stage, context);
-                requestAnimationFrame(next);
-            }
+        this.take = () => {
+            compose(stage, context);
+            track.requestFrame?.();
         };
-        next();
+        this.take();
     }
 
     end() {
-        requestAnimationFrame(() => this.recorder.stop()); // after its last picture
+        setTimeout(() => this.take(), LAST / 3);
+        setTimeout(() => this.recorder.stop(), LAST);
     }
 }

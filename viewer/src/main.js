@@ -63,6 +63,7 @@ function seek(frame) {
     $('clock').textContent = `${t.toFixed(3)} s`;
     $('clock').title = `frame ${number} of ${page.runs[0].numbers.at(-1)}`;
     $('canvas').setAttribute('aria-label', `the cloth at ${t.toFixed(3)} s, frame ${number}`);
+    film?.take();
 }
 
 function tick(now) {
@@ -74,6 +75,10 @@ function tick(now) {
     const last = lastShown();
     while (frame < last && times[frame + 1] <= t) {
         ++frame;
+    }
+    if (film && frame > state.frame) { // a film has every frame, however slow the computer
+        frame = state.frame + 1;
+        state.from = { t: times[frame], now: performance.now() };
     }
     if (frame !== state.frame) {
         seek(frame);

@@ -63,7 +63,7 @@ export class Stage {
         this.canvas = canvas;
         this.direction = direction(page);
         this.surround(boxes);
-        this.following = this.isWide(boxes);
+        this.following = this.size > this.scale;
         this.close = this.following;
         this.renderer = new WebGLRenderer({ canvas, antialias: fine, alpha: true });
         this.renderer.debug.checkShaderErrors = false; // would wait for each shader
@@ -77,12 +77,6 @@ export class Stage {
         this.stacked = false;
     }
 
-    /** Whether the largest box is small in the box around all of them. */
-    isWide(boxes) {
-        const largest = Math.max(...boxes.map((sides) => Math.hypot(...sides.map(([lo, hi]) => hi - lo))));
-        return this.size > SMALL * largest;
-    }
-
     /** The middle and the size of what is seen. */
     surround(boxes) {
         this.corners = boxes.flatMap(cornersOf);
@@ -90,12 +84,14 @@ export class Stage {
         this.hi = this.corners.reduce((a, b) => a.max(b), new Vector3().setScalar(-Infinity));
         this.centre = this.lo.clone().add(this.hi).multiplyScalar(0.5);
         this.size = this.lo.distanceTo(this.hi) || 1;
+        const largest = Math.max(...boxes.map((sides) => Math.hypot(...sides.map(([lo, hi]) => hi - lo))));
+        this.scale = Math.min(this.size, SMALL * largest || 1); // of what is seen at a time
     }
 
     /** Everything that has to do with the size of what is seen. */
     build() {
-        Object.assign(this.camera, { near: this.size / 100, far: this.size * 60 });
-        Object.assign(this.controls, { minDistance: this.size / 40, maxDistance: this.size * 20 });
+        Object.assign(this.camera, { near: this.scale / 100, far: this.size * 60 });
+        Object.assign(this.controls, { minDistance: this.scale / 40, maxDistance: this.size * 20 });
         Object.assign(this, { cell: round(this.size / 4), grid: null, shade: null });
         this.views = this.page.runs.map((run) => this.makeView(run));
         this.addRest();
@@ -136,7 +132,7 @@ export class Stage {
 
     makeView(run) {
         const scene = new Scene();
-        const cloth = new Cloth(this.page, run, this.size);
+        const cloth = new Cloth(this.page, run, this.scale);
         const shapes = new Shapes(this.page, run, this.size);
         const key = new DirectionalLight('#fff4e6', 2.8);
         key.position.copy(this.centre).addScaledVector(new Vector3(-0.62, 1, 0.75).normalize(), 2 * this.size);

@@ -146,6 +146,18 @@ test('every plot and the map are saved as SVG and CSV', async () => {
     assert.deepEqual(said, []);
 });
 
+test('on paper there are no controls', async () => {
+    const { page } = await open(browser, file);
+    await page.emulateMedia({ media: 'print' });
+    for (const gone of ['#asked', '#filter', '#heat .save']) {
+        assert.ok(await page.locator(gone).isHidden(), gone);
+    }
+    for (const kept of ['#heat table', '#main .plot', '#runs']) {
+        assert.ok(await page.locator(kept).first().isVisible(), kept);
+    }
+    assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('#heat td button')).printColorAdjust), 'exact');
+});
+
 test('values are drawn even or by powers of ten as it is asked', async () => {
     const { page } = await open(browser, file, 'value=max_strain');
     const height = async () => {

@@ -236,7 +236,17 @@ test('a film is a WebM of the run', async () => {
     assert.equal(name, 'limited.webm');
     writeFileSync(at('saved.webm'), bytes);
     assert.deepEqual([...bytes.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]); // EBML
-    assert.ok(bytes.includes('webm') && bytes.length > 5000, String(bytes.length));
+    const reader = await page.context().newPage();
+    const seen = await reader.evaluate(async (text) => {
+        const video = Object.assign(document.createElement('video'), { muted: true });
+        const ended = new Promise((done) => { video.onended = done; });
+        video.src = `data:video/webm;base64,${text}`;
+        await video.play();
+        await ended;
+        return [video.videoWidth, video.videoHeight, video.getVideoPlaybackQuality().totalVideoFrames];
+    }, bytes.toString('base64'));
+    const size = await page.evaluate(() => [weft.stage.canvas.width, weft.stage.canvas.height]);
+    assert.ok(size.every((length, k) => Math.abs(seen[k] - length) < 2) && seen[2] > 1, seen.join());
     assert.equal(await page.getAttribute('#webm', 'aria-pressed'), 'false');
     assert.deepEqual(said, []);
 });
