@@ -142,3 +142,32 @@ def test_a_pickled_simulation_keeps_its_event(scene):
 
 def falls(t, x, v):
     return x[:, 1].min() + 0.75
+
+
+def test_many_pins_are_each_a_pin(scene):
+    many, one = weft.load(scene), weft.load(scene)
+    rng = np.random.default_rng(2)
+    places, velocities = rng.choice(80, 12, replace=False), rng.standard_normal((12, 3))
+    many.pin_many(places, velocities)
+    for i, v in zip(places, velocities):
+        one.pin(int(i), v)
+    for sim in (many, one):
+        sim.advance(0.1)
+    assert many.measure().hash == one.measure().hash
+    with pytest.raises(IndexError):
+        many.pin_many([80])
+    with pytest.raises(ValueError, match="velocities"):
+        many.pin_many([1, 2], [0, 0, 0])
+
+
+def test_a_wind_that_is_set_is_that_of_a_scene(scene):
+    changed = weft.load(scene)
+    changed.set_wind([1, 0, 2], 0.5)
+    blown = weft.load({**scene, "forces": {"wind": {"velocity": [1, 0, 2], "drag": 0.5}}})
+    y = changed.state.copy()
+    assert (changed.rhs(0, y) == blown.rhs(0, y)).all()
+    changed.advance(0.1)
+    blown.advance(0.1)
+    assert changed.measure().hash == blown.measure().hash
+    changed.set_wind(None)
+    assert (changed.rhs(0, y) == weft.load(scene).rhs(0, y)).all()

@@ -530,19 +530,16 @@ class Sim:
         return self.state[3 * self.particles:].reshape(3, self.rows, self.cols).transpose(1, 2, 0)
 
     @property
-    def normals(self) -> Array:
+    def normals(self) -> np.ndarray[Any, np.dtype[np.float32]]:
         """(N, 3), unit normals of the vertices: of their triangles, weighted by area; 0 where these have none.
 
-        >>> weft.load(scene).normals[0].round(12) + 0.0
-        array([0., 0., 1.])
+        >>> weft.load(scene).normals[0] + 0
+        array([0., 0., 1.], dtype=float32)
         """
-        corners, xyz = self.triangles, self.positions
-        a, b, c = (xyz[corners[:, k]] for k in range(3))
-        sums = np.zeros_like(xyz)
-        for k in range(3):
-            np.add.at(sums, corners[:, k], np.cross(b - a, c - a))
-        length = np.linalg.norm(sums, axis=1, keepdims=True)
-        return sums / np.where(length > 0, length, 1)
+        out = np.empty((self.particles, 3), dtype=np.float32)
+        with self._exclusion.read():
+            lib.weft_sim_vertices(self._sim, ffi.NULL, ffi.from_buffer("float[]", out), 0)
+        return out
 
     def _triples(self, values: Any, name: str) -> tuple[Any, Any]:
         if values is None:
@@ -738,6 +735,22 @@ class Sim:
             self._free = None
             check(lib.weft_sim_pin(self._sim, self._index(particle), _vector(velocity), err), err)
 
+    def pin_many(self, particles: Any, velocities: Any = None) -> None:
+        """pin() of many particles at once, which costs little more than one: their indices (n,), and velocities
+        (n, 3) [m/s].
+
+        >>> sim = weft.load(scene)
+        >>> sim.pin_many([70, 75, 79], np.zeros((3, 3)))
+        >>> int(sim.pinned.sum())
+        5
+        """
+        places = np.array([self._index(int(i)) for i in particles], dtype=np.uintp)
+        v = None if velocities is None else real(velocities, "velocities", (len(places), 3))
+        with self._alone() as err:
+            self._free = None
+            check(lib.weft_sim_pin_many(self._sim, ffi.from_buffer("size_t[]", places),
+                                        ffi.NULL if v is None else ffi.from_buffer("double[]", v), len(places), err), err)
+
     def move_pin(self, particle: Index, position: Any) -> None:
         """Moves a pinned particle to position (3,) [m] at once; its velocity stays."""
         with self._alone() as err:
@@ -748,6 +761,18 @@ class Sim:
         with self._alone() as err:
             self._free = None
             check(lib.weft_sim_unpin(self._sim, self._index(particle), err), err)
+
+    def set_wind(self, velocity: Any, drag: float = 0.0) -> None:
+        """The wind's velocity (3,) [m/s] and drag [kg/(m^2 s)] from now on; velocity None: those of the scene again.
+
+        >>> sim = weft.load(scene)
+        >>> sim.set_wind([0, 0, 3], 1.0)
+        >>> sim.advance(0.1)
+        >>> bool(sim.positions[40, 2] > 0)
+        True
+        """
+        with self._alone() as err:
+            check(lib.weft_sim_set_wind(self._sim, _vector(velocity), drag, err), err)
 
     @property
     def shapes(self) -> list[dict[str, Any]]:
