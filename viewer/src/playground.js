@@ -54,9 +54,9 @@ function readLink() {
     try {
         const text = location.hash.slice(1).replaceAll('-', '+').replaceAll('_', '/');
         Object.assign(state, JSON.parse(new TextDecoder().decode(bytesOf(text))));
+        return true;
     } catch {
-        $('mistake').textContent = 'The link holds no scene: it may have been cut off.';
-        $('mistake').hidden = false;
+        return false;
     }
 }
 
@@ -140,7 +140,21 @@ async function openScene(numbers = {}) {
     }
 }
 
-async function start() {
+let [asked, starting] = [0, null];
+
+/** From the start with the numbers as they are; once more if they change meanwhile. */
+function start() {
+    asked += 1;
+    starting ??= (async () => {
+        for (let last = 0; last !== asked;) {
+            last = asked;
+            await startOnce();
+        }
+    })().finally(() => { starting = null; });
+    return starting;
+}
+
+async function startOnce() {
     const wanted = [state.method, ...(state.two ? [state.other] : [])];
     while (all.length < wanted.length) {
         all.push(makeRun());
@@ -431,7 +445,7 @@ function fill() {
     $('scene').lastChild.hidden = true;
     $('method').append(option(OWN), ...Object.keys(PLUGIN).map((name) => option(name)));
     $('other').append(...Object.keys(PLUGIN).map((name) => option(name)));
-    $('rate').append(...RATES.map((rate) => option(rate, rate < 1 ? `1/${1 / rate} slow` : 'real time')));
+    $('rate').append(...RATES.map((rate) => option(rate, rate < 1 ? `1/${1 / rate}×` : '1×')));
 }
 
 const loading = WebAssembly.compile(bytesOf($('wasm').textContent));
@@ -442,15 +456,17 @@ const makeRun = () => new Run(script, module, inMemory);
 const dragging = new Dragging($('canvas'), () => ({ stage, runs }));
 
 async function begin() {
-    if (location.hash.length > 1) {
-        readLink();
-    }
+    const whole = location.hash.length < 2 || readLink();
     fill();
     listen();
     module = await loading;
     reader = makeRun();
     const { h, k, d } = state;
     await openScene(h > 0 ? { h, k, d } : {});
+    if (!whole) {
+        $('mistake').textContent = 'The link holds no scene: it may have been cut off.';
+        $('mistake').hidden = false;
+    }
     requestAnimationFrame(tick);
     document.documentElement.dataset.ready = Math.round(performance.now());
 }

@@ -108,6 +108,10 @@ test('the link has the scene and its numbers', async () => {
     assert.equal(await again.page.locator('#scene').inputValue(), 'hammock');
     assert.equal(await again.page.locator('#method').inputValue(), 'rk4');
     assert.equal(await text(again.page, 'k-text'), await text(page, 'k-text'));
+    const own = readFileSync('scenes/chain.yaml', 'utf8').replace(/^name: .*/m, 'name: my own');
+    const mine = await see(link({ scene: '', text: own }));
+    assert.match(await text(mine.page, 'about'), /^my own · 1 × 11 particles/);
+    assert.match(await text((await see('e30x')).page, 'mistake'), /^The link holds no scene/);
 });
 
 test('on a phone nothing reaches beyond the screen', async () => {
