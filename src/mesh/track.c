@@ -2,8 +2,9 @@
 #include "mesh/track.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
+
+#include "base/finite.h"
 
 static const double *row_of(const weft_track *of, size_t i)
 {
@@ -16,11 +17,9 @@ static size_t rows_until(const weft_track *of, double t)
     size_t low = 0, high = of->count;
     while (low < high) {
         const size_t middle = (low + high) / 2;
-        if (row_of(of, middle)[0] <= t) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
+        const bool before = row_of(of, middle)[0] <= t;
+        low = before ? middle + 1 : low;
+        high = before ? high : middle;
     }
     return low;
 }
@@ -80,18 +79,16 @@ const char *weft__track_fault(const weft_track *of, size_t *row)
     for (; *row < of->count; ++*row) {
         const double *b = row_of(of, *row), *a = *row > 0 ? b - WEFT__TRACK_WIDTH : b;
         const double h = b[0] - a[0];
-        for (size_t k = 0; k < WEFT__TRACK_WIDTH; ++k) {
-            if (!isfinite(b[k])) {
-                return "has a number that is not finite";
-            }
+        bool far = !isfinite(h * h);
+        for (size_t k = 1; h > 0.0 && k < WEFT__TRACK_WIDTH; ++k) {
+            far = far || !isfinite((b[k] - a[k]) / h / h);
         }
-        if (*row > 0 && !(h > 0.0)) {
-            return "must have a later time than the row before";
+        if (!weft__all_finite(b, WEFT__TRACK_WIDTH)) {
+            return "has a number that is not finite";
         }
-        for (size_t k = 1; *row > 0 && k < WEFT__TRACK_WIDTH; ++k) {
-            if (!isfinite((b[k] - a[k]) / h / h) || !isfinite(h * h)) {
-                return "is too far from the row before for a double";
-            }
+        if (far || (*row > 0 && !(h > 0.0))) {
+            return far ? "is too far from the row before for a double"
+                       : "must have a later time than the row before";
         }
     }
     return NULL;

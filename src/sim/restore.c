@@ -23,6 +23,7 @@ typedef struct restored {
     double *y;
     weft__shape *shapes; /* shape_count of them */
     size_t shape_count;
+    weft__wind wind;
 } restored;
 
 static uint64_t word(const unsigned char *from, size_t at)
@@ -256,17 +257,6 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->vetoed = from->vetoed;
 }
 
-static void exchange_wind(weft_sim *sim, weft__save_fields *with)
-{
-    const weft__wind mine = sim->cloth->wind;
-    const bool changed = sim->wind_changed;
-    weft__sim_take_wind(sim, with->wind_changed != 0 ? with->wind : NULL,
-                        with->wind_drag);
-    with->wind_changed = changed;
-    memcpy(with->wind, mine.velocity, sizeof mine.velocity);
-    with->wind_drag = mine.drag;
-}
-
 /* Pins, shapes, wind and state of the simulation for those saved; once more: back.
  * The new stepper is made in between, as a method may refuse other pins than its own.
  */
@@ -274,6 +264,7 @@ static void exchange(weft_sim *sim, restored *with)
 {
     weft__mesh *mesh = &sim->cloth->mesh;
     weft__contact *contact = &sim->cloth->contact;
+    const weft__wind wind = with->wind;
     const restored mine
         = { .shapes = contact->shapes, .shape_count = contact->shape_count };
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
@@ -290,7 +281,8 @@ static void exchange(weft_sim *sim, restored *with)
     contact->shape_count = with->shape_count;
     with->shapes = mine.shapes;
     with->shape_count = mine.shape_count;
-    exchange_wind(sim, &with->head.fields);
+    with->wind = sim->cloth->wind;
+    sim->cloth->wind = wind;
     weft__pins_changed(mesh, sim->y);
     weft__structure_update(sim);
 }
@@ -298,7 +290,10 @@ static void exchange(weft_sim *sim, restored *with)
 /* Of checked bytes; the arrays are there. */
 static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
 {
+    const weft__save_fields *saved = &to->head.fields;
     to->head = head_at(to->front);
+    to->wind = weft__sim_wind(sim, saved->wind_changed != 0 ? saved->wind : NULL,
+                              saved->wind_drag);
     weft_status status = check_definition(sim, to, err);
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);

@@ -33,7 +33,7 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,
-        .wind_changed = sim->wind_changed,
+        .wind_changed = wind->changed,
         .wind = { wind->velocity[0], wind->velocity[1], wind->velocity[2] },
         .wind_drag = wind->drag,
     };

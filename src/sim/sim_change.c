@@ -19,15 +19,14 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                                        : outside;
 }
 
-void weft__sim_take_wind(weft_sim *sim, const double velocity[3], double drag)
+weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag)
 {
-    sim->wind_changed = velocity != NULL;
-    sim->cloth->wind = sim->wind;
+    weft__wind wind = sim->wind;
     if (velocity != NULL) {
-        memcpy(sim->cloth->wind.velocity, velocity, sizeof sim->wind.velocity);
-        sim->cloth->wind.drag = drag;
-        sim->cloth->wind.track.count = 0;
+        wind = (weft__wind){ wind.mesh, { 0.0 }, drag, { NULL, 0 }, true, wind.fast };
+        memcpy(wind.velocity, velocity, sizeof wind.velocity);
     }
+    return wind;
 }
 
 weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3], double drag,
@@ -44,7 +43,7 @@ weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3], double dr
                               velocity[0], velocity[1], velocity[2], drag);
     }
     weft__sim_change_begins(sim);
-    weft__sim_take_wind(sim, velocity, drag);
+    sim->cloth->wind = weft__sim_wind(sim, velocity, drag);
     weft__sim_change_ends(sim, true);
     return WEFT_OK;
 }

@@ -56,7 +56,6 @@ struct weft_sim {
     weft_log log;
     weft_cloth *cloth;          /* copy of the definition's, owns pins and shapes */
     weft__wind wind;            /* the definition's, of `cloth` */
-    bool wind_changed;          /* weft_sim_set_wind */
     uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
     weft_stepper_config config; /* the definition's, completed */
     void *stepper;
@@ -166,8 +165,8 @@ static inline size_t weft__sim_dim(const weft_sim *of)
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_change_ends(weft_sim *sim, bool ode);
 
-/* The cloth's wind; velocity NULL: the definition's. */
-void weft__sim_take_wind(weft_sim *sim, const double velocity[3], double drag);
+/* The definition's wind or, unless velocity is NULL, one that replaces it. */
+weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag);
 static inline bool weft__wind_usable(const double velocity[3], double drag)
 {
     return weft__all_finite(velocity, 3) && weft__not_negative(drag);

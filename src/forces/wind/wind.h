@@ -19,6 +19,7 @@ typedef struct weft__wind {
     double velocity[3]; /* [m/s] */
     double drag;        /* [kg/(m^2 s)] 0: none */
     weft_track track;   /* [m/s] unless count is 0, instead of velocity */
+    bool changed;       /* by weft_sim_set_wind */
     weft__add_fn *fast;
 } weft__wind;
 
