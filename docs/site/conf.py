@@ -72,6 +72,7 @@ def as_page(app, name, source):
     text = re.sub(r"\]\(((?:\.\./)?)README\.md", r"](\1index.md", text)
     text = re.sub(r"\]\(((?:\.\./)?scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
     text = re.sub(r"\]\((?:\.\./)?include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)?include/weft/(\w+\.hpp)\)", r"](/reference/\1.md)", text)
     text = re.sub(r"\]\((?:\.\./)?include/weft\)", "](/reference/c.md)", text)
     text = re.sub(r"\]\((\.\./)?((?:examples|plugins)/[\w./-]+)\)", r"](/files/\2.md)", text)
     if name == "index":
