@@ -138,13 +138,21 @@ START_TEST(help_on_a_key_prints_that_key_and_those_below_it)
     ck_assert_str_eq(output, "stepper.rtol        number >= 0; default 1.0e-6\n"
                              "                    relative tolerance\n");
     expect(shell(WEFT " scene-help forces.wind"), 0);
-    ck_assert_str_eq(output,
-                     "forces.wind         mapping; default no wind\n"
-                     "                    moving air\n"
-                     "  velocity          vector [x, y, z] [m/s]; required\n"
-                     "                    velocity of the air\n"
-                     "  drag              number >= 0 [kg/(m^2 s)]; required\n"
-                     "                    F = drag * area * (n . (velocity - v)) n\n");
+    ck_assert_str_eq(
+        output,
+        "forces.wind         mapping; default no wind\n"
+        "                    moving air\n"
+        "  velocity          vector [x, y, z] [m/s]; default velocity or table\n"
+        "                    velocity of the air; exactly one of velocity and table "
+        "is\n"
+        "                    required\n"
+        "  table             list of rows [t, x, y, z] [s, m/s]; default velocity or\n"
+        "                    table\n"
+        "                    velocity at times: smooth, through all rows, constant "
+        "before\n"
+        "                    the first and after the last\n"
+        "  drag              number >= 0 [kg/(m^2 s)]; required\n"
+        "                    F = drag * area * (n . (velocity - v)) n\n");
     expect(shell(WEFT " scene-help cloth.pins.0.at.rows 'cloth.loads[].mass'"), 0);
     ck_assert_str_eq(output,
                      "cloth.pins.0.at.rows\n"
