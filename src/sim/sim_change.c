@@ -160,7 +160,10 @@ weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
 weft_status weft_sim_pin(weft_sim *sim, size_t vertex, const double velocity[3],
                          weft_error *err)
 {
-    return weft_sim_pin_many(sim, &vertex, velocity, 1, err);
+    const weft_status status
+        = check_particle(sim, "weft_sim_pin", vertex, velocity, err);
+    return status == WEFT_OK ? weft_sim_pin_many(sim, &vertex, velocity, 1, err)
+                             : status;
 }
 
 static void place(weft_sim *sim, size_t i, const double position[3])
