@@ -459,10 +459,12 @@ async function begin() {
     const whole = location.hash.length < 2 || readLink();
     fill();
     listen();
+    document.body.inert = true; // nothing to change yet
     module = await loading;
     reader = makeRun();
     const { h, k, d } = state;
     await openScene(h > 0 ? { h, k, d } : {});
+    document.body.inert = false;
     if (!whole) {
         $('mistake').textContent = 'The link holds no scene: it may have been cut off.';
         $('mistake').hidden = false;
