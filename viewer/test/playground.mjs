@@ -14,13 +14,16 @@ const text = (page, id) => page.locator(`#${id}`).textContent();
 const link = (state) => Buffer.from(JSON.stringify(state)).toString('base64url');
 const until = (page, what, value) => page.waitForFunction(what, value, { polling: 50 });
 
-/** The hashes of the first frames of a scene, as the program computes them here. */
-const native = (scene, ...sets) => execFileSync(`${build}/hashes`, [`${build}/plugins`, '0.5', scene, ...sets], { encoding: 'utf8' }).split('\n');
+/** The hashes of the frames of the first 2 s of a scene, as the program computes them here. */
+const native = (scene, ...sets) => execFileSync(`${build}/hashes`, [`${build}/plugins`, '2', scene, ...sets], { encoding: 'utf8' }).split('\n');
 
 /** Waits for a frame; [its number, its hash]. */
 async function frame(page, least) {
-    await until(page, (n) => Number(document.getElementById('last').textContent.match(/\d+/)[0]) >= n, least);
-    const [, number, hash] = (await text(page, 'last')).match(/^frame (\d+): state (\w+)$/);
+    const shows = await until(page, (n) => {
+        const { textContent } = document.getElementById('last');
+        return Number(textContent.match(/\d+/)[0]) >= n && textContent;
+    }, least);
+    const [, number, hash] = (await shows.jsonValue()).match(/^frame (\d+): state (\w+)$/);
     return [Number(number), hash];
 }
 
@@ -42,8 +45,6 @@ test('it starts without an error or a request, and its frames are those of a nat
     t.diagnostic(`${(statSync(file).size / 1e6).toFixed(1)} MB, started in ${(loading / 1000).toFixed(2)} s, `
         + `${await page.evaluate(() => document.documentElement.dataset.ready)} ms of them in the page`);
     const [number, hash] = await frame(page, 3);
-    await page.click('#play');
-    assert.ok(number < 30, `frame ${number}`);
     assert.equal(hash, native('viewer/src/playground-scene.yaml')[number - 1]);
     assert.deepEqual(said.filter((line) => !line.startsWith('request: blob:')), []);
     await shot(page, 'playground');
