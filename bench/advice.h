@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* advice.h -- the method that `weft check` advises for a scene, from what it prints. */
-#ifndef WEFT_BENCH_ADVICE_H
-#define WEFT_BENCH_ADVICE_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,5 +64,3 @@ static inline void advice_for(const advice *of, size_t i, const char **plugin,
     *plugin = !(gain > 0.0) ? of->plugin : gain > of->bdf[i] ? "stiff" : "cvode";
     *method = !(gain > 0.0) ? of->method : gain > of->bdf[i] ? "rkc2" : "bdf";
 }
-
-#endif

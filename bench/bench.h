@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bench.h -- what benchmarks share: time, and medians of interleaved runs. They print
  * what they measure and judge nothing: machines are shared and noisy. */
-#ifndef WEFT_BENCH_H
-#define WEFT_BENCH_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,5 +96,3 @@ static inline int bench_csv_close(FILE *csv) /* the exit status */
 {
     return fclose(csv) == 0 ? 0 : 1;
 }
-
-#endif

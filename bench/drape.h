@@ -2,8 +2,7 @@
 /* drape.h -- evaluations and seconds of whole runs with contact: a level sheet that
  * falls 5 cm onto a ball, under the settings of the table in docs/contact.md, beside
  * the same sheet hung by two corners. bench.h is included before. */
-#ifndef WEFT_BENCH_DRAPE_H
-#define WEFT_BENCH_DRAPE_H
+#pragma once
 
 #include <math.h>
 
@@ -129,7 +128,5 @@ static inline void drape_all(size_t n, double duration)
 {
     printf("%zu x %zu, %g s: plugins gsl and arkode are missing\n", n, n, duration);
 }
-
-#endif
 
 #endif

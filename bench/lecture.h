@@ -3,8 +3,7 @@
  * of naive.h under GSL's odeiv stepper, as in the example of its manual. Springs,
  * gravity, viscous drag, pins and their motion; no wind. The denominator of whole-run
  * figures. */
-#ifndef WEFT_BENCH_LECTURE_H
-#define WEFT_BENCH_LECTURE_H
+#pragma once
 
 #include "cloth/model.h"
 #include "naive.h"
@@ -111,5 +110,3 @@ static inline void lecture_run(lecture *self, double tolerance, double first_ste
     gsl_odeiv_control_free(c);
     gsl_odeiv_step_free(s);
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* naive.h -- cloth as a lecture writes it: an array of springs that know their ends and
  * constants, particles x y z x y z ..., one loop that adds each spring's force to both
  * ends. What the fast forms of src/forces are measured against. */
-#ifndef WEFT_BENCH_NAIVE_H
-#define WEFT_BENCH_NAIVE_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -116,5 +115,3 @@ static inline void naive_state(size_t n, const double *y, double *to)
         to[k / 3 * 3 * n + 3 * i + k % 3] = y[j];
     }
 }
-
-#endif

@@ -3,8 +3,7 @@
  * triangles that know their corners and constants, one over the rows of the bending
  * matrix, particles x y z x y z ... What the fast forms of triangles are measured
  * against. */
-#ifndef WEFT_BENCH_NAIVE_MESH_H
-#define WEFT_BENCH_NAIVE_MESH_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -169,5 +168,3 @@ static inline void naive_mesh_rhs(const naive_mesh *of, const naive_vec *y,
                             g[2] + w * (f[i].z - drag * v[i].z) };
     }
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* problem.h -- P(n), the cloth of the figures: n x n particles on a horizontal sheet of
  * 1 m, two corners pinned, 0.2 kg/m^2 with all masses equal, 100, 50 and 10 N/m,
  * damping 5e-4 s times stiffness. */
-#ifndef WEFT_BENCH_PROBLEM_H
-#define WEFT_BENCH_PROBLEM_H
+#pragma once
 
 #include "weft/cloth.h"
 
@@ -28,5 +27,3 @@ static inline weft_cloth_def problem(size_t n)
     }
     return def;
 }
-
-#endif

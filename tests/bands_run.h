@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bands_run.h -- runs of a cloth in bands, one thread each, compared with the whole
  * cloth, for the tests of bands. */
-#ifndef WEFT_TESTS_BANDS_RUN_H
-#define WEFT_TESTS_BANDS_RUN_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -560,5 +559,3 @@ static inline scenario on_shapes(void)
     of.duration = 0.12;
     return of;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* batch_sweeps.h -- sweeps of the small scene, written to OUT. */
-#ifndef BATCH_SWEEPS_H
-#define BATCH_SWEEPS_H
+#pragma once
 
 #include <unistd.h>
 
@@ -41,5 +40,3 @@ static inline void expect_same_summaries(const char *a, const char *b)
                  a, b),
            0);
 }
-
-#endif

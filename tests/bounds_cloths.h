@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bounds_cloths.h -- thirteen cloths for tests of the bounds: small enough for a dense
  * eigensolver, each with a difficulty of its own. */
-#ifndef BOUNDS_CLOTHS_H
-#define BOUNDS_CLOTHS_H
+#pragma once
 
 #include "support.h"
 
@@ -190,5 +189,3 @@ static inline double noise(uint64_t *seed)
     *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
     return (double)(*seed >> 11) * 0x1p-52 - 1.0;
 }
-
-#endif

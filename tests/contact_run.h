@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_run.h -- a simulation of a cloth with shapes, for tests of contact while time
  * passes. */
-#ifndef WEFT_TESTS_CONTACT_RUN_H
-#define WEFT_TESTS_CONTACT_RUN_H
+#pragma once
 
 #include <math.h>
 
@@ -83,5 +82,3 @@ static inline double resting(double pull)
     }
     return s;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* embedded.h -- a simulation as an embedding program creates it: a small cloth with
  * all springs, hung by a corner. */
-#ifndef WEFT_TESTS_EMBEDDED_H
-#define WEFT_TESTS_EMBEDDED_H
+#pragma once
 
 #include "one_sim.h"
 
@@ -49,5 +48,3 @@ static void go(double t)
     ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s: %s", run.method->name,
                   err.message);
 }
-
-#endif

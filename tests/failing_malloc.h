@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* failing_malloc.h -- the functions of malloc, for a program and its libraries, that
  * fail on request. */
-#ifndef FAILING_MALLOC_H
-#define FAILING_MALLOC_H
+#pragma once
 
 #include <malloc.h>
 #include <stdlib.h>
@@ -141,5 +140,3 @@ static long every_allocation_fails(trial *attempt, const void *ctx, const char *
     }
     return calls;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* folded.h -- cloths that meet themselves, for tests and benchmarks, and a count of the
  * places where one passes through itself. */
-#ifndef WEFT_TESTS_FOLDED_H
-#define WEFT_TESTS_FOLDED_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -202,5 +201,3 @@ static inline size_t folded_passes(const double *before, const double *after, si
     }
     return count;
 }
-
-#endif

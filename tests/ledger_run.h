@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* ledger_run.h -- a model and simulations of it, for the tests of the energy ledger. */
-#ifndef LEDGER_RUN_H
-#define LEDGER_RUN_H
+#pragma once
 
 #include "one_sim.h"
 
@@ -94,5 +93,3 @@ static inline void add(Suite *suite, const char *name, const TTest *test, int co
     tcase_add_loop_test(tcase, test, 0, count);
     suite_add_tcase(suite, tcase);
 }
-
-#endif

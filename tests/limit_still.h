@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* limit_still.h -- strain limits on given states: a stepper that only moves time and
  * counts edits of its state, a model to edit, one step of it. */
-#ifndef LIMIT_STILL_H
-#define LIMIT_STILL_H
+#pragma once
 
 #include "one_sim.h"
 
@@ -152,5 +151,3 @@ static inline void sheet(size_t n, bool pinned, bool loaded)
         }
     }
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meshes.h -- triangle meshes for tests: a sheet of cells, whole or cut along a column
  * and sewn again, with any diagonals, moved vertices and numbers. */
-#ifndef WEFT_TESTS_MESHES_H
-#define WEFT_TESTS_MESHES_H
+#pragma once
 
 #include <stdlib.h>
 #include <string.h>
@@ -167,5 +166,3 @@ static inline weft_cloth_def mesh_cloth(const test_mesh *of)
     def.mesh = &of->def;
     return def;
 }
-
-#endif

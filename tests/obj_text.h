@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* obj_text.h -- the text of an OBJ file read alone, without a scene. */
-#ifndef OBJ_TEXT_H
-#define OBJ_TEXT_H
+#pragma once
 
 #include "scene/obj.h"
 #include "scene_load.h"
@@ -27,5 +26,3 @@ static inline void obj_end(void)
 {
     weft__obj_close(&obj, &obj_memory);
 }
-
-#endif

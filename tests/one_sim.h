@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* one_sim.h -- the cloth and the simulation of a test; teardown destroys both. */
-#ifndef WEFT_TESTS_ONE_SIM_H
-#define WEFT_TESTS_ONE_SIM_H
+#pragma once
 
 #include "support.h"
 
@@ -15,5 +14,3 @@ static inline void teardown(void)
     sim = NULL;
     cloth = NULL;
 }
-
-#endif

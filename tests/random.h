@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* random.h -- the same random numbers in every run. */
-#ifndef RANDOM_H
-#define RANDOM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -20,5 +19,3 @@ static inline int64_t random_whole(uint64_t *state, int64_t least, int64_t most)
 {
     return least + (int64_t)(random_uniform(state) * (double)(most - least + 1));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* run_frames.h -- shared by the tests of run.vtkhdf. */
-#ifndef RUN_FRAMES_H
-#define RUN_FRAMES_H
+#pragma once
 
 #include "record/frames.h"
 #include "shell.h"
@@ -22,5 +21,3 @@ static inline uint64_t random_word(uint64_t *seed)
     *seed ^= *seed << 17;
     return *seed;
 }
-
-#endif

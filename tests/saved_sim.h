@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* saved_sim.h -- a saved simulation of a cloth with every feature, for the tests of
  * restoring. */
-#ifndef WEFT_TESTS_SAVED_SIM_H
-#define WEFT_TESTS_SAVED_SIM_H
+#pragma once
 
 #include <string.h>
 
@@ -128,5 +127,3 @@ static inline void refused(size_t size, const char *text)
     ck_assert_uint_eq(weft_sim_measure(sim).hash, hash);
     ck_assert_mem_eq(&before, &after, sizeof before);
 }
-
-#endif

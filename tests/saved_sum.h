@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* saved_sum.h -- the checksums of forged bytes, as docs/output.md describes them. */
-#ifndef WEFT_TESTS_SAVED_SUM_H
-#define WEFT_TESTS_SAVED_SUM_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -47,5 +46,3 @@ static inline void saved_mend(unsigned char *bytes, size_t size)
     }
     weft__word_put(bytes + WEFT__WORD * (front - 1), sum);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_load.h -- scenes loaded by the tests, with plugins that only have names. */
-#ifndef SCENE_LOAD_H
-#define SCENE_LOAD_H
+#pragma once
 
 #include <string.h>
 
@@ -104,5 +103,3 @@ static inline const char *bad_scene(const weft_scene_def *def)
     ck_assert_uint_gt(found.errors, 0);
     return all_found();
 }
-
-#endif

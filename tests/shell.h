@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* shell.h -- the program run by the tests as its users run it. */
-#ifndef SHELL_H
-#define SHELL_H
+#pragma once
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -108,5 +107,3 @@ static inline bool exists(const char *name)
     struct stat status;
     return stat(name, &status) == 0;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* stepper_run.h -- a run of one method on the model of the conformance kit, for
  * tests of steppers beyond the conformance checks. */
-#ifndef STEPPER_RUN_H
-#define STEPPER_RUN_H
+#pragma once
 
 #include "conformance/oscillators.h"
 #include "support.h"
@@ -130,5 +129,3 @@ static inline void add_for_every_method(Suite *suite, const char *name,
     tcase_add_loop_test(tcase, test, 0, (int)test_method_count());
     suite_add_tcase(suite, tcase);
 }
-
-#endif

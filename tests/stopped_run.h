@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* stopped_run.h -- runs in OUT that are stopped midway, and the undisturbed one. */
-#ifndef STOPPED_RUN_H
-#define STOPPED_RUN_H
+#pragma once
 
 #include <signal.h>
 #include <time.h>
@@ -105,5 +104,3 @@ static inline void make_reference(const char *sets)
                  sets),
            0);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* structured.h -- the Jacobian that a weft_structure describes, by the formulas of
  * weft/stepper.h. */
-#ifndef WEFT_TESTS_STRUCTURED_H
-#define WEFT_TESTS_STRUCTURED_H
+#pragma once
 
 #include <math.h>
 
@@ -133,5 +132,3 @@ static inline int structure_product(const weft_structure *of, double t, const do
     }
     return failed;
 }
-
-#endif

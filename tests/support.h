@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* support.h -- shared by the tests. */
-#ifndef SUPPORT_H
-#define SUPPORT_H
+#pragma once
 
 #include <check.h>
 
@@ -70,5 +69,3 @@ int test_rounds(int few, int many);
 
 /* Runs the suite, prints Check's summary, returns the exit status. */
 int test_run(Suite *suite);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* levels.h -- what is compiled for each level of instructions, as the kernels are. */
-#ifndef WEFT_BENCH_LEVELS_H
-#define WEFT_BENCH_LEVELS_H
+#pragma once
 
 #include "../naive.h"
 #include "../naive_mesh.h"
@@ -19,5 +18,3 @@ typedef void bound_fn(const double *a, double *b, size_t count);
     bound_fn bound_##level;
 WEFT_LEVELS(LEVEL_FUNCTIONS)
 #undef LEVEL_FUNCTIONS
-
-#endif

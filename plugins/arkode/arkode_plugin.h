@@ -9,8 +9,7 @@
  * implicit ones and LSRKStep for stabilised methods, are driven whole: they combine the
  * stages, estimate the error, accept, reject and choose h. SUNDIALS 6.4 to 7.x; what
  * differs between them is in this file and in `version_settings`. */
-#ifndef ARKODE_PLUGIN_H
-#define ARKODE_PLUGIN_H
+#pragma once
 
 #include "../stabilised/spectrum.h"
 #include "../sundials/sundials_equations.h"
@@ -163,5 +162,3 @@ extern const weft_butcher weft__ark_euler, weft__ark_midpoint, weft__ark_heun,
 #define WEFT__ARK_ORDER_CHECKED 5
 bool weft__ark_has_order(const weft_butcher *table, const double *weights, int order,
                          const char **what, double *is, double *wanted);
-
-#endif

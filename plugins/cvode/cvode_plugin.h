@@ -5,8 +5,7 @@
  *
  * SUNDIALS' CVODE is driven whole: it predicts, solves its equations, estimates the
  * error, accepts, rejects, and chooses order and h. */
-#ifndef CVODE_PLUGIN_H
-#define CVODE_PLUGIN_H
+#pragma once
 
 #include "../sundials/sundials_equations.h"
 
@@ -74,5 +73,3 @@ weft_status weft__cvode_step(void *instance, double t_end, double *t, double *y,
                              weft_error *err);
 void weft__cvode_state_changed(void *instance);
 void weft__cvode_stats(const void *instance, weft_stepper_stats *out);
-
-#endif

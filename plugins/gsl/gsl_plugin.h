@@ -11,8 +11,7 @@
  * GSL reports a wrong argument or a failing malloc to a handler that is global to the
  * process and aborts. It is the program's and is never touched here; so every argument
  * is checked before GSL sees it. */
-#ifndef GSL_PLUGIN_H
-#define GSL_PLUGIN_H
+#pragma once
 
 #include "weft/elementary.h"
 #include "weft/stepper.h"
@@ -111,5 +110,3 @@ void weft__gsl_options(const void *instance, weft_option_fn *tell, void *ctx);
 /* jacobian.c */
 int weft__gsl_jacobian(double t, const double y[], double *dfdy, double dfdt[],
                        void *instance);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* aggregate.h -- groups the particles of a network into aggregates of up to four, and
  * finds the network of these. It follows from the graph alone, not from the state. */
-#ifndef WEFT_PLUGINS_LINEAR_AGGREGATE_H
-#define WEFT_PLUGINS_LINEAR_AGGREGATE_H
+#pragma once
 
 #include "pile.h"
 
@@ -22,5 +21,3 @@ void weft__graph_take(weft__graph *self, weft__pile *pile);
  * graph, whose edges are in order of b - a, then of a. False: no memory. */
 bool weft__aggregate(const weft__graph *fine, uint32_t *to, uint32_t *target,
                      weft__graph *coarse, weft__pile *scratch);
-
-#endif

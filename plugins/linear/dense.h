@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dense.h -- small dense matrices, row by row. */
-#ifndef WEFT_PLUGINS_LINEAR_DENSE_H
-#define WEFT_PLUGINS_LINEAR_DENSE_H
+#pragma once
 
 #include <math.h>
 #include <stddef.h>
@@ -81,5 +80,3 @@ static inline void weft__dense_solve(size_t n, const double *l, const double *b,
         x[i] = sum / l[i * n + i];
     }
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* filter.h -- makes the Jacobian of weft_structure::linearise symmetric and its K never
  * negative, in place. The terms z are not in it from the start. */
-#ifndef WEFT_PLUGINS_LINEAR_FILTER_H
-#define WEFT_PLUGINS_LINEAR_FILTER_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -13,5 +12,3 @@ void weft__filter_bonds(double *planes, size_t count);
 /* K becomes the nearest symmetric matrix that is never negative, in the first six
  * planes as xx xy xz yy yz zz. C stays where it is. */
 void weft__filter_blocks(double *blocks, size_t n);
-
-#endif

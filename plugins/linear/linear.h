@@ -19,8 +19,7 @@
  *
  * Order of sums and operations do not depend on the machine: the same bits everywhere.
  */
-#ifndef WEFT_PLUGINS_LINEAR_LINEAR_H
-#define WEFT_PLUGINS_LINEAR_LINEAR_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -70,5 +69,3 @@ void weft__linear_tell(const weft_linear *settings, weft_option_fn *tell, void *
 
 /* An option, with the fewest digits that are read back as the same number. */
 void weft__tell_number(weft_option_fn *tell, void *ctx, const char *name, double value);
-
-#endif

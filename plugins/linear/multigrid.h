@@ -4,8 +4,7 @@
  * The unknowns of an aggregate are equal on the next level, so that the Galerkin
  * product of a network is a network again: of all springs that join two aggregates one
  * remains, with the sum of their blocks. */
-#ifndef WEFT_PLUGINS_LINEAR_MULTIGRID_H
-#define WEFT_PLUGINS_LINEAR_MULTIGRID_H
+#pragma once
 
 #include "network.h"
 
@@ -20,5 +19,3 @@ void weft__multigrid_prepare(weft__multigrid *self, const double *mass);
 
 /* About S z = r, symmetric and positive definite; r is 0 at held particles, and z. */
 void weft__multigrid_apply(weft__multigrid *self, const double *r, double *z);
-
-#endif

@@ -8,8 +8,7 @@
  *
  * Vectors have three planes of n numbers; symmetric blocks have six planes, xx xy xz yy
  * yz zz. Held particles are no part of the matrix: their rows and columns are 0. */
-#ifndef WEFT_PLUGINS_LINEAR_NETWORK_H
-#define WEFT_PLUGINS_LINEAR_NETWORK_H
+#pragma once
 
 #include "pile.h"
 
@@ -69,5 +68,3 @@ void weft__network_block(const weft__network *self, size_t half, double block[9]
 double weft__vector_dot(size_t n, const double *a, const double *b);
 void weft__vector_scale(size_t n, double a, const double *x, double *y);
 void weft__vector_mix(size_t n, double a, const double *x, double b, double *y);
-
-#endif

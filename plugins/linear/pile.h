@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* pile.h -- memory that is taken piece by piece and given back at once. */
-#ifndef WEFT_PLUGINS_LINEAR_PILE_H
-#define WEFT_PLUGINS_LINEAR_PILE_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -37,5 +36,3 @@ static inline void weft__pile_free(weft__pile *self)
         (void)self->memory.resize(self->memory.ctx, piece, 0);
     }
 }
-
-#endif

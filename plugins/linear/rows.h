@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* rows.h -- what the levels of smoothed.h are made of, from the graph alone:
  * patterns of rows, and aggregates of the particles of a network. */
-#ifndef WEFT_PLUGINS_LINEAR_ROWS_H
-#define WEFT_PLUGINS_LINEAR_ROWS_H
+#pragma once
 
 #include "network.h"
 
@@ -43,5 +42,3 @@ weft__list_fn weft__list_product;
  * Writes the aggregate of each node to to[n]; returns their number. late[n]: scratch.
  */
 size_t weft__gather(const weft__rows *graph, uint32_t *to, uint32_t *late);
-
-#endif

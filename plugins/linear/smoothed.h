@@ -7,8 +7,7 @@
  * have. Each aggregate of particles has six unknowns there. Aggregates and all patterns
  * follow from the graph of the network; the numbers are made anew with each matrix, as
  * coarse levels of another state are worse than none. */
-#ifndef WEFT_PLUGINS_LINEAR_SMOOTHED_H
-#define WEFT_PLUGINS_LINEAR_SMOOTHED_H
+#pragma once
 
 #include "network.h"
 
@@ -26,5 +25,3 @@ void weft__smoothed_prepare(weft__smoothed *self, const double *mass, const doub
 
 /* About S z = r, symmetric and positive definite; r is 0 at held particles, and z. */
 void weft__smoothed_apply(weft__smoothed *self, const double *r, double *z);
-
-#endif

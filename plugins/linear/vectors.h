@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* vectors.h -- how loops over long arrays are compiled: for the machine's widest
  * vectors, with the same bits. */
-#ifndef WEFT_PLUGINS_LINEAR_VECTORS_H
-#define WEFT_PLUGINS_LINEAR_VECTORS_H
+#pragma once
 
 /* Wider vectors where the machine has them, for static functions: the symbols of others
  * would be exported. The choice is made as the plugin is loaded, which is before an
@@ -19,6 +18,4 @@
 #define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define ELEMENTWISE _Pragma("GCC ivdep")
-#endif
-
 #endif

@@ -11,8 +11,7 @@
  * of h for each corner of the polygon that holds all modes; below a damping ratio of
  * 0.5 that is no longer than the step of an explicit method, and the method is refused.
  */
-#ifndef WEFT_PLUGINS_SPECTRUM_H
-#define WEFT_PLUGINS_SPECTRUM_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -48,5 +47,3 @@ weft_status weft__spectrum_prepare(weft__spectrum *self, const char *name,
 
 /* After a rejected attempt: what is not recent may be the reason. */
 void weft__spectrum_doubt(weft__spectrum *self);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * All need weft_stepper_config.structure: how stiff and how damped the modes are, or
  * the Jacobian. */
-#ifndef STIFF_PLUGIN_H
-#define STIFF_PLUGIN_H
+#pragma once
 
 #include "../linear/linear.h"
 #include "../stabilised/spectrum.h"
@@ -77,5 +76,3 @@ void weft__stiff_combine(size_t n, int count, const double *const *x, const doub
 /* Of e[i] / (rtol |y[i]| + atol) over two halves; NaN if e is not finite. */
 double weft__stiff_norm(const stiff_stepper *self, const double *e, const double *y);
 bool weft__stiff_finite(size_t n, const double *y);
-
-#endif

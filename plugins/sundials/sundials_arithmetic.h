@@ -2,8 +2,7 @@
 /* sundials_arithmetic.h -- loops over arrays of n components. Long arrays are divided
  * among a pool (NULL: none), with the same results. The output may be one of the
  * inputs. */
-#ifndef WEFT_PLUGINS_SUNDIALS_ARITHMETIC_H
-#define WEFT_PLUGINS_SUNDIALS_ARITHMETIC_H
+#pragma once
 
 #include "sundials_shared.h"
 
@@ -20,5 +19,3 @@ void weft__sun_weights_of(const weft_team *pool, size_t n, const double *y, doub
 /* Of e_i w_i; NaN if one is NaN. */
 double weft__sun_norm(const weft_team *pool, size_t n, weft_norm norm, const double *e,
                       const double *w);
-
-#endif

@@ -7,8 +7,7 @@
  * (../linear/linear.h). SUNDIALS takes the object for a direct solver: of an iterative
  * one it would set the tolerance, in a norm that is not that of the steps. Otherwise
  * SUNDIALS' GMRES takes J x from differences of the right-hand side. */
-#ifndef WEFT_PLUGINS_SUNDIALS_EQUATIONS_H
-#define WEFT_PLUGINS_SUNDIALS_EQUATIONS_H
+#pragma once
 
 #include "../linear/linear.h"
 #include "sundials_shared.h"
@@ -56,5 +55,3 @@ void weft__sun_count_equations(const sun_equations *self, weft_stepper_stats *st
 
 void weft__sun_tell_equations(const sun_equations *self, weft_option_fn *tell,
                               void *ctx);
-
-#endif

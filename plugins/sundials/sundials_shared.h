@@ -3,8 +3,7 @@
  * linked into each. vector.c and arithmetic.c are the operations on vectors, instance.c
  * checks a config, equations.c solves the linear systems of implicit methods.
  * SUNDIALS 6.4 to 7.x. */
-#ifndef WEFT_PLUGINS_SUNDIALS_SHARED_H
-#define WEFT_PLUGINS_SUNDIALS_SHARED_H
+#pragma once
 
 #include "weft/elementary.h"
 #include "weft/stepper.h"
@@ -86,5 +85,3 @@ void weft__sun_write(N_Vector v, const double *from);
 bool weft__sun_finite(N_Vector v);
 /* The weights 1 / (rtol |y_i| + atol) of what is judged, in two halves. */
 void weft__sun_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2]);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bytes.h -- numbers as bytes, the same on every machine: words of 64 bits,
  * little-endian. */
-#ifndef WEFT_BASE_BYTES_H
-#define WEFT_BASE_BYTES_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -90,5 +89,3 @@ static inline uint64_t weft__words_sum(const unsigned char *bytes, size_t words)
     }
     return hash;
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* faults.h -- the numbers of definitions, the values that they may have, and the faults
  * that checks of definitions find. Each struct of numbers stands beside the check of
  * its definition; src/scene takes the ranges and units of its keys from there. */
-#ifndef WEFT_BASE_FAULTS_H
-#define WEFT_BASE_FAULTS_H
+#pragma once
 
 #include "weft/base.h"
 
@@ -69,5 +68,3 @@ bool weft__numbers_check(const weft__number *numbers, size_t count, const void *
     weft__numbers_check((const weft__number *)&(numbers),                              \
                         sizeof(numbers) / sizeof(weft__number), (def), (to),           \
                         __VA_ARGS__)
-
-#endif

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* file.h -- files opened without blocking. */
-#ifndef WEFT_BASE_FILE_H
-#define WEFT_BASE_FILE_H
+#pragma once
 
 #include "weft/base.h"
 
 /* A regular file, opened as by fopen with mode "r", "r+" or "w". NULL and WEFT_IO,
  * "path: reason", also for a FIFO or a device, which could block for ever. */
 FILE *weft__file_open(const char *path, const char *mode, weft_error *err);
-
-#endif

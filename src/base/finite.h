@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* finite.h -- whether numbers are finite and have the right sign. NaN has none. */
-#ifndef WEFT_BASE_FINITE_H
-#define WEFT_BASE_FINITE_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -26,5 +25,3 @@ static inline bool weft__all_finite(const double *values, size_t count)
     }
     return sum == 0.0;
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* hash.h -- hashes that are the same on every machine: FNV-1a (Fowler, Noll, Vo), and
  * the same with words in place of bytes. */
-#ifndef WEFT_BASE_HASH_H
-#define WEFT_BASE_HASH_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -49,5 +48,3 @@ static inline uint64_t weft__hash_reals(uint64_t hash, const double *values,
 #define WEFT__HASH_NUMBERS(hash, ...)                                                  \
     weft__hash_reals((hash), (const double[]){ __VA_ARGS__ },                          \
                      sizeof((const double[]){ __VA_ARGS__ }) / sizeof(double))
-
-#endif

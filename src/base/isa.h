@@ -2,8 +2,7 @@
 /* isa.h -- levels of instructions. Functions that are compiled for each have the level
  * at the end of their name; `loops` are the plain loops beside them, with the same
  * bits. */
-#ifndef WEFT_BASE_ISA_H
-#define WEFT_BASE_ISA_H
+#pragma once
 
 #include "weft/base.h"
 
@@ -39,5 +38,3 @@ const char *weft__isa_name(weft__isa isa);
 
 /* The one of that name, which this machine must have; NULL or "": the fastest. */
 weft_status weft__isa_find(const char *name, weft__isa *out, weft_error *err);
-
-#endif

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#ifndef WEFT_BASE_LOG_H
-#define WEFT_BASE_LOG_H
+#pragma once
 
 #include "weft/base.h"
 
 /* base.c: passes a line to the log, if it has a writer. */
 WEFT_PRINTF(3, 4)
 void weft__log(const weft_log *log, weft_log_level level, const char *format, ...);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* memory.h -- allocation by weft_allocator, for all of libweft. */
-#ifndef WEFT_BASE_MEMORY_H
-#define WEFT_BASE_MEMORY_H
+#pragma once
 
 #include <string.h>
 
@@ -85,5 +84,3 @@ static inline void weft__free_list(const weft_allocator *memory, void *const *bl
         weft__free(memory, blocks[i]);
     }
 }
-
-#endif

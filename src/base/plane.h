@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plane.h -- points in the plane, and the ends of edges between them. */
-#ifndef WEFT_BASE_PLANE_H
-#define WEFT_BASE_PLANE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -42,5 +41,3 @@ static inline int weft__compare_ends(const void *a, const void *b)
     return x->low != y->low ? (x->low > y->low) - (x->low < y->low)
                             : (x->high > y->high) - (x->high < y->high);
 }
-
-#endif

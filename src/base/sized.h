@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sized.h -- structs of callers built against another version (weft/base.h, "growth").
  */
-#ifndef WEFT_BASE_SIZED_H
-#define WEFT_BASE_SIZED_H
+#pragma once
 
 #include <string.h>
 
@@ -41,5 +40,3 @@ static inline weft_status weft__given(const void *def, const void *out,
                : weft_error_set(err, WEFT_INVALID, "%s: the %s is NULL", function,
                                 def == NULL ? "definition" : "place for the result");
 }
-
-#endif

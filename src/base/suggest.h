@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* suggest.h -- the nearest name to a mistyped one. */
-#ifndef WEFT_BASE_SUGGEST_H
-#define WEFT_BASE_SUGGEST_H
+#pragma once
 
 #include <stddef.h>
 
@@ -19,5 +18,3 @@ void weft__guess_try(weft__guess *guess, const char *typed, const char *name);
 
 /* " (did you mean 'name'?)", or "" without a guess, into out[size]. */
 const char *weft__guess_text(const weft__guess *guess, char *out, size_t size);
-
-#endif

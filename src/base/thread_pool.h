@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* thread_pool.h -- worker threads beside the thread that steps, for jobs of
  * microseconds. */
-#ifndef WEFT_BASE_THREAD_POOL_H
-#define WEFT_BASE_THREAD_POOL_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -29,5 +28,3 @@ void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count);
 
 /* In a part: whether it runs in the thread that called weft__pool_run. */
 bool weft__pool_in_caller(const weft__pool *pool);
-
-#endif

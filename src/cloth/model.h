@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* model.h -- a cloth: a mesh and its forces. */
-#ifndef WEFT_CLOTH_MODEL_H
-#define WEFT_CLOTH_MODEL_H
+#pragma once
 
 #include "cloth/table.h"
 #include "forces/bounds.h"
@@ -155,5 +154,3 @@ int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
  * particle is in a shape. */
 int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *planes,
                     size_t bonds, double *blocks);
-
-#endif

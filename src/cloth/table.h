@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* table.h -- all forces, in the order of summation, which is part of the result. The
  * first one starts a sum. */
-#ifndef WEFT_CLOTH_TABLE_H
-#define WEFT_CLOTH_TABLE_H
+#pragma once
 
 #include "forces/bending/bending.h"
 #include "forces/bending/plate.h"
@@ -15,5 +14,3 @@
 
 #define WEFT_FORCES(X)                                                                 \
     X(springs) X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self)
-
-#endif

@@ -10,8 +10,7 @@
  * handlers, rounding): call them while no other thread of the program runs. A method
  * that crashes or never returns also stops its caller; `weft plugin-test` runs every
  * check in its own process, and sees the output as well. */
-#ifndef WEFT_CONFORMANCE_CONFORMANCE_H
-#define WEFT_CONFORMANCE_CONFORMANCE_H
+#pragma once
 
 #include "weft/stepper.h"
 
@@ -36,5 +35,3 @@ const char *weft_conformance_promise(size_t i);
 /* Runs one check on one method, which must belong to a plugin that weft_registry_add or
  * weft_registry_load has accepted. Keeps no memory. */
 weft_conformance weft_conformance_check(const weft_stepper_type *type, size_t i);
-
-#endif

@@ -4,8 +4,7 @@
  * three quadratures. To a method that needs the structure of the equations it is one
  * particle in a field of forces. It fails on request. The reference solution is
  * computed by the classical Runge-Kutta method with 2^-13 s, and is good to 1e-13. */
-#ifndef WEFT_CONFORMANCE_OSCILLATORS_H
-#define WEFT_CONFORMANCE_OSCILLATORS_H
+#pragma once
 
 #include <math.h>
 #include <pthread.h>
@@ -163,5 +162,3 @@ void weft__string_start(double y[WEFT__STRING]);
 
 /* To a method that knows links some springs are given as such. */
 void weft__string_init(weft_structure *at, bool knows_links);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* trial.h -- one check of one method while it runs. */
-#ifndef WEFT_CONFORMANCE_TRIAL_H
-#define WEFT_CONFORMANCE_TRIAL_H
+#pragma once
 
 #include <inttypes.h>
 #include <setjmp.h>
@@ -83,5 +82,3 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
 /* The reason why a check means nothing for a method, or NULL. */
 typedef const char *pointless_fn(const weft_stepper_type *type);
 pointless_fn weft__order_not_measured, weft__heap_not_known, weft__agrees_with_nobody;
-
-#endif

@@ -2,8 +2,7 @@
 /* bounds.h -- what forces add to the bounds on stiffness and damping of one particle;
  * src/cloth/bounds.c makes the polygon. Matrices are xx, yy, zz, xy, xz, yz, by mass.
  */
-#ifndef WEFT_FORCES_BOUNDS_H
-#define WEFT_FORCES_BOUNDS_H
+#pragma once
 
 #include <string.h>
 
@@ -69,5 +68,3 @@ static inline void weft__grip_add(weft__grip *to, const double n[3], double stif
         to->slide[k] += drag * ((k < 3 ? 1.0 : 0.0) - nn[k]);
     }
 }
-
-#endif

@@ -6,8 +6,7 @@
  *
  * `own` is a weft__NAME. Ranges are of blocks (mesh/blocks.h) and divide the work among
  * threads: bits do not depend on it. A member that is NULL has nothing to do. */
-#ifndef WEFT_FORCES_FORCE_H
-#define WEFT_FORCES_FORCE_H
+#pragma once
 
 #include "base/isa.h"
 #include "mesh/blocks.h"
@@ -130,5 +129,3 @@ static inline void weft__keep_worst(weft_spring *kept, const weft_spring *other)
         *kept = *other;
     }
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* lanes.h -- LANES doubles at a time, by the vector extensions of GCC and Clang: the
  * same source for every width, in the instructions of the level that it is compiled
  * for. The compiler splits operations that the level does not have. */
-#ifndef WEFT_KERNEL_LANES_H
-#define WEFT_KERNEL_LANES_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -290,5 +289,3 @@ INLINE vec trouble(vec3 a, vec3 b)
 {
     return (((a.x + a.y) + a.z) + ((b.x + b.y) + b.z)) * 0.0;
 }
-
-#endif

@@ -13,8 +13,7 @@
  *     MOST(a, b)       a where a > b, else b
  *     LAW              the storage class of the functions
  */
-#ifndef WEFT_FORCES_LAW_H
-#define WEFT_FORCES_LAW_H
+#pragma once
 
 #ifdef LAW_OF_LANES
 #include "forces/lanes.h"
@@ -40,6 +39,4 @@ typedef int truth;
 #define CHOOSE(t, a, b) ((t) ? (a) : (b))
 #define MOST(a, b)      ((a) > (b) ? (a) : (b))
 #define LAW             static inline
-#endif
-
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* comm_mpi.h -- what weft-mpi.so exports. The object is loaded at run time, so that
  * neither libweft nor the program links MPI. */
-#ifndef WEFT_MPI_COMM_MPI_H
-#define WEFT_MPI_COMM_MPI_H
+#pragma once
 
 #include "weft/comm.h"
 
@@ -18,5 +17,3 @@ struct comm_mpi {
 /* Starts MPI; once per process. NULL: no memory. */
 typedef comm_mpi *comm_mpi_fn(void);
 WEFT_API comm_mpi_fn weft_comm_mpi_1;
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* loading.h -- plugins as code: those in files, and those that the library was built
  * with. A platform without dlopen has its own loading.c. */
-#ifndef WEFT_PLUGIN_LOADING_H
-#define WEFT_PLUGIN_LOADING_H
+#pragma once
 
 #include "weft/registry.h"
 
@@ -20,5 +19,3 @@ void weft__installed_plugins(char *directory, size_t size);
 weft_status weft__plugin_open(const char *file, const char *id, void **handle,
                               const weft_plugin **plugin, weft_error *err);
 void weft__plugin_close(void *handle);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* methods.h -- methods and plugins by their names, messages for unknown ones, and their
  * settings. */
-#ifndef WEFT_PLUGIN_METHODS_H
-#define WEFT_PLUGIN_METHODS_H
+#pragma once
 
 #include "base/faults.h"
 #include "weft/cloth.h"
@@ -40,5 +39,3 @@ extern const char *const weft__shipped[WEFT__SHIPPED + 1];
 /* " (did you mean 'gsl'?)" for an id that is near one of weft's own plugins; else "".
  */
 const char *weft__plugin_guess(const char *id, char *out, size_t size);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plugin_check.h -- what makes a plugin usable, and which ones there are. */
-#ifndef WEFT_PLUGIN_CHECK_H
-#define WEFT_PLUGIN_CHECK_H
+#pragma once
 
 #include "base/log.h"
 #include "weft/registry.h"
@@ -18,5 +17,3 @@ weft_status weft__method_check(const weft_stepper_type *type, size_t index,
 typedef void weft__plugin_visit_fn(void *ctx, const char *id, const char *file);
 void weft__registry_names(const weft_registry *registry, weft__plugin_visit_fn *visit,
                           void *ctx);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * Every band makes the same calls in the same order, so nothing between two of them may
  * return early on one band alone: weft_comm_agree before that. */
-#ifndef WEFT_SIM_BANDS_H
-#define WEFT_SIM_BANDS_H
+#pragma once
 
 #include "sim/forces.h"
 #include "weft/sim.h"
@@ -53,5 +52,3 @@ void weft__bands_most(const weft__forces *forces, double *numbers, size_t count)
 
 /* weft__cloth_hash of the whole. */
 uint64_t weft__bands_cloth_hash(const weft__forces *forces);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* forces.h -- the equations of motion on the threads of a simulation, each a range of
  * blocks: the same bits as on one. */
-#ifndef WEFT_SIM_FORCES_H
-#define WEFT_SIM_FORCES_H
+#pragma once
 
 #include "cloth/model.h"
 #include "forces/self/self_list.h"
@@ -82,5 +81,3 @@ const char *weft__breach_text(const weft__mesh *mesh, const weft__breach *breach
 /* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */
 weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
                                const char *what, weft_error *err);
-
-#endif

@@ -8,8 +8,7 @@
  * when it moves so), checksum. Then planes of all particles: the six of y, and their
  * holds. The checksum is that of the front before it and of a word for each row: the
  * checksum of the row's words, plane by plane. */
-#ifndef WEFT_SIM_SAVE_H
-#define WEFT_SIM_SAVE_H
+#pragma once
 
 #include "base/bytes.h"
 #include "sim/simulation.h"
@@ -72,5 +71,3 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
 /* Replaces the stepper; only the h to try and the counts remain. Collective. */
 weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
                             weft_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* simulation.h -- the data of a simulation, for the files of src/sim alone. */
-#ifndef WEFT_SIM_SIMULATION_H
-#define WEFT_SIM_SIMULATION_H
+#pragma once
 
 #include "base/finite.h"
 #include "sim/forces.h"
@@ -228,5 +227,3 @@ weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *fo
 /* [J] all heat; NaN if it is off. */
 double weft__ledger_heat(const weft__ledger *ledger, const weft_cloth *cloth,
                          const double *y);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* file.h -- a file for the targets whose bytes are read from one. */
-#ifndef FUZZ_FILE_H
-#define FUZZ_FILE_H
+#pragma once
 
 #include <stdio.h>
 #include <unistd.h>
@@ -36,5 +35,3 @@ static inline void fuzz_write(const char *name, const uint8_t *data, size_t size
     HOLDS(stream != NULL && fwrite(data, 1, size, stream) == size);
     HOLDS(fclose(stream) == 0);
 }
-
-#endif

@@ -4,8 +4,7 @@
  * A child process reads it first, where libFuzzer sees no coverage. So the linker wraps
  * fork and waitpid: there is no child, and it has lived. What libhdf5 crashes on ends
  * the target then. With WEFT_FUZZ_CHILD set there is one, as in the program. */
-#ifndef FUZZ_FRAMES_H
-#define FUZZ_FRAMES_H
+#pragma once
 
 #include <math.h>
 #include <sys/types.h>
@@ -62,5 +61,3 @@ static inline void frames_check(void)
     }
     record_frames_close(frames);
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fuzz.h -- what the targets of `make fuzz` share: libFuzzer calls one function of each
  * with bytes that it made up. What must hold is told by HOLDS. */
-#ifndef FUZZ_H
-#define FUZZ_H
+#pragma once
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -54,5 +53,3 @@ static inline weft_scene *fuzz_load(const weft_scene_def *def)
     }
     return scene;
 }
-
-#endif

@@ -4,8 +4,7 @@
  *
  * Nothing here knows a method by name but the pairs of two libraries that have the same
  * table. Scenes are loaded and simulations made as `weft run` does it. */
-#ifndef VERIFY_H
-#define VERIFY_H
+#pragma once
 
 #include "cli/cli.h"
 #include "weft/weft.h"
@@ -156,5 +155,3 @@ typedef void verify_part(void *ctx, size_t i, verify_counts *counts);
 /* Parts 0 to count - 1, as many at once as there are processors; what they print comes
  * in their order, what they count is added up. False if one has died. */
 bool verify_apart(size_t count, verify_part *print, void *ctx, verify_counts *counts);
-
-#endif

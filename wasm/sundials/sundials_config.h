@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sundials_config.h -- what SUNDIALS' CMake would write: 6.4.1 with the options of
  * Debian's package, but for MPI. */
-#ifndef WEFT_SUNDIALS_CONFIG_H
-#define WEFT_SUNDIALS_CONFIG_H
+#pragma once
 
 #include "sundials/sundials_export.h"
 
@@ -23,5 +22,3 @@
 #define SUNDIALS_C_INLINE         inline
 #define SUNDIALS_INLINE           inline
 #define SUNDIALS_STATIC_INLINE    static inline
-
-#endif

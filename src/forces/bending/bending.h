@@ -5,8 +5,7 @@
  *     K = D_r k_r D_r + D_c k_c D_c + k_t D_r D_c
  *
  * k_r is `along`, k_c `across`, k_t `twist`. */
-#ifndef WEFT_FORCES_BENDING_BENDING_H
-#define WEFT_FORCES_BENDING_BENDING_H
+#pragma once
 
 #include "forces/force.h"
 #include "mesh/grid_def.h"
@@ -39,5 +38,3 @@ static inline size_t weft__after(size_t at, size_t count)
 
 extern const weft__force weft__bending_force;
 WEFT_FORMS(weft__add_fn, bending);
-
-#endif

@@ -2,8 +2,7 @@
 /* plate.h -- the bending of triangles, F = -K (x + damping v) with the matrix of
  * plate_matrix.c. A row is summed over its columns by turns in two sums, from the first
  * particle of its block on, which moves with the cloth. On a grid it is nothing. */
-#ifndef WEFT_FORCES_BENDING_PLATE_H
-#define WEFT_FORCES_BENDING_PLATE_H
+#pragma once
 
 #include "forces/force.h"
 #include "mesh/triangles.h"
@@ -110,5 +109,3 @@ enum { WEFT__CURVE_PARTS = 40 };
 bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
                          bool curved, const weft_allocator *memory);
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* body.h -- weight and viscous air: m g - drag v on each particle. */
-#ifndef WEFT_FORCES_BODY_BODY_H
-#define WEFT_FORCES_BODY_BODY_H
+#pragma once
 
 #include "forces/force.h"
 
@@ -13,5 +12,3 @@ typedef struct weft__body {
 
 WEFT__NUMBERS(weft__body_numbers, gravity, drag);
 extern const weft__force weft__body_force;
-
-#endif

@@ -16,8 +16,7 @@
  *     coulomb    friction = mu |g| N w / |w|, times 2 y - y^2 where y = |w| / slip < 1
  *
  * All forces are proportional to m, so m cancels in accelerations; docs/physics.md. */
-#ifndef WEFT_FORCES_CONTACT_CONTACT_H
-#define WEFT_FORCES_CONTACT_CONTACT_H
+#pragma once
 
 #include "forces/bounds.h"
 /* shapes.c: rigid shapes: where they are, and the distance to them.
@@ -233,5 +232,3 @@ uint64_t weft__contact_hash(const weft__contact *own);
 
 extern const weft__force weft__contact_force;
 WEFT_FORMS(weft__add_fn, contact);
-
-#endif

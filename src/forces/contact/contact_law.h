@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_law.h -- the gap of shapes.c, the law of contact.h and the condition of
  * contact.h for one particle or a vector of them (forces/law.h). */
-#ifndef WEFT_FORCES_CONTACT_CONTACT_LAW_H
-#define WEFT_FORCES_CONTACT_CONTACT_LAW_H
+#pragma once
 
 #include "forces/contact/contact.h"
 #include "forces/law.h"
@@ -193,5 +192,3 @@ LAW num law_drag(const weft_contact_def *law, double friction, num most, num und
                ? most / length
                : most * CHOOSE(y < 1.0, (2.0 - y) * (1.0 / law->slip), 1.0 / length);
 }
-
-#endif

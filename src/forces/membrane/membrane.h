@@ -13,8 +13,7 @@
  * Each block computes all triangles with a corner in it and keeps the force on its own
  * particles. It takes them in batches of WEFT__WIDTH, none of which has a particle
  * twice: in this order forces are added, whatever the width of vectors. */
-#ifndef WEFT_FORCES_MEMBRANE_MEMBRANE_H
-#define WEFT_FORCES_MEMBRANE_MEMBRANE_H
+#pragma once
 
 #include "forces/bending/plate.h"
 
@@ -263,5 +262,3 @@ double weft__arc_particles(const weft__membrane *own, const weft__state *at,
 typedef struct weft__bent {
     double chord, chord_rate, arc, arc_rate; /* [m^2], [m^2/s] */
 } weft__bent;
-
-#endif

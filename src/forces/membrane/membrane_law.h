@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* membrane_law.h -- the law of membrane.h for one triangle or a vector of them
  * (forces/law.h). */
-#ifndef WEFT_FORCES_MEMBRANE_LAW_H
-#define WEFT_FORCES_MEMBRANE_LAW_H
+#pragma once
 
 #include "forces/law.h"
 #include "forces/membrane/membrane.h"
@@ -50,5 +49,3 @@ LAW void law_pull(const double *of, const num square[3], const num q[3], num s[3
         law_barrier(of, square, area, s);
     }
 }
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* orientation.h -- on which side of a plane a point lies, exactly, and what segments
  * and triangles have in common as decided by it. */
-#ifndef WEFT_FORCES_SELF_ORIENTATION_H
-#define WEFT_FORCES_SELF_ORIENTATION_H
+#pragma once
 
 /* The sign of det(a - d, b - d, c - d): > 0 if d is below the plane of a, b, c, which
  * are counterclockwise from above; 0 if all four lie in one plane. Exact while products
@@ -31,5 +30,3 @@ weft__meeting weft__segment_triangle(const double p[3], const double q[3],
 /* Whether they touch; they never pierce. */
 weft__meeting weft__segment_segment(const double p[3], const double q[3],
                                     const double a[3], const double b[3]);
-
-#endif

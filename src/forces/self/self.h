@@ -3,8 +3,7 @@
  *
  * A node is a particle with the edges and triangles that it owns (mesh/mesh.h): each
  * pair of primitives has one pair of nodes. The formulas are in docs/physics.md. */
-#ifndef WEFT_FORCES_SELF_SELF_H
-#define WEFT_FORCES_SELF_SELF_H
+#pragma once
 
 #include "forces/contact/contact.h"
 #include "forces/self/orientation.h"
@@ -252,5 +251,3 @@ weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
 weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft_error *err);
-
-#endif

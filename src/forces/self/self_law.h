@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_law.h -- the feet, weights and forces of the pairs of self.c, for one pair or a
  * vector of them, as contact_law.h; `truth` is int or a vector of masks. */
-#ifndef WEFT_FORCES_SELF_SELF_LAW_H
-#define WEFT_FORCES_SELF_SELF_LAW_H
+#pragma once
 
 #include "forces/contact/contact_law.h"
 #include "forces/self/self.h"
@@ -429,5 +428,3 @@ LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
         }
     }
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* self_list.h -- the pairs of primitives of a cloth that are near each other, kept
  * while the cloth moves little. The list saves time alone: results have the bits that
  * cloth/self.h has without one, on any number of threads. */
-#ifndef WEFT_FORCES_SELF_SELF_LIST_H
-#define WEFT_FORCES_SELF_SELF_LIST_H
+#pragma once
 
 #include "base/memory.h"
 #include "base/thread_pool.h"
@@ -170,5 +169,3 @@ static inline double weft__self_lasting(const weft__self_list *list)
 {
     return list->group_count > 0 ? weft__self_watched(list) : weft__self_range(list);
 }
-
-#endif

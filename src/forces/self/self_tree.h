@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_tree.h -- pairs of nodes of a cloth in a state that may be near each other, by a
  * quadtree over the grid. */
-#ifndef WEFT_FORCES_SELF_SELF_TREE_H
-#define WEFT_FORCES_SELF_SELF_TREE_H
+#pragma once
 
 #include "forces/force.h"
 
@@ -110,5 +109,3 @@ void weft__tree_fill_tile(weft__quadtree *tree, size_t tile);
 /* As weft__tree_pairs, of nodes in two tiles of a pair of weft__tile_pairs. */
 bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
                         double range, weft__visit_fn *visit, void *ctx);
-
-#endif

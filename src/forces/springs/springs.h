@@ -11,8 +11,7 @@
  * Springs are implicit: a family has two groups, one for each direction, and the
  * springs of a group differ only in their first particle. Nothing is stored per spring.
  * The fast forms evaluate the same expressions on vectors. */
-#ifndef WEFT_FORCES_SPRINGS_SPRINGS_H
-#define WEFT_FORCES_SPRINGS_SPRINGS_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -262,5 +261,3 @@ void weft__limited_sweep(const weft__springs *own, const weft_limit_def *limit,
  * `most`. */
 size_t weft__limited_excess(const weft__springs *own, const weft_limit_def *limit,
                             bool held, size_t most, const double *x);
-
-#endif

@@ -8,8 +8,7 @@
  * rim; no force where they are parallel or a direction has a single particle. Of
  * triangles, each with its normal, its present area and the mean velocity of its
  * corners gives a third of that force to each corner. */
-#ifndef WEFT_FORCES_WIND_WIND_H
-#define WEFT_FORCES_WIND_WIND_H
+#pragma once
 
 #include "forces/force.h"
 #include "mesh/track.h"
@@ -26,5 +25,3 @@ typedef struct weft__wind {
 WEFT__NUMBERS(weft__wind_numbers, wind_velocity, wind_drag);
 extern const weft__force weft__wind_force;
 WEFT_FORMS(weft__add_fn, wind);
-
-#endif
