@@ -236,6 +236,9 @@ function makeStage() {
 const length = (h) => (h >= 1e-3 ? `${Number((1e3 * h).toPrecision(3))} ms` : `${Number((1e6 * h).toPrecision(3))} µs`);
 
 function write() {
+    if (!base) {
+        return;
+    }
     const [{ scene }] = runs;
     const fixed = runs.some((run) => run.scene.step > 0);
     const families = Object.entries(base.springs);
@@ -370,7 +373,9 @@ function setPlaying(on) {
 
 const change = (values) => {
     Object.assign(state, values);
-    start();
+    if (base) { // else the text of a link is wrong
+        start();
+    }
 };
 
 const ACTIONS = {
@@ -400,7 +405,7 @@ const ACTIONS = {
 
 function listen() {
     for (const [id, action] of Object.entries(ACTIONS)) {
-        $(id).addEventListener('click', action);
+        $(id).addEventListener('click', () => (base || id === 'run') && action());
     }
     $('scene').addEventListener('change', () => {
         Object.assign(state, { scene: $('scene').value || state.scene, method: OWN });
@@ -409,7 +414,7 @@ function listen() {
     $('method').addEventListener('change', () => change({ method: $('method').value }));
     $('other').addEventListener('change', () => change({ other: $('other').value, two: true }));
     $('two').addEventListener('change', () => change({ two: $('two').checked }));
-    $('h').addEventListener('input', () => change({ h: base.limit * 10 ** $('h').valueAsNumber }));
+    $('h').addEventListener('input', () => change({ h: (base?.limit ?? 1) * 10 ** $('h').valueAsNumber }));
     $('k').addEventListener('input', () => change({ k: $('k').valueAsNumber }));
     $('d').addEventListener('input', () => change({ d: $('d').valueAsNumber }));
     $('rate').addEventListener('change', () => {
@@ -429,7 +434,7 @@ function listen() {
     document.addEventListener('keydown', (event) => {
         if (keys[event.key] && !event.ctrlKey && !event.metaKey && !event.target.matches('textarea, select, input, button')) {
             event.preventDefault();
-            ACTIONS[keys[event.key]]();
+            $(keys[event.key]).click();
         }
     });
     new ResizeObserver(() => {

@@ -21,7 +21,7 @@ const native = (scene, ...sets) => execFileSync(`${build}/hashes`, [`${build}/pl
 async function frame(page, least) {
     const shows = await until(page, (n) => {
         const { textContent } = document.getElementById('last');
-        return Number(textContent.match(/\d+/)[0]) >= n && textContent;
+        return Number(textContent.match(/\d+/)?.[0]) >= n && textContent;
     }, least);
     const [, number, hash] = (await shows.jsonValue()).match(/^frame (\d+): state (\w+)$/);
     return [Number(number), hash];
@@ -113,6 +113,18 @@ test('the link has the scene and its numbers', async () => {
     const mine = await see(link({ scene: '', text: own }));
     assert.match(await text(mine.page, 'about'), /^my own · 1 × 11 particles/);
     assert.match(await text((await see('e30x')).page, 'mistake'), /^The link holds no scene/);
+});
+
+test('a link whose text is wrong shows the mistake, and bears what is pressed', async () => {
+    const { page, said } = await see(link({ scene: '', text: 'weft: 1\ncloth: {}\n' }));
+    assert.match(await text(page, 'mistake'), /^1:1: the scene lacks/);
+    for (const id of ['plain', 'two', 'fit', 'restart', 'step']) {
+        await page.locator(`#${id}`).click();
+    }
+    await page.locator('#h').press('ArrowRight');
+    await page.locator('#scene').selectOption('chain');
+    await frame(page, 1);
+    assert.deepEqual(said.filter((line) => !/blob:/.test(line)), []);
 });
 
 test('on a phone nothing reaches beyond the screen', async () => {
