@@ -9,10 +9,10 @@
 enum { WEFT__TRACK_WIDTH = 4 }; /* numbers of a row */
 
 /* The vector at time t [s], its derivative and the second one. */
-void weft__track_at(const weft_track *track, double t, double value[3][3]);
+void weft__track_at(const weft_track *of, double t, double value[3][3]);
 
 /* The first time of a row within (t, t_end), or t_end. */
-double weft__track_next(const weft_track *track, double t, double t_end);
+double weft__track_next(const weft_track *of, double t, double t_end);
 
 /* What is wrong, with the number of the row; NULL: nothing. */
-const char *weft__track_fault(const weft_track *track, size_t *row);
+const char *weft__track_fault(const weft_track *of, size_t *row);

@@ -76,7 +76,7 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
 void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def,
                             double *mass);
 
-size_t weft__triangles_bytes(const weft__triangles *of, size_t particles);
+size_t weft__triangles_bytes(const weft__triangles *of, size_t n);
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
 
 /* around.c: fills around_first and around from the corners. */

@@ -170,6 +170,12 @@ void weft_sim_positions(const weft_sim *sim, double *xyz)
     interleave(&sim->cloth->mesh, sim->y, xyz);
 }
 
+static void put(float *array, size_t bytes, double value)
+{
+    const float number = (float)value;
+    memcpy((char *)array + bytes, &number, sizeof number);
+}
+
 void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
                        size_t stride)
 {
@@ -183,10 +189,10 @@ void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
         }
         for (size_t k = 0; k < 3; ++k) {
             if (positions != NULL) {
-                *(float *)((char *)(positions + k) + at) = (float)sim->y[k * n + i];
+                put(positions + k, at, sim->y[k * n + i]);
             }
             if (normals != NULL) {
-                *(float *)((char *)(normals + k) + at) = (float)normal[k];
+                put(normals + k, at, normal[k]);
             }
         }
     }
