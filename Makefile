@@ -493,6 +493,7 @@ check-libm: all $(BUILD)/tests/test_libm $(PRELOADED)
 	@tools/check-libm $(BUILD)
 
 # libFuzzer, a minute a target, as many at once as there are processors: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
+# Without kernels, which take minutes to compile so: asan runs them.
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
 
@@ -506,7 +507,7 @@ $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
 $(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
 fuzz:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz CC=clang CFLAGS='-O1 -g1' \
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz KERNEL=plain CC=clang CFLAGS='-O1 -g1' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
 	    build/fuzz/weft $(PLUGINS:%=build/fuzz/plugins/weft-%.so) $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
