@@ -264,9 +264,11 @@ bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visi
 int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
                    double *to)
 {
+    if (!own->law.self) {
+        return 0;
+    }
     pass all = { weft__self_law_of(own), .at = at, .unit = unit, .to = to };
-    const bool sought = !own->law.self || weft__self_seek(own, at->y, take_pair, &all);
-    return sought && all.bad == 0.0 ? 0 : 1;
+    return weft__self_seek(own, at->y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
 }
 
 void weft__self_measure(const weft__self *own, const weft__state *at,
