@@ -6,12 +6,12 @@ import { here, write } from './pages.mjs';
 
 const MARK = '<!--WEFT-DATA-->';
 
-async function writePage(name, entry, shape, software) {
-    const page = await write(`${process.argv[2] ?? fileURLToPath(here('dist'))}/${name}.html`, name, entry, shape, software);
+async function writePage(name, entry, shape, title, software) {
+    const page = await write(`${process.argv[2] ?? fileURLToPath(here('dist'))}/${name}.html`, name, entry, shape, title, software);
     if (page.split(MARK).length !== 2) {
         throw new Error(`the page must have one ${MARK}`);
     }
 }
 
-await writePage('player', 'entry', 'page', ['three', 'uplot']);
-await writePage('compare', 'compare', 'compare', []);
+await writePage('player', 'entry', 'page', 'weft', ['three', 'uplot']);
+await writePage('compare', 'compare', 'compare', 'weft compare', []);

@@ -32,9 +32,11 @@ const licence = async (name) => {
 // What the page may do: run this script, apply this style, what `more` says, and nothing else.
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
 
-/** The file `to` of src/SHAPE.html. software: packages of node_modules; parts: further texts
+const markup = async (name) => (await readFile(here(`src/${name}.html`), 'utf8')).trimEnd();
+
+/** The file `to` of src/SHAPE.html, with TITLE. software: packages of node_modules; parts: further texts
  * that the page names as @PART@; more: of the policy; notices: of other software. */
-export async function write(to, name, entry, shape, software, { parts = {}, more = ['', ''], notices = [] } = {}) {
+export async function write(to, name, entry, shape, title, software, { parts = {}, more = ['', ''], notices = [] } = {}) {
     const script = await bundle(`src/${entry}.js`);
     const style = await bundle(`src/${shape}.css`);
     const fill = {
@@ -46,6 +48,7 @@ export async function write(to, name, entry, shape, software, { parts = {}, more
         ].join('\n\n----\n\n'),
         STYLE: style,
         SCRIPT: script,
+        TITLE: title,
         ...parts,
     };
     for (const [part, text] of Object.entries(fill)) {
@@ -53,7 +56,10 @@ export async function write(to, name, entry, shape, software, { parts = {}, more
             throw new Error(`${part} would end its element`);
         }
     }
-    const page = (await readFile(here(`src/${shape}.html`), 'utf8')).replace(/@([A-Z]+)@/g, (_, part) => fill[part]);
+    const shared = { HEAD: await markup('head'), STAGE: await markup('stage') };
+    const page = (await readFile(here(`src/${shape}.html`), 'utf8'))
+        .replace(/@(HEAD|STAGE)@/g, (_, part) => shared[part])
+        .replace(/@([A-Z]+)@/g, (_, part) => fill[part]);
     await writeFile(to, page);
     return page;
 }

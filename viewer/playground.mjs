@@ -20,7 +20,7 @@ const notices = [
     ['wasi-libc', '/usr/share/doc/wasi-libc/copyright'],
 ].map(([name, path]) => `${name}\n\n${read(path).trim()}`);
 
-await write(to, 'playground', 'playground', 'playground', ['three', 'uplot'], {
+await write(to, 'playground', 'playground', 'playground', 'weft playground', ['three', 'uplot'], {
     parts: {
         SCENES: JSON.stringify({ names: Object.keys(texts), texts, files }).replaceAll('<', '\\u003c'),
         WORKER: await bundle('src/playground-worker.js'),

@@ -37,7 +37,7 @@ static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices
             if (at->bad[t] != 0) {
                 continue;
             }
-            __builtin_prefetch(&at->first[corners[weft__soon(h, 3 * count)]], 1);
+            __builtin_prefetch(&at->first[corners[weft__soon(h, 16, 3 * count)]], 1);
             const uint32_t p = corners[3 * t + (k + 1) % 3];
             const uint32_t q = corners[3 * t + (k + 2) % 3], low = p < q ? p : q;
             if (pass == 0) {
@@ -121,7 +121,7 @@ static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
             visit(at, (uint32_t)i, &at->halves[h], end - h);
             for (size_t k = h; k < end; ++k) {
                 const size_t soon
-                    = at->halves[weft__soon(k, at->first[vertices])].triangle;
+                    = at->halves[weft__soon(k, 16, at->first[vertices])].triangle;
                 __builtin_prefetch(&at->piece[soon]);
                 __builtin_prefetch(&at->def->corners[3 * soon]);
             }

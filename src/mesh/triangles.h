@@ -79,6 +79,14 @@ void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def
 size_t weft__triangles_bytes(const weft__triangles *of, size_t n);
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory);
 
+/* An item of a loop over `count` that comes so many behind item i: what it refers to is
+ * fetched while i waits, which takes a third of the time if the items of a file have no
+ * order. */
+static inline size_t weft__soon(size_t i, size_t ahead, size_t count)
+{
+    return i + ahead < count ? i + ahead : i;
+}
+
 /* around.c: fills around_first and around from the corners. */
 void weft__around_fill(weft__triangles *of, size_t particles);
 

@@ -85,7 +85,8 @@ static void check_positions(weft__work *at)
 double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest)
 {
     const double *x[3];
-    const size_t soon = weft__soon(t, def->triangles); /* callers go through them all */
+    /* callers go through them all */
+    const size_t soon = weft__soon(t, 16, def->triangles);
     double square = 0.0;
     for (size_t k = 0; k < 3; ++k) {
         x[k] = &def->rest[2 * (size_t)weft__place_at(def, t, k)];

@@ -38,14 +38,6 @@ void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
 /* Numbers, indices and shapes of triangles, one by one. */
 void weft__triangles_check(weft__work *at);
 
-/* An item of a loop over `count` that is close behind item i: what it refers to is
- * fetched while i waits, which takes a third of the time if the items of a file have no
- * order. */
-static inline size_t weft__soon(size_t i, size_t count)
-{
-    return i + 16 < count ? i + 16 : i;
-}
-
 /* Twice the area of a triangle at rest, signed, and its longest edge. */
 double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest);
 

@@ -245,8 +245,8 @@ static bool make_room(obj_builder *self)
 static void fetch_ahead(const obj_builder *self, size_t f)
 {
     const weft__obj *obj = self->obj;
-    const weft__obj_face *later = &obj->face[f + 16 < obj->faces ? f + 16 : f],
-                         *soon = &obj->face[f + 8 < obj->faces ? f + 8 : f];
+    const weft__obj_face *later = &obj->face[weft__soon(f, 16, obj->faces)],
+                         *soon = &obj->face[weft__soon(f, 8, obj->faces)];
     for (size_t k = 0; k < 3; ++k) {
         const uint32_t slot = self->first[soon->vertex[k]];
         __builtin_prefetch(&self->first[later->vertex[k]], 1);

@@ -131,19 +131,20 @@ static weft_status check_particle(const weft_sim *sim, const char *function, siz
     return WEFT_OK;
 }
 
-weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
-                              const double *velocities, size_t count, weft_error *err)
+/* Of the function that a refusal names. */
+static weft_status pin(weft_sim *sim, const char *function, const size_t *particles,
+                       const double *velocities, size_t count, weft_error *err)
 {
-    const size_t n = weft_cloth_particles(sim->cloth);
-    weft__mesh *mesh = &sim->cloth->mesh;
     weft_status status = WEFT_OK;
     for (size_t j = 0; status == WEFT_OK && j < count; ++j) {
-        status = check_particle(sim, "weft_sim_pin_many", particles[j],
+        status = check_particle(sim, function, particles[j],
                                 velocities != NULL ? velocities + 3 * j : NULL, err);
     }
     if (status != WEFT_OK || count == 0) {
         return status;
     }
+    weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles;
     weft__sim_change_begins(sim);
     for (size_t j = 0; j < count; ++j) {
         const size_t i = weft__particle_of(mesh, particles[j]);
@@ -157,13 +158,16 @@ weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
     return WEFT_OK;
 }
 
+weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
+                              const double *velocities, size_t count, weft_error *err)
+{
+    return pin(sim, "weft_sim_pin_many", particles, velocities, count, err);
+}
+
 weft_status weft_sim_pin(weft_sim *sim, size_t vertex, const double velocity[3],
                          weft_error *err)
 {
-    const weft_status status
-        = check_particle(sim, "weft_sim_pin", vertex, velocity, err);
-    return status == WEFT_OK ? weft_sim_pin_many(sim, &vertex, velocity, 1, err)
-                             : status;
+    return pin(sim, "weft_sim_pin", &vertex, velocity, 1, err);
 }
 
 static void place(weft_sim *sim, size_t i, const double position[3])
