@@ -180,39 +180,26 @@ static bool check_vertices(const weft_cloth_def *def, const char *what, size_t i
     return true;
 }
 
-/* false: there is no memory for them. */
-static bool check_vertex_masses(const weft_cloth_def *def, const weft_allocator *memory,
-                                const weft__faults *to)
+/* A vertex weighs at least a third of the lightest triangle, and less than all. */
+static void check_vertex_masses(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_mesh_def *mesh = def->mesh;
-    double *mass = weft__zeroed(memory, mesh->vertices, sizeof *mass), longest;
-    bool usable = true;
-    if (mass == NULL) {
-        return false;
-    }
+    double least = INFINITY, sum = 0.0, longest;
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const weft_fabric *of
             = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
         const double area = 0.5 * fabs(weft__twice_area(mesh, t, &longest));
-        for (size_t k = 0; k < 3; ++k) {
-            mass[mesh->corners[3 * t + k]] += of->density * area / 3.0;
-        }
+        const double share = of->density * area / 3.0;
+        least = fmin(least, share);
+        sum += 3.0 * share;
     }
     for (size_t i = 0; i < def->load_count; ++i) {
-        const weft_load *load = &def->loads[i];
-        for (size_t k = 0; k < load->vertex_count; ++k) {
-            mass[load->vertices[k]] += load->mass;
-        }
+        sum += (double)def->loads[i].vertex_count * def->loads[i].mass;
     }
-    for (size_t i = 0; i < mesh->vertices; ++i) {
-        usable = usable && isfinite(mass[i]) && isfinite(1.0 / mass[i]);
-    }
-    if (!usable) {
+    if (!(isfinite(sum) && isfinite(1.0 / least))) {
         weft__fault(to, FIELD(mesh), FIELD(mesh),
                     "the masses are too large or too small for a double");
     }
-    weft__free(memory, mass);
-    return true;
 }
 
 /* The vertices of loads and pins. */
@@ -245,7 +232,7 @@ void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
     const bool valid
         = weft__triangles_create(triangles, def->mesh, &memory, parts, no_memory);
     if (check_held(def, to) && valid) {
-        *no_memory = !check_vertex_masses(def, &memory, to);
+        check_vertex_masses(def, to);
     }
     if (valid) {
         check_motions(def, to);

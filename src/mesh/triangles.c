@@ -8,6 +8,8 @@
 #include "base/memory.h"
 #include "base/sized.h"
 
+enum { FEW = 16 }; /* edges of a vertex, which are sorted one by one */
+
 void weft_mesh_def_init(weft_mesh_def *def, size_t size)
 {
     const weft_mesh_def start = { .struct_size = (uint32_t)size };
@@ -24,20 +26,34 @@ static int by_high(const void *a, const void *b)
                : (x->triangle > y->triangle) - (x->triangle < y->triangle);
 }
 
-/* Fills halves and first from the corners of T triangles: the edges of a vertex are
- * few.
- */
+static void sort_halves(weft__half_edge *of, size_t count)
+{
+    for (size_t i = 1; i < count && count <= FEW; ++i) {
+        const weft__half_edge kept = of[i];
+        size_t j = i;
+        for (; j > 0 && by_high(&kept, &of[j - 1]) < 0; --j) {
+            of[j] = of[j - 1];
+        }
+        of[j] = kept;
+    }
+    if (count > FEW) {
+        qsort(of, count, sizeof *of, by_high);
+    }
+}
+
+/* Fills halves and first from the corners of T triangles. */
 static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices,
                         size_t count)
 {
+    const size_t all = 3 * count;
     memset(at->first, 0, (vertices + 1) * sizeof *at->first);
     for (size_t pass = 0; pass < 2; ++pass) {
-        for (size_t h = 0; h < 3 * count; ++h) {
+        for (size_t h = 0; h < all; ++h) {
             const size_t t = h / 3, k = h % 3;
             if (at->bad[t] != 0) {
                 continue;
             }
-            __builtin_prefetch(&at->first[corners[weft__soon(h, 16, 3 * count)]], 1);
+            __builtin_prefetch(&at->first[corners[weft__soon(h, 64, all)]], 1);
             const uint32_t p = corners[3 * t + (k + 1) % 3];
             const uint32_t q = corners[3 * t + (k + 2) % 3], low = p < q ? p : q;
             if (pass == 0) {
@@ -53,8 +69,7 @@ static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices
         }
     }
     for (size_t i = 0; i < vertices; ++i) {
-        qsort(at->halves + at->first[i], at->first[i + 1] - at->first[i],
-              sizeof *at->halves, by_high);
+        sort_halves(at->halves + at->first[i], at->first[i + 1] - at->first[i]);
     }
 }
 
@@ -112,6 +127,8 @@ typedef void edge_fn(weft__work *at, uint32_t low, const weft__half_edge *from,
 
 static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
 {
+    const uint32_t *corners = at->def->corners, *places = at->def->corner_places;
+    places = places != NULL ? places : corners;
     for (size_t i = 0; i < vertices; ++i) {
         for (size_t h = at->first[i], end = h; h < at->first[i + 1]; h = end) {
             while (end < at->first[i + 1]
@@ -123,7 +140,8 @@ static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
                 const size_t soon
                     = at->halves[weft__soon(k, 16, at->first[vertices])].triangle;
                 __builtin_prefetch(&at->piece[soon]);
-                __builtin_prefetch(&at->def->corners[3 * soon]);
+                __builtin_prefetch(&corners[3 * soon]);
+                __builtin_prefetch(&places[3 * soon]);
             }
         }
     }

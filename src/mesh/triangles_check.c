@@ -86,7 +86,7 @@ double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest)
 {
     const double *x[3];
     /* callers go through them all */
-    const size_t soon = weft__soon(t, 16, def->triangles);
+    const size_t soon = weft__soon(t, 32, def->triangles);
     double square = 0.0;
     for (size_t k = 0; k < 3; ++k) {
         x[k] = &def->rest[2 * (size_t)weft__place_at(def, t, k)];

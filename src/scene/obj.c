@@ -109,9 +109,15 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
 
 /* ---- the definition ------------------------------------------------------------ */
 
+/* The place of a vertex in the file that was found first, and its vt. */
+typedef struct first_place {
+    uint32_t place, vt; /* WEFT__NONE: none */
+} first_place;
+
 typedef struct obj_builder {
     weft__obj *obj;
-    uint32_t *first, *next; /* place of a vertex in the file, and of the same vertex */
+    first_place *first;
+    uint32_t *next;                          /* place of the same vertex */
     size_t rest_room, next_room, place_room; /* of arrays as long as the places */
 } obj_builder;
 
@@ -125,10 +131,14 @@ static bool same_place(const weft__obj *obj, uint32_t a, uint32_t b)
 static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t corner)
 {
     weft__obj *obj = self->obj;
-    uint32_t *slot = &self->first[face->vertex[corner]];
+    first_place *first = &self->first[face->vertex[corner]];
+    uint32_t *slot = &first->place;
     const uint32_t vt = face->place[corner];
     const size_t count = obj->def.places;
     size_t before = 0;
+    if (first->vt == vt) {
+        return first->place;
+    }
     for (; *slot != WEFT__NONE; slot = &self->next[*slot], ++before) {
         if (same_place(obj, obj->place_of[*slot], vt)) {
             return *slot;
@@ -142,6 +152,7 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
         return 0;
     }
     *slot = (uint32_t)count; /* before the arrays may move */
+    first->vt = before == 0 ? vt : first->vt;
     if (!weft__report_reserve(obj->report, &obj->rest, &self->rest_room, count + 1,
                               2 * sizeof *obj->rest)
         || !weft__report_reserve(obj->report, &self->next, &self->next_room, count + 1,
@@ -245,14 +256,11 @@ static bool make_room(obj_builder *self)
 static void fetch_ahead(const obj_builder *self, size_t f)
 {
     const weft__obj *obj = self->obj;
-    const weft__obj_face *later = &obj->face[weft__soon(f, 16, obj->faces)],
-                         *soon = &obj->face[weft__soon(f, 8, obj->faces)];
+    const weft__obj_face *later = &obj->face[weft__soon(f, 16, obj->faces)];
     for (size_t k = 0; k < 3; ++k) {
-        const uint32_t slot = self->first[soon->vertex[k]];
         __builtin_prefetch(&self->first[later->vertex[k]], 1);
         __builtin_prefetch(&obj->vertex_of[later->vertex[k]]);
         __builtin_prefetch(&obj->place[later->place[k]]);
-        __builtin_prefetch(slot == WEFT__NONE ? NULL : &obj->place_of[slot]);
     }
 }
 

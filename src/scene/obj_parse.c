@@ -54,8 +54,8 @@ static size_t next_word(cursor *self)
     if (*p == '#') {
         return 0;
     }
-    while (*p != '\0' && *p != '\n' && !is_blank(*p)
-           && !(*p == '\\' && continuation(p) > 0)) {
+    while ((*p > ' ' && *p != '\\')
+           || (*p != '\0' && *p != '\n' && !is_blank(*p) && continuation(p) == 0)) {
         ++p;
     }
     return (size_t)(p - self->at);
@@ -77,9 +77,29 @@ static void skip_line(cursor *self)
     self->at = end == NULL ? self->end : end + 1;
 }
 
-/* A decimal number that is all of a word. */
+/* A decimal number that is all of a word. Up to 15 digits and the power of ten that
+ * divides them are exact, so that the quotient is rounded as strtod would. */
 static bool real_of(const char *word, size_t length, double *out)
 {
+    static const double ten[] = { 1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                  1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15 };
+    const char *p = word + (*word == '-'), *point = NULL;
+    const size_t digits = length - (*word == '-');
+    int64_t number = 0;
+    for (; p < word + length && digits < sizeof ten / sizeof *ten; ++p) {
+        if (*p >= '0' && *p <= '9') {
+            number = 10 * number + (*p - '0');
+        } else if (*p == '.' && point == NULL && digits > 1) {
+            point = p;
+        } else {
+            break;
+        }
+    }
+    if (p == word + length) {
+        const double whole = (double)number;
+        *out = (*word == '-' ? -whole : whole) / ten[point != NULL ? p - point - 1 : 0];
+        return digits > 0;
+    }
     char *end = NULL;
     *out = strspn(word, "+-.0123456789eE") >= length ? strtod(word, &end) : (double)NAN;
     return end == word + length && isfinite(*out);
@@ -268,8 +288,8 @@ static size_t next_statement(cursor *self)
     size_t kind = 0;
     self->word = self->at;
     while (kind < KINDS
-           && (strlen(statements[kind].word) != length
-               || memcmp(statements[kind].word, self->word, length) != 0)) {
+           && (strncmp(statements[kind].word, self->word, length) != 0
+               || statements[kind].word[length] != '\0')) {
         ++kind;
     }
     self->at += length;
