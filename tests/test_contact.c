@@ -23,7 +23,7 @@ static double noise(uint64_t *seed) /* in (-1, 1) */
     return (double)(*seed >> 11) * 0x1p-52 - 1.0;
 }
 
-/* A moving shape of each kind near the origin; the plane below. */
+/* A shape of each kind near the origin, which moves and turns; the plane below. */
 static void setup(void)
 {
     def = weft_cloth_def_default();
@@ -34,6 +34,8 @@ static void setup(void)
         shapes[k] = weft_shape_default((weft_shape_kind)k);
         shapes[k].velocity[0] = 0.3, shapes[k].amplitude[1] = 0.02;
         shapes[k].frequency = 1.5, shapes[k].friction = 0.1 + 0.2 * (double)k;
+        shapes[k].turn
+            = (weft_turn){ { 0.3, -0.4, 1.2 }, { 0.1, 0.2, -0.3 }, 1.5, 0.4, 0.7 };
     }
     shapes[WEFT_PLANE].normal[0] = 0.5, shapes[WEFT_PLANE].spin[1] = 2.0;
     shapes[WEFT_PLANE].spin[0] = 1.0;
@@ -53,6 +55,20 @@ static void teardown(void)
 {
     weft_cloth_destroy(cloth);
     cloth = NULL;
+}
+
+/* What becomes of a vector by the turn of setup, and its omega. */
+static void turned(const double v[3], double t, double out[3], double omega[3])
+{
+    const double w = 2.0 * acos(-1.0) * 0.7, angle = 1.5 * t + 0.4 * sin(w * t);
+    const double u[3] = { 0.3 / 1.3, -0.4 / 1.3, 1.2 / 1.3 };
+    const double along = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        out[k] = v[k] * cos(angle) + (u[a] * v[b] - u[b] * v[a]) * sin(angle)
+                 + u[k] * along * (1.0 - cos(angle));
+        omega[k] = (1.5 + 0.4 * w * cos(w * t)) * u[k];
+    }
 }
 
 /* One shape; every particle at a gap of a tenth to nine tenths of the thickness at t.
@@ -292,13 +308,19 @@ END_TEST
 START_TEST(poses_follow_the_motion)
 {
     const double w = 2.0 * acos(-1.0) * 1.5, t = 0.8;
-    double at[3], velocity[3];
+    const double c0[3] = { 0.1, 0.2, -0.3 }, from[3] = { -0.1, -0.2, 0.3 };
+    const double moved[3] = { 0.3 * t, 0.02 * sin(w * t), 0.0 };
+    const double speed[3] = { 0.3, 0.02 * w * cos(w * t), 0.0 };
+    double at[3], velocity[3], arm[3], o[3];
     one_free_particle(WEFT_SPHERE);
     weft_cloth_shape_pose(cloth, 0, t, at, velocity);
-    ck_assert_double_eq_tol(at[0], 0.3 * t, 1e-15);
-    ck_assert_double_eq_tol(at[1], 0.02 * sin(w * t), 1e-15);
-    ck_assert_double_eq_tol(velocity[0], 0.3, 1e-15);
-    ck_assert_double_eq_tol(velocity[1], 0.02 * w * cos(w * t), 1e-14);
+    turned(from, t, arm, o);
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        ck_assert_double_eq_tol(at[k], c0[k] + moved[k] + arm[k], 1e-15);
+        ck_assert_double_eq_tol(velocity[k], speed[k] + o[a] * arm[b] - o[b] * arm[a],
+                                1e-14);
+    }
     weft_cloth_shape_pose(cloth, 0, t, NULL, NULL);
     ck_assert_uint_eq(weft_cloth_shapes(cloth), 1);
     ck_assert_double_eq(weft_cloth_shape(cloth, 0).radius, 0.3);
@@ -340,12 +362,14 @@ END_TEST
 
 /* ---- loads ----------------------------------------------------------------------- */
 
-/* What the shape gives is what the particles get, and their work is that of its motion
- * and its spin. */
+/* What the shape gives is what the particles get, and their work is that of its motion,
+ * its turn and its spin, which turns with it. */
 START_TEST(loads_balance_forces_and_work)
 {
     const double t = 0.37;
     double f[3 * N], force[3], torque[3], velocity[3], power[WEFT_POWERS], work = 0.0;
+    double spin[3], omega[3];
+    turned(shapes[_i].spin, t, spin, omega);
     memset(def.gravity, 0, sizeof def.gravity);
     touch((weft_shape_kind)_i, t);
     weft_cloth_force(cloth, t, y, f);
@@ -358,7 +382,7 @@ START_TEST(loads_balance_forces_and_work)
             sum += f[k * N + i];
         }
         ck_assert_double_eq_tol(force[k], -sum, 1e-12 * (1.0 + fabs(sum)));
-        work += force[k] * velocity[k] + torque[k] * shapes[_i].spin[k];
+        work += force[k] * velocity[k] + torque[k] * (spin[k] + omega[k]);
     }
     if (_i != WEFT_PLANE && _i != WEFT_CAPSULE) { /* those spin along their axis */
         ck_assert_double_eq_tol(power[WEFT_POWER_SHAPES], -work, 1e-11 * fabs(work));

@@ -155,7 +155,11 @@ static weft_shape any_shape(uint64_t *seed)
         shape.velocity[k] = 3.0 * noise(seed);
         shape.amplitude[k] = 0.02 * noise(seed);
         shape.spin[k] = shape.kind == WEFT_SPHERE ? 20.0 * noise(seed) : 0.0;
+        shape.turn.axis[k] = noise(seed);
+        shape.turn.about[k] = 0.1 * noise(seed);
     }
+    shape.turn.rate = 20.0 * noise(seed), shape.turn.amplitude = noise(seed);
+    shape.turn.frequency = 2.0 * (1.0 + noise(seed));
     shape.frequency = 2.0 * (1.0 + noise(seed));
     return shape;
 }
@@ -421,7 +425,7 @@ END_TEST
 /* With a checksum that is right: words of the last shape (docs/output.md). */
 START_TEST(saved_shapes_that_make_no_sense_are_refused)
 {
-    enum { WORDS = 27, RADIUS = 10, COUNT = -WORDS - 2, LAW = -WORDS - 1 };
+    enum { WORDS = 40, RADIUS = 10, COUNT = -WORDS - 2, LAW = -WORDS - 1 };
     static const struct {
         int word;
         double real;

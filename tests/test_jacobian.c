@@ -46,6 +46,7 @@ static weft_shape shape_below(weft_shape_kind kind)
         shape.spin[k] = kind == WEFT_PLANE ? 2.0 * shape.normal[k]
                                            : 9.0 * (shape.to[k] - shape.at[k]);
     }
+    shape.turn = (weft_turn){ { 1.0, 2.0, 2.0 }, { 0.1, 0.0, 0.2 }, 1.0, 0.2, 0.5 };
     return shape;
 }
 

@@ -76,6 +76,11 @@ static weft_shape some_shape(uint64_t *seed)
             shape.spin[k] = way[k] - (shape.kind == WEFT_PLANE ? 0.0 : shape.at[k]);
         }
     }
+    if (chance(seed) < 0.5) {
+        shape.turn.rate = 6.0 * chance(seed) - 3.0;
+        fill(shape.turn.axis, shape.kind == WEFT_BOX ? 1.0 : 0.0, seed);
+        shape.turn.axis[1] += 0.005, shape.turn.axis[2] += 1.0; /* planes keep clear */
+    }
     shape.friction = chance(seed) < 0.3 ? 0.0 : 2.0 * chance(seed) - 1.0;
     return shape;
 }

@@ -99,8 +99,18 @@ typedef enum weft_shape_kind {
 /* "plane", "sphere", "capsule" or "box"; never NULL. */
 WEFT_API const char *weft_shape_name(weft_shape_kind kind);
 
-/* A rigid shape. Its point `at`, and all of it, moves as a pin does:
- * at(t) = at + velocity t + amplitude sin(2 pi frequency t). */
+/* A turn by the angle rate t + amplitude sin(2 pi frequency t) [rad] about an axis.
+ * Fixed for ever. */
+typedef struct weft_turn {
+    double axis[3];   /* create normalises it; 0 0 0: no turn */
+    double about[3];  /* [m] a point of the axis at t = 0; NAN: `at` of the shape */
+    double rate;      /* [rad/s] */
+    double amplitude; /* [rad] */
+    double frequency; /* [Hz] >= 0 */
+} weft_turn;
+
+/* A rigid shape. It turns as `turn` says, and then all of it, the axis of the turn too,
+ * moves as a pin does, by velocity t + amplitude sin(2 pi frequency t). */
 typedef struct weft_shape {
     weft_shape_kind kind;
     double at[3];     /* [m] a point of a plane, a centre, the first end of a capsule */
@@ -113,8 +123,11 @@ typedef struct weft_shape {
     double amplitude[3]; /* [m] */
     double frequency;    /* [Hz] >= 0 */
     double spin[3];  /* [rad/s] of the surface about `at`: along the normal of a plane
-                        and the axis of a capsule, none of a box */
+                        and the axis of a capsule, none of a box; turns with it */
     double friction; /* >= 0; negative: the contact's */
+    weft_turn turn;
+    double orientation[4]; /* box: a rotation before its turn, as x y z w of a
+                              quaternion; create normalises it; 0 0 0 0: none */
 } weft_shape;
 
 /* A plane y >= 0, a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m

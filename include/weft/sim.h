@@ -401,12 +401,25 @@ static inline weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *sh
 }
 
 /* Puts shape k to `at` [m] at once (NULL: it stays) and moves it from now on at
- * `velocity` [m/s] instead of its own motion (NULL: that continues). A jump passes
- * whatever is in between, and presses suddenly on particles that it comes near to: a
- * shape that is dragged had better reach its place x at the time t of the next frame by
- * velocity = (x - place) / (t - time). */
+ * `velocity` [m/s] instead of its own motion and turn (NULL: these continue). A jump
+ * passes whatever is in between, and presses suddenly on particles that it comes near
+ * to: a shape that is dragged had better reach its place x at the time t of the next
+ * frame by velocity = (x - place) / (t - time). */
 WEFT_API weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double at[3],
                                          const double velocity[3], weft_error *err);
+
+/* From now on shape k moves as `as` does, from where it is and as it stands: by its
+ * velocity, amplitude, frequency and turn, whose angle rate (t - now) + amplitude
+ * sin(2 pi frequency t) counts from the present one and whose axis is now at
+ * turn.about. Other members of `as` are not used; NULL: it stays. */
+WEFT_API weft_status weft_sim_drive_shape_sized(weft_sim *sim, size_t k,
+                                                const weft_shape *as, size_t size,
+                                                weft_error *err);
+static inline weft_status weft_sim_drive_shape(weft_sim *sim, size_t k,
+                                               const weft_shape *as, weft_error *err)
+{
+    return weft_sim_drive_shape_sized(sim, k, as, sizeof *as, err);
+}
 
 /* The shapes behind it get the next lower numbers. */
 WEFT_API weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err);

@@ -168,7 +168,8 @@ static double time_inside(const weft_shape *def, const weft_pin *pin,
 {
     const weft__shape shape = weft__shape_of(def, 0.0);
     const weft__motion motion = weft__pin_motion(pin);
-    const size_t last = shape.motion.moves || motion.moves ? TIMES : 0;
+    const size_t last
+        = shape.motion.motion.moves || shape.motion.turns || motion.moves ? TIMES : 0;
     double found = -1.0;
     for (size_t i = 0; i <= last && found < 0.0; ++i) {
         const double t = duration * ((double)i / TIMES);

@@ -139,7 +139,7 @@ static void put_shapes(const weft_cloth *cloth, unsigned char *to)
         weft__word_put(to, (uint64_t)shape->def.kind);
         weft__words_put(to + WEFT__WORD, (const char *)&shape->def + AT_REALS,
                         SHAPE_REALS);
-        weft__real_put(to + (1 + SHAPE_REALS) * WEFT__WORD, shape->motion.since);
+        weft__real_put(to + (1 + SHAPE_REALS) * WEFT__WORD, shape->motion.motion.since);
     }
 }
 

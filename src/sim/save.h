@@ -13,7 +13,7 @@
 #include "base/bytes.h"
 #include "sim/simulation.h"
 
-enum { WEFT__SAVE_VERSION = 8, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
+enum { WEFT__SAVE_VERSION = 9, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
 
 #define WEFT__SAVE_MAGIC "weftsave"
 

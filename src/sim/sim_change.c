@@ -301,43 +301,62 @@ weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *given,
     return status;
 }
 
-/* Its place at `t` becomes `to`, from where it moves on as `def` says. A velocity that
- * is not finite is left to the check of `def`. */
-static void move_to(weft_shape *def, double t, const double to[3])
+/* Shape k, with the motion of `def` from now on. */
+static weft_status move_shape(weft_sim *sim, size_t k, const double place[3],
+                              weft_shape *def, weft_error *err)
 {
-    if (!weft__all_finite(def->velocity, 3)) {
-        return;
+    const weft__contact *contact = &sim->cloth->contact;
+    const weft__shape before = contact->shapes[k];
+    weft__shape made;
+    weft_status status = weft__shape_make(contact, def, sim->t, k, &made, err);
+    if (status == WEFT_OK) {
+        weft__shape_rebase(&before, sim->t, place, def);
+        status = weft__shape_make(contact, def, sim->t, k, &made, err);
     }
-    weft__motion motion
-        = weft__motion_of(def->velocity, def->amplitude, def->frequency);
-    double swing[3];
-    motion.since = t;
-    weft__motion_offset(&motion, t, swing);
-    for (size_t k = 0; k < 3; ++k) {
-        const double at = to[k] - swing[k];
-        def->to[k] += at - def->at[k];
-        def->at[k] = at;
-    }
+    return status == WEFT_OK ? put(sim, k, &made, err) : status;
 }
 
 weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double place[3],
                                 const double velocity[3], weft_error *err)
 {
-    weft_status status = check_shape(sim, "weft_sim_move_shape", k, err);
+    const weft_status status = check_shape(sim, "weft_sim_move_shape", k, err);
     if (status != WEFT_OK || (place == NULL && velocity == NULL)) {
         return status;
     }
+    const weft_shape none = weft_shape_default(WEFT_SPHERE);
+    const weft__pose now = weft__pose_of(&sim->cloth->contact.shapes[k], sim->t);
     weft_shape def = weft_cloth_shape(sim->cloth, k);
-    weft__shape made;
-    double present[3];
-    weft_cloth_shape_pose(sim->cloth, k, sim->t, present, NULL);
+    const double *to = place != NULL ? place : now.at;
+    for (size_t j = 0; now.rigid.turns && j < 3; ++j) { /* the axis goes along */
+        def.turn.about[j] = now.rigid.about[j] + (to[j] - now.at[j]);
+    }
     if (velocity != NULL) {
         memcpy(def.velocity, velocity, sizeof def.velocity);
         memset(def.amplitude, 0, sizeof def.amplitude);
+        def.turn = none.turn;
     }
-    move_to(&def, sim->t, place != NULL ? place : present);
-    status = weft__shape_make(&sim->cloth->contact, &def, sim->t, k, &made, err);
-    return status == WEFT_OK ? put(sim, k, &made, err) : status;
+    return move_shape(sim, k, to, &def, err);
+}
+
+weft_status weft_sim_drive_shape_sized(weft_sim *sim, size_t k, const weft_shape *given,
+                                       size_t size, weft_error *err)
+{
+    weft_status status = check_shape(sim, "weft_sim_drive_shape", k, err);
+    weft_shape as = weft_shape_default(WEFT_SPHERE);
+    if (status == WEFT_OK && given != NULL
+        && !weft__sized_read(&as, sizeof as, given, size)) {
+        status = weft__sized_unknown("weft_shape", err);
+    }
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const weft__pose now = weft__pose_of(&sim->cloth->contact.shapes[k], sim->t);
+    weft_shape def = weft_cloth_shape(sim->cloth, k);
+    memcpy(def.velocity, as.velocity, sizeof def.velocity);
+    memcpy(def.amplitude, as.amplitude, sizeof def.amplitude);
+    def.frequency = as.frequency;
+    def.turn = as.turn;
+    return move_shape(sim, k, now.at, &def, err);
 }
 
 weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)

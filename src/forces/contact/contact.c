@@ -274,7 +274,10 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
     hash = weft__hash_real(hash, shape->radius);
     hash = weft__hash_reals(hash, shape->spin, 3);
     hash = weft__hash_real(hash, shape->friction);
-    return weft__motion_hash(&shape->motion, hash);
+    if (def->kind == WEFT_BOX && weft__length(def->orientation) > 0.0) {
+        hash = weft__hash_reals(hash, def->orientation, 4);
+    }
+    return weft__rigid_hash(&shape->motion, hash);
 }
 
 uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash)

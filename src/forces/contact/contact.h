@@ -19,6 +19,7 @@
 #pragma once
 
 #include "forces/bounds.h"
+#include "mesh/rigid.h"
 /* shapes.c: rigid shapes: where they are, and the distance to them.
  *
  * The gap d is > 0 outside and 1-Lipschitz: |grad d| <= 1. With r = x - at it is
@@ -28,12 +29,13 @@
  *     capsule    (rho^4 + q^4)^(1/4) - radius,  rho from the axis, q beyond an end
  *     box        (q_x^4 + q_y^4 + q_z^4)^(1/4) - rounding,  q beyond half - rounding
  *
+ * with r in the frame of a box that has turned.
  * The 4-norm joins sides to ends and edges with three continuous derivatives, so that
  * methods keep their order there. */
 /* A rigid shape: what is defined and what follows from it. */
 typedef struct weft__shape {
     weft_shape def;
-    weft__motion motion;
+    weft__rigid_motion motion;
     double axis[3];  /* unit: a plane's normal, from end to end of a capsule */
     double spin[3];  /* [rad/s] of a plane and a capsule exactly along the axis */
     double length;   /* [m] of a capsule's axis */
@@ -45,10 +47,13 @@ typedef struct weft__shape {
 typedef struct weft__pose {
     weft_shape_kind kind;
     double at[3], velocity[3]; /* [m], [m/s] */
-    double spin[3];            /* [rad/s] */
-    double axis[3], length;    /* as in weft__shape */
-    double inner[3];           /* [m] box: half - rounding */
-    double radius;             /* [m] box: rounding */
+    double spin[3];            /* [rad/s] and of its turn */
+    double axis[3], length;    /* as in weft__shape, turned */
+    weft__rigid rigid;
+    weft__matrix frame; /* box: columns are its axes */
+    bool turned;        /* box: these are not x, y, z */
+    double inner[3];    /* [m] box: half - rounding */
+    double radius;      /* [m] box: rounding */
     double friction;
 } weft__pose;
 
@@ -62,6 +67,11 @@ static inline double weft__friction_of(const weft_shape *def, double friction)
 weft__shape weft__shape_of(const weft_shape *def, double friction);
 
 weft__pose weft__pose_of(const weft__shape *shape, double t);
+
+/* Gives *to, whose motion begins at t, the place and orientation that the shape has
+ * then, but with `at` at `place`. to->turn.about is meant as a place at t. */
+void weft__shape_rebase(const weft__shape *shape, double t, const double place[3],
+                        weft_shape *to);
 
 /* [1/m] times dx: the change of the gradient, which is that at x, by a move dx. */
 void weft__shape_turn(const weft__pose *pose, const double x[3],
@@ -87,7 +97,10 @@ typedef struct weft__ccd {
     double between; /* [m/s] beyond what its velocity is at the ends */
     double fastest; /* [m/s] of its velocity, without spin */
     double shift;   /* [m] its way */
-    bool spins;
+    bool spins, turns;
+    weft__matrix rotation; /* from one end to the other */
+    double twist;          /* [rad/s] as between, of its turn */
+    double fast, swing;    /* [rad/s], [rad/s^2] */
     weft__pose pose[2];
 } weft__ccd;
 

@@ -84,8 +84,10 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
     const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
     const bool capsule = shape->kind == WEFT_CAPSULE;
-    const weft__motion motion
-        = weft__motion_of(shape->velocity, shape->amplitude, shape->frequency);
+    const weft__shape made = weft__shape_of(shape, 0.0);
+    const weft_turn *turn = &shape->turn;
+    const double numbers[] = { turn->rate, turn->amplitude, turn->frequency };
+    const bool turns = weft__length(turn->axis) != 0.0;
     const struct {
         bool wrong;
         size_t field;
@@ -105,8 +107,20 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         { plane && !along(shape->spin, shape->normal), SHAPE(spin),
           "a plane spins about its normal only" },
         { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
-        { !weft__motion_usable(&motion), SHAPE(amplitude),
+        { !weft__motion_usable(&made.motion.motion), SHAPE(amplitude),
           "its motion is too large or too small for a double" },
+        { !isfinite(weft__length(turn->axis)), SHAPE(turn.axis),
+          "the axis of its turn must be finite" },
+        { turns && !isnan(turn->about[0]) && !weft__all_finite(turn->about, 3),
+          SHAPE(turn.about), "what it turns about must be finite" },
+        { turns && !(weft__all_finite(numbers, 3) && turn->frequency >= 0.0),
+          SHAPE(turn.rate),
+          "the rate, amplitude and frequency of its turn must be finite, and the "
+          "frequency >= 0" },
+        { turns && !weft__rigid_usable(&made.motion), SHAPE(turn.amplitude),
+          "its turn is too fast for a double" },
+        { box && !isfinite(weft__length(shape->orientation)), SHAPE(orientation),
+          "its orientation must be finite" },
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {
@@ -208,6 +222,6 @@ weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
         return first.status;
     }
     *out = weft__shape_of(def, own->law.friction);
-    out->motion.since = since;
+    out->motion.motion.since = since;
     return WEFT_OK;
 }

@@ -219,17 +219,25 @@ INLINE extent bounds_of(const double *x, size_t n, size_t first, size_t end)
                          + most(-low.z, high.z) };
 }
 
-/* The curve rho^4 + q^4 = 1 is nowhere further than 2^(1/4) from its centre. */
-#define ROUND 1.25
+/* The curve rho^4 + q^4 = 1 is nowhere further than 2^(1/4) from its centre, and the
+ * surface x^4 + y^4 + z^4 = 1 than 3^(1/4). */
+#define ROUND     1.25
+#define ROUND_BOX 1.32
 
 static target target_of(const weft__pose *pose, double thickness)
 {
     target of = { .size = thickness };
     const bool capsule = pose->kind == WEFT_CAPSULE, box = pose->kind == WEFT_BOX;
-    const double round = (pose->radius + thickness) * (capsule ? ROUND : 1.0);
+    const double round = (pose->radius + thickness)
+                         * (capsule        ? ROUND
+                            : pose->turned ? ROUND_BOX
+                                           : 1.0);
     for (size_t k = 0; k < 3; ++k) {
         const double to = capsule ? pose->length * pose->axis[k] : 0.0;
-        const double wide = round + (box ? pose->inner[k] : 0.0);
+        double wide = round + (box && !pose->turned ? pose->inner[k] : 0.0);
+        for (size_t j = 0; pose->turned && j < 3; ++j) {
+            wide += fabs(pose->frame.row[k][j]) * pose->inner[j];
+        }
         of.low[k] = pose->at[k] + (to < 0.0 ? to : 0.0) - wide;
         of.high[k] = pose->at[k] + (to > 0.0 ? to : 0.0) + wide;
         of.size += fabs(pose->at[k]) + fabs(to) + wide;
@@ -363,7 +371,7 @@ INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t
 }
 
 /* Whether both gaps of all particles exceed half of what they may move: the box is that
- * much wider. A spin makes a surface faster far away. */
+ * much wider. A spin or a turn makes a surface faster far away. */
 INLINE bool passes_far(const weft__ccd *of, const target targets[2], double thickness,
                        const extent *box, vec speed, vec way)
 {
@@ -371,7 +379,8 @@ INLINE bool passes_far(const weft__ccd *of, const target targets[2], double thic
     const vec3 wider = { half, half, half };
     const extent around
         = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
-    return !of->spins && is_far(&targets[0], &of->pose[0], thickness, &around)
+    return !of->spins && !of->turns
+           && is_far(&targets[0], &of->pose[0], thickness, &around)
            && is_far(&targets[1], &of->pose[1], thickness, &around);
 }
 

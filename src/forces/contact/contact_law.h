@@ -51,9 +51,22 @@ LAW void law_capsule(const weft__pose *pose, const num r[3], law_spot *at)
     at->gap = norm - pose->radius;
 }
 
-LAW void law_box(const weft__pose *pose, const num r[3], law_spot *at)
+/* a v, or its transpose. */
+LAW void law_rotate(const weft__matrix *matrix, bool back, const num v[3], num out[3])
 {
-    num q[3], q2[3];
+    const double(*a)[3] = matrix->row;
+    for (size_t k = 0; k < 3; ++k) {
+        out[k] = back ? a[0][k] * v[0] + a[1][k] * v[1] + a[2][k] * v[2]
+                      : a[k][0] * v[0] + a[k][1] * v[1] + a[k][2] * v[2];
+    }
+}
+
+LAW void law_box(const weft__pose *pose, const num from[3], law_spot *at)
+{
+    num q[3], q2[3], r[3] = { from[0], from[1], from[2] };
+    if (pose->turned) {
+        law_rotate(&pose->frame, true, from, r);
+    }
     for (size_t k = 0; k < 3; ++k) {
         q[k] = law_beyond(r[k], -pose->inner[k], pose->inner[k]);
         q2[k] = q[k] * q[k];
@@ -64,6 +77,10 @@ LAW void law_box(const weft__pose *pose, const num r[3], law_spot *at)
     const num inverse = 1.0 / (norm * norm * norm);
     for (size_t k = 0; k < 3; ++k) {
         at->gradient[k] = q2[k] * q[k] * inverse;
+    }
+    if (pose->turned) {
+        const num local[3] = { at->gradient[0], at->gradient[1], at->gradient[2] };
+        law_rotate(&pose->frame, false, local, at->gradient);
     }
     at->gap = norm - pose->radius;
 }
@@ -95,13 +112,54 @@ LAW void law_spot_of(const weft__pose *pose, weft_shape_kind kind, const num r[3
     }
 }
 
-/* [m/s] of the surface */
-LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
+/* [m/s] of the surface that spins so, its place with it. */
+LAW void law_moving(const weft__pose *pose, const double spin[3], const num r[3],
+                    num velocity[3])
 {
-    const double *spin = pose->spin;
     for (size_t k = 0; k < 3; ++k) {
         const size_t a = (k + 1) % 3, b = (k + 2) % 3;
         velocity[k] = pose->velocity[k] + (spin[a] * r[b] - spin[b] * r[a]);
+    }
+}
+
+LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
+{
+    law_moving(pose, pose->spin, r, velocity);
+}
+
+/* [m/s] By how much a turn makes V differ from a linear interpolation between both
+ * ends, for a particle with a constant acceleration: h^2 / 8 times the second
+ * derivative of omega x (x - c). */
+LAW num law_bend(const weft__ccd *of, num x[2][3], num v[2][3])
+{
+    num arm2 = NUM(0.0), speed2 = NUM(0.0), change[3];
+    for (size_t e = 0; e < 2; ++e) {
+        const weft__rigid *now = &of->pose[e].rigid;
+        num arm[3], speed[3];
+        for (size_t k = 0; k < 3; ++k) {
+            arm[k] = x[e][k] - now->about[k];
+            speed[k] = v[e][k] - now->velocity[k];
+            change[k] = e == 0 ? speed[k] : speed[k] - change[k];
+        }
+        const num a2 = law_dot(arm, arm), s2 = law_dot(speed, speed);
+        arm2 = MOST(a2, arm2);
+        speed2 = MOST(s2, speed2);
+    }
+    return of->twist * ROOT(arm2) + (0.25 * of->h * of->h * of->swing) * ROOT(speed2)
+           + (0.125 * of->h * of->fast) * ROOT(law_dot(change, change));
+}
+
+/* The way of x against X, the point of a shape that turns nearest to it at the start,
+ * which moves with the shape. */
+LAW void law_way(const weft__ccd *of, num r[2][3], const law_spot *start, num way[3])
+{
+    num from[3], to[3];
+    for (size_t k = 0; k < 3; ++k) {
+        from[k] = r[0][k] - start->gap * start->gradient[k];
+    }
+    law_rotate(&of->rotation, false, from, to);
+    for (size_t k = 0; k < 3; ++k) {
+        way[k] = (r[1][k] - to[k]) - (r[0][k] - from[k]);
     }
 }
 
@@ -111,29 +169,37 @@ LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
 LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num v[2][3],
                     num gap[2])
 {
-    num r[2][3], square = NUM(0.0);
+    num r[2][3], way[3], square = NUM(0.0);
+    law_spot spot[2];
     for (size_t e = 0; e < 2; ++e) {
         const weft__pose *pose = &of->pose[e];
-        num surface[3], with[3], without[3];
-        law_spot at;
+        num surface[3], moved[3], with[3], without[3];
         for (size_t k = 0; k < 3; ++k) {
             r[e][k] = x[e][k] - pose->at[k];
         }
         law_surface(pose, r[e], surface);
+        law_moving(pose, pose->rigid.omega, r[e], moved);
         for (size_t k = 0; k < 3; ++k) {
             with[k] = v[e][k] - surface[k];
-            without[k] = v[e][k] - pose->velocity[k];
+            without[k] = v[e][k] - moved[k];
         }
         const num w2 = law_dot(with, with), r2 = law_dot(without, without);
         const num both = MOST(w2, r2);
         square = MOST(both, square);
-        law_spot_of(pose, kind, r[e], &at);
-        gap[e] = at.gap;
+        law_spot_of(pose, kind, r[e], &spot[e]);
+        gap[e] = spot[e].gap;
     }
-    const num way[3] = { r[1][0] - r[0][0], r[1][1] - r[0][1], r[1][2] - r[0][2] };
+    for (size_t k = 0; k < 3; ++k) {
+        way[k] = r[1][k] - r[0][k];
+    }
+    num between = NUM(of->between);
+    if (of->turns) {
+        between += law_bend(of, x, v);
+        law_way(of, r, &spot[0], way);
+    }
     const num reach = gap[0] + gap[1];
     const truth outside = gap[1] > 0.0, straight = ROOT(law_dot(way, way)) < reach;
-    const truth slow = of->h * (ROOT(square) + of->between) < reach;
+    const truth slow = of->h * (ROOT(square) + between) < reach;
     return outside & straight & slow;
 }
 

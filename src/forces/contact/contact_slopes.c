@@ -328,7 +328,11 @@ static weft__grip grip_any(const weft__contact *own)
 {
     weft__grip most = { .stiff = 0.0 };
     for (size_t k = 0; k < own->shape_count; ++k) {
-        const weft__pose pose = weft__pose_of(&own->shapes[k], 0.0);
+        const weft__shape *shape = &own->shapes[k];
+        weft__pose pose = weft__pose_of(shape, 0.0);
+        const double spin = weft__length(shape->spin);
+        pose.spin[0] = spin + weft__rigid_fastest(&shape->motion); /* at any time */
+        pose.spin[1] = pose.spin[2] = 0.0;
         weft__grip_most(&own->law, &pose, 1.0, 1.0, &most);
     }
     return most;

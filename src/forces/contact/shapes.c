@@ -21,6 +21,7 @@ void weft_shape_default_sized(weft_shape *out, size_t size, weft_shape_kind kind
         .half = { 1.0, 1.0, 1.0 },
         .rounding = 0.01,
         .friction = -1.0,
+        .turn.about = { (double)NAN, (double)NAN, (double)NAN },
     };
     weft__sized_write(out, size, &shape, sizeof shape);
 }
@@ -45,9 +46,11 @@ static void give_axis(weft__shape *shape)
 /* Without the numbers that its kind does not read: these may be anything. */
 weft__shape weft__shape_of(const weft_shape *def, double friction)
 {
+    const weft__motion motion
+        = weft__motion_of(def->velocity, def->amplitude, def->frequency);
     weft__shape shape = {
         .def = *def,
-        .motion = weft__motion_of(def->velocity, def->amplitude, def->frequency),
+        .motion = weft__rigid_motion_of(&motion, &def->turn, def->at),
         .friction = weft__friction_of(def, friction),
         .radius = def->kind == WEFT_PLANE ? 0.0
                   : def->kind == WEFT_BOX ? def->rounding
@@ -61,31 +64,79 @@ weft__shape weft__shape_of(const weft_shape *def, double friction)
     return shape;
 }
 
+static const double *orientation_of(const weft_shape *def)
+{
+    static const double none[4] = { 0.0, 0.0, 0.0, 1.0 };
+    return weft__length(def->orientation) > 0.0 ? def->orientation : none;
+}
+
 weft__pose weft__pose_of(const weft__shape *shape, double t)
 {
     const weft_shape *def = &shape->def;
     weft__pose pose = { .kind = def->kind,
                         .length = shape->length,
                         .radius = shape->radius,
-                        .friction = shape->friction };
-    double offset[3], rate[6];
-    weft__motion_offset(&shape->motion, t, offset);
-    weft__motion_rate(&shape->motion, t, rate);
+                        .friction = shape->friction,
+                        .rigid = weft__rigid_at(&shape->motion, t),
+                        .turned = def->kind == WEFT_BOX
+                                  && (shape->motion.turns
+                                      || weft__length(def->orientation) > 0.0) };
+    weft__rigid_move(&shape->motion, &pose.rigid, def->at, pose.at, pose.velocity);
+    weft__rotate(&pose.rigid.rotation, shape->spin, pose.spin);
+    weft__rotate(&pose.rigid.rotation, shape->axis, pose.axis);
     for (size_t k = 0; k < 3; ++k) {
-        pose.at[k] = def->at[k] + offset[k];
-        pose.velocity[k] = rate[k];
-        pose.spin[k] = shape->spin[k];
-        pose.axis[k] = shape->axis[k];
+        pose.spin[k] += pose.rigid.omega[k];
         pose.inner[k] = def->half[k] - def->rounding;
+    }
+    if (def->kind == WEFT_BOX) {
+        double q[4];
+        weft__quaternion_times(pose.rigid.quaternion, orientation_of(def), q);
+        pose.frame = weft__matrix_of(q);
     }
     return pose;
 }
 
-/* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
-static void box_turn(const weft__pose *pose, const double r[3], const double g[3],
-                     const double dx[3], double turn[3])
+void weft__shape_rebase(const weft__shape *shape, double t, const double place[3],
+                        weft_shape *to)
 {
-    double q2[3];
+    const weft_shape *from = &shape->def;
+    const weft__rigid now = weft__rigid_at(&shape->motion, t);
+    weft__motion motion = weft__motion_of(to->velocity, to->amplitude, to->frequency);
+    motion.since = t;
+    const weft__rigid_motion moves = weft__rigid_motion_of(&motion, &to->turn, place);
+    const weft__rigid next = weft__rigid_at(&moves, t);
+    const double *p = next.quaternion, back[4] = { -p[0], -p[1], -p[2], p[3] };
+    const double *c = moves.turn.about;
+    const double arm[3] = { place[0] - c[0], place[1] - c[1], place[2] - c[2] };
+    double way[3], q[4], offset[3], turned[3];
+    weft__quaternion_times(back, now.quaternion, q);
+    const weft__matrix by = weft__matrix_of(q);
+    weft__motion_offset(&motion, t, offset);
+    weft__rotate_back(&next.rotation, arm, turned);
+    for (size_t k = 0; k < 3; ++k) {
+        way[k] = from->to[k] - from->at[k];
+        to->at[k] = c[k] + turned[k] - offset[k];
+        to->turn.about[k] -= offset[k];
+    }
+    weft__rotate(&by, from->normal, to->normal);
+    weft__rotate(&by, from->spin, to->spin);
+    weft__rotate(&by, way, to->to);
+    for (size_t k = 0; k < 3; ++k) {
+        to->to[k] += to->at[k];
+    }
+    if (from->kind == WEFT_BOX) {
+        weft__quaternion_times(q, orientation_of(from), to->orientation);
+    }
+}
+
+/* With |q|_4 the norm, g = q^3 / |q|_4^3 by components, and d|q|_4 = g.dq. */
+static void box_turn(const weft__pose *pose, const double at[3],
+                     const double gradient[3], const double move[3], double turn[3])
+{
+    double q2[3], r[3], g[3], dx[3], local[3];
+    weft__rotate_back(&pose->frame, at, r);
+    weft__rotate_back(&pose->frame, gradient, g);
+    weft__rotate_back(&pose->frame, move, dx);
     for (size_t k = 0; k < 3; ++k) {
         const double q = law_beyond(r[k], -pose->inner[k], pose->inner[k]);
         q2[k] = q * q;
@@ -94,8 +145,9 @@ static void box_turn(const weft__pose *pose, const double r[3], const double g[3
     const double inverse = 1.0 / norm, slope = weft__dot(g, dx);
     for (size_t k = 0; k < 3; ++k) {
         const double part = q2[k] * inverse * inverse;
-        turn[k] = 3.0 * inverse * (part * dx[k] - slope * g[k]);
+        local[k] = 3.0 * inverse * (part * dx[k] - slope * g[k]);
     }
+    weft__rotate(&pose->frame, local, turn);
 }
 
 /* The same of side rho^2 / norm^3 + axis q^3 / norm^3. */
@@ -153,20 +205,29 @@ double weft__gap_at(const weft__pose *pose, const double x[3])
 /* With linear interpolation between its ends, V is off by at most h^2 / 8 max |V''|. */
 weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
 {
-    const weft__motion *motion = &shape->motion;
+    const weft__motion *motion = &shape->motion.motion;
     const double h = path->t1 - path->t0, turn = motion->omega * h;
+    const double sway = 6.283185307179586 * shape->motion.turn.frequency * h;
     const double swing = sqrt(weft__dot(motion->amplitude, motion->amplitude));
     weft__ccd of = { .h = h,
                      .between = swing * motion->omega * fmin(2.0, turn * turn / 8.0),
                      .spins = weft__dot(shape->spin, shape->spin) != 0.0,
+                     .turns = shape->motion.turns,
+                     .fast = weft__rigid_fastest(&shape->motion),
+                     .swing = weft__rigid_swing(&shape->motion),
                      .pose = { weft__pose_of(shape, path->t0),
                                weft__pose_of(shape, path->t1) } };
     const double *v0 = of.pose[0].velocity, *v1 = of.pose[1].velocity;
     double shift2 = 0.0;
     for (size_t k = 0; k < 3; ++k) {
+        for (size_t j = 0; j < 3; ++j) {
+            of.rotation.row[k][j] = weft__dot(of.pose[1].rigid.rotation.row[k],
+                                              of.pose[0].rigid.rotation.row[j]);
+        }
         const double way = of.pose[1].at[k] - of.pose[0].at[k];
         shift2 += way * way;
     }
+    of.twist = (of.fast - fabs(shape->motion.turn.rate)) * fmin(2.0, sway * sway / 8.0);
     of.shift = sqrt(shift2);
     of.fastest = sqrt(fmax(weft__dot(v0, v0), weft__dot(v1, v1))) + of.between;
     return of;
