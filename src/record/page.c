@@ -286,7 +286,12 @@ static void write_triangles(FILE *stream, const record_faces *of)
     write_words(stream, "corners", of->corners, 3 * of->triangles);
     write_words(stream, "places", of->corner_places, 3 * of->triangles);
     write_words(stream, "rest", uv, uv == NULL ? 0 : 2 * of->places);
-    fputc('}', stream);
+    fputs(of->part_count > 0 ? ",\"cloths\":[" : "", stream);
+    for (size_t k = 0; k < of->part_count; ++k) {
+        fprintf(stream, "%s{\"name\":\"%s\",\"first\":%zu}", comma(k),
+                of->parts[k].name, of->parts[k].first);
+    }
+    fputs(of->part_count > 0 ? "]}" : "}", stream);
     free(uv);
 }
 

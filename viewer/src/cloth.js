@@ -4,8 +4,8 @@ import {
     BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, InstancedMesh,
     LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, SphereGeometry,
 } from 'three';
-import { paint } from './colours.js';
-import { triangleNormals } from './surface.js';
+import { INKS, paint } from './colours.js';
+import { clothOf, triangleNormals } from './surface.js';
 
 const FRONT = new Color('#c8553d');
 const BACK = new Color('#e3b27a');
@@ -13,7 +13,7 @@ const PIN = new Color('#69727e');
 const PALE = 0.6; // opacity
 const SEAM = '#274b73';
 
-// The two sides of a plain cloth differ in colour; one that shows a quantity glows a
+// The two sides of a plain cloth differ in colour, of several in lightness; one that shows a quantity glows a
 // little, so that shade does not falsify it much.
 function material() {
     const made = new MeshLambertMaterial({ side: DoubleSide, vertexColors: true });
@@ -22,7 +22,7 @@ function material() {
         shader.uniforms.glow = made.userData.glow;
         shader.fragmentShader = `uniform vec3 back; uniform float glow;\n${shader.fragmentShader}`
             .replace('#include <color_fragment>', `#include <color_fragment>
-                if (glow == 0.0 && !gl_FrontFacing) diffuseColor.rgb = back;`)
+                if (glow == 0.0 && !gl_FrontFacing) diffuseColor.rgb = back.r < 0.0 ? mix(diffuseColor.rgb, vec3(1.0), 0.45) : back;`)
             .replace('#include <emissivemap_fragment>', `totalEmissiveRadiance = glow * diffuseColor.rgb;
                 diffuseColor.rgb *= 1.0 - glow;`);
     };
@@ -115,6 +115,11 @@ export class Cloth {
         this.surface = new Mesh(this.geometry, material());
         this.surface.castShadow = true;
         this.surface.receiveShadow = true;
+        this.inks = [FRONT];
+        if (surface.cloths.length > 0) {
+            this.inks = INKS.map((ink) => new Color(ink));
+            this.surface.material.userData.back = { value: new Color(-1, 0, 0) };
+        }
         this.lines = this.makeLines(surface.threads);
         this.seams = this.makeLines(surface.seams);
         this.seams.material.color.set(SEAM);
@@ -190,10 +195,9 @@ export class Cloth {
             paint(this.values, quantity, out);
             return;
         }
+        const { inks, page: { surface } } = this;
         for (let i = 0; i < out.length; i += 3) {
-            out[i] = FRONT.r;
-            out[i + 1] = FRONT.g;
-            out[i + 2] = FRONT.b;
+            inks[Math.max(clothOf(surface, i / 3), 0) % inks.length].toArray(out, i);
         }
     }
 }

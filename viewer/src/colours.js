@@ -7,6 +7,9 @@ import { gaps } from './shapes.js';
 // sees no colours still sees the order.
 const STOPS = ['#f1ead9', '#f3d694', '#f4b557', '#ea8537', '#d0532f', '#a62a3a', '#6f1640', '#3c0d38'].map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
 
+/** Of several cloths that show no quantity, over and over: they differ in lightness, too. */
+export const INKS = ['#c8553d', '#3b6ea5', '#e0b04c', '#4f8a63', '#8a5a9e', '#6cb2b8', '#d98aa8', '#6b5b4d'];
+
 const MOST_STRAIN = 1; // of the colours of a run that blows up,
 const LEAST_STRAIN = 0.1; // [%]
 const SAMPLES = 12; // frames looked at for a range
@@ -115,11 +118,25 @@ export function quantities(page) {
     return list;
 }
 
-/** Draws the bar, its numbers and its unit; nothing for no quantity. */
-export function drawLegend(quantity, root) {
+/** Each name behind its colour. */
+function drawNames(cloths, root) {
+    root.getElementById('legend-ticks').replaceChildren(...cloths.map(({ name }, i) => {
+        const [line, ink] = ['span', 'b'].map((tag) => root.createElement(tag));
+        ink.textContent = '\u25a0';
+        ink.style.color = INKS[i % INKS.length];
+        line.append(ink, ` ${name}`);
+        return line;
+    }));
+}
+
+/** Draws the bar, its numbers and its unit; for no quantity the names of several cloths. */
+export function drawLegend(quantity, root, cloths = []) {
     const legend = root.getElementById('legend');
-    legend.hidden = !quantity;
+    legend.hidden = !quantity && cloths.length === 0;
+    legend.classList.toggle('names', !quantity);
     if (!quantity) {
+        root.getElementById('legend-title').textContent = '';
+        drawNames(cloths, root);
         return;
     }
     root.getElementById('legend-title').textContent = `${quantity.name} [${quantity.unit}]`;

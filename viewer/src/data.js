@@ -3,7 +3,7 @@
 // block of numbers for each frame of each run.
 
 import { shapeBoxes } from './shapes.js';
-import { readSurface } from './surface.js';
+import { clothOf, readSurface } from './surface.js';
 
 const bytesOf = (text) => (Uint8Array.fromBase64
     ? Uint8Array.fromBase64(text)
@@ -134,7 +134,8 @@ export function leaver(page, run) {
     const far = planes[0].map((_, i) => Math.hypot(...planes.map((plane, k) => plane[i] - centre[k])));
     const at = far.reduce((best, d, i) => (d > far[best] ? i : best), 0);
     if (page.mesh) {
-        return `vertex ${at}`;
+        const cloth = page.surface.cloths[clothOf(page.surface, at)];
+        return cloth ? `a vertex of ${cloth.name}` : `vertex ${at}`;
     }
     const [row, col] = [Math.floor(at / page.shown[1]), at % page.shown[1]].map(
         (i, k) => Math.min(i * page.stride, page.grid[k] - 1),

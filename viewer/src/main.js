@@ -9,6 +9,7 @@ import { gaps } from './shapes.js';
 import { fileName } from './save.js';
 import { root } from './source.js';
 import { isSoftware, Stage } from './stage.js';
+import { placeTip } from './tip.js';
 import { isDark, onPreference, toggleTheme } from './theme.js';
 import { foldNotes, writeCaptions, writeFiles, writeHeader, writeLabels, writeLive, writeNotes } from './words.js';
 
@@ -43,6 +44,9 @@ const plots = new Plots(page, $('plots'), (t) => {
 function firstColour() {
     const [difference, strain] = ['difference', 'strain'].map((name) => colours.findIndex((c) => c?.name === name));
     const first = difference > 0 && !page.blown ? difference : strain;
+    if (page.surface.cloths.length > 0 && !page.blown && first !== difference) {
+        return 0; // by cloths
+    }
     return first === difference || page.blown || colours[first]?.most > VISIBLE ? Math.max(first, 0) : 0;
 }
 
@@ -123,7 +127,7 @@ function step(by) {
 function setColour(index) {
     state.colour = (index + colours.length) % colours.length;
     $('colour').selectedIndex = state.colour;
-    drawLegend(colours[state.colour], document);
+    drawLegend(colours[state.colour], document, page.surface.cloths);
     seek(state.frame);
 }
 
@@ -175,7 +179,7 @@ function renew() {
     plots.collect();
     plots.draw();
     writeNotes(page, underWay);
-    drawLegend(colours[state.colour], document);
+    drawLegend(colours[state.colour], document, page.surface.cloths);
     seek(state.frame);
 }
 
@@ -281,6 +285,16 @@ function onKey(event) {
     }
 }
 
+/** The name of the cloth under the pointer, of several. */
+function nameCloth(event) {
+    const name = event.buttons === 0 && event.type !== 'pointerleave' ? stage.clothAt(event) : null;
+    $('tip').hidden = !name;
+    $('tip').textContent = name ?? '';
+    if (name) {
+        placeTip($('tip'), event);
+    }
+}
+
 function fillChoices() {
     const option = (text) => new Option(text);
     $('colour').append(...colours.map((c) => option(c ? c.name : 'plain')));
@@ -321,6 +335,9 @@ function listen() {
     on('help', 'click', showHelp);
     addEventListener('keydown', onKey);
     onPreference(applyTheme);
+    if (stage && page.surface.cloths.length > 0) {
+        ['pointermove', 'pointerdown', 'pointerleave'].forEach((type) => on('canvas', type, nameCloth));
+    }
     stage?.controls.addEventListener('start', () => { stage.moved = true; });
 }
 

@@ -2,13 +2,14 @@
 // stage.js -- camera, light, floor; a view for each run, side by side under one camera.
 import {
     AmbientLight, Box3, DirectionalLight, DoubleSide, HemisphereLight, Mesh, PCFShadowMap, PerspectiveCamera,
-    PlaneGeometry, Scene, ShaderMaterial, ShadowMaterial, Vector3, WebGLRenderer,
+    PlaneGeometry, Raycaster, Scene, ShaderMaterial, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { direction } from './camera.js';
 import { Cloth, RestShape } from './cloth.js';
 import { extent } from './data.js';
 import { Shapes } from './shapes.js';
+import { clothOf } from './surface.js';
 
 const MARGIN = 1.12;
 const HEAD = 44; // px above panes that are stacked, for their words
@@ -284,6 +285,24 @@ export class Stage {
         camera.position.copy(target).addScaledVector(this.direction, distance);
         controls.update();
         this.request();
+    }
+
+    /** The name of the one of several cloths at a place of the window; null: none is there. */
+    clothAt({ clientX, clientY }) {
+        const frame = this.canvas.getBoundingClientRect();
+        const [x, y] = [clientX - frame.left, frame.bottom - clientY];
+        const pane = this.panes.findIndex(([left, low, width, height]) => x >= left && x < left + width && y >= low && y < low + height);
+        const view = this.views[pane];
+        if (!view?.cloth) {
+            return null;
+        }
+        const [left, low, width, height] = this.panes[pane];
+        const ray = new Raycaster();
+        ray.setFromCamera(new Vector2((2 * (x - left)) / width - 1, (2 * (y - low)) / height - 1), this.camera);
+        view.cloth.geometry.computeBoundingSphere();
+        const [hit] = ray.intersectObjects([view.cloth.surface, ...view.shapes.group.children]);
+        const { surface } = this.page;
+        return hit?.object === view.cloth.surface ? surface.cloths[clothOf(surface, hit.face.a)].name : null;
     }
 
     /** Draw once, with the next picture of the browser. */

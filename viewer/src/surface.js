@@ -6,6 +6,7 @@
 //   threads    two an edge that is drawn as a line; seams: those where pieces are sewn
 //   rest       of triangles their flat rest shape: { faces, uv, of }, uv [m] of each place and
 //              the particle `of` each place
+//   cloths     of several: { name, first }, each from its first particle to that of the next
 
 /** Two triangles a cell, split along alternating diagonals. */
 function cells(rows, cols) {
@@ -105,6 +106,7 @@ function grid([rows, cols]) {
         triangles: modelled(rows, cols),
         threads: lines(rows, cols),
         seams: [],
+        cloths: [],
         rest: null,
         normals: (p, out) => gridNormals(p, rows, cols, out),
     };
@@ -129,7 +131,7 @@ function edges(corners, places) {
     return list;
 }
 
-function mesh({ vertices, corners, places, rest }) {
+function mesh({ vertices, corners, places, rest, cloths = [] }) {
     const of = new Uint32Array(rest.length / 2);
     places.forEach((place, j) => { of[place] = corners[j]; });
     return {
@@ -139,10 +141,14 @@ function mesh({ vertices, corners, places, rest }) {
         faces: corners,
         triangles: corners,
         ...edges(corners, places),
+        cloths,
         rest: rest.length > 0 ? { faces: places, uv: rest, of } : null,
         normals: (p, out) => triangleNormals(p, corners, out),
     };
 }
+
+/** Which of several cloths has a particle. */
+export const clothOf = ({ cloths }, i) => cloths.findLastIndex(({ first }) => first <= i);
 
 /** `words` decodes base64 of words of 32 bits. */
 export const readSurface = (meta, words) => (meta.mesh
@@ -151,5 +157,6 @@ export const readSurface = (meta, words) => (meta.mesh
         corners: new Uint32Array(words(meta.mesh.corners)),
         places: new Uint32Array(words(meta.mesh.places)),
         rest: new Float32Array(words(meta.mesh.rest)),
+        cloths: meta.mesh.cloths,
     })
     : grid(meta.shown));

@@ -144,7 +144,7 @@ export function writeHeader(page) {
     document.getElementById('name').textContent = names.join(' / ');
     const summary = document.getElementById('summary');
     const particles = page.mesh
-        ? `${page.mesh.vertices} vertices, ${page.mesh.triangles} triangles`
+        ? `${page.mesh.vertices} vertices, ${page.mesh.triangles} triangles${page.mesh.cloths ? ` in ${page.mesh.cloths.length} cloths` : ''}`
         : `${page.grid.join(' × ')} particles`;
     summary.append(element('span', particles, 'fact'));
     page.runs.forEach((run, i) => {

@@ -658,6 +658,36 @@ test('shapes are drawn where they are in a frame', async () => {
     }
 });
 
+test('several cloths have a colour and a name each, which the pointer finds', async () => {
+    const { page, said } = await open(browser, at('cloths/run.html'), 'frame=0&threads=0');
+    assert.match(await page.textContent('#summary'), /12 vertices, 8 triangles in 2 cloths/);
+    assert.equal(await page.textContent('#legend-ticks'), '\u25a0 left\u25a0 right');
+    assert.equal(await page.inputValue('#colour'), 'plain');
+    const over = async (vertices) => {
+        const place = await page.evaluate((list) => {
+            const { views: [{ cloth }], camera, canvas } = weft.stage;
+            const { position } = cloth.geometry.attributes;
+            const middle = weft.stage.centre.clone().set(0, 0, 0);
+            list.forEach((i) => middle.add(middle.clone().fromBufferAttribute(position, i).divideScalar(list.length)));
+            const { x, y } = middle.project(camera);
+            const { left, top, width, height } = canvas.getBoundingClientRect();
+            return [left + ((1 + x) / 2) * width, top + ((1 - y) / 2) * height];
+        }, vertices);
+        await page.mouse.move(...place);
+        await drawn(page);
+        return { place, name: await page.isVisible('#tip') ? page.textContent('#tip') : null };
+    };
+    const [left, right] = [await over([0, 1, 4]), await over([6, 7, 10])];
+    assert.deepEqual([await left.name, await right.name], ['left', 'right']);
+    await page.mouse.move(left.place[0], 5);
+    assert.ok(await page.isHidden('#tip'));
+    const inks = await page.evaluate(() => [0, 6].map((i) => [...weft.stage.views[0].cloth.geometry.attributes.color.array.subarray(3 * i, 3 * i + 3)]));
+    assert.notDeepEqual(...inks);
+    await page.selectOption('#colour', 'strain');
+    assert.match(await page.textContent('#legend-title'), /strain/);
+    assert.deepEqual(said, []);
+});
+
 test('meshes of shapes lie on their surfaces, and gaps are those of the run', async () => {
     const { page } = await open(browser, at('shapes/run.html'), 'frame=15');
     const far = await page.evaluate(() => weft.stage.views[0].shapes.list.map((shape, k) => {
