@@ -172,6 +172,16 @@ typedef enum weft_seam {
     WEFT_SEAM_HINGE /* it turns freely there */
 } weft_seam;
 
+enum { WEFT_CLOTHS_MAX = 64, WEFT_CLOTH_NAME_MAX = 40 };
+
+/* One of several cloths that a mesh has: vertices one after another, which share no
+ * triangle with others. Fixed for ever. */
+typedef struct weft_cloth_part {
+    const char *name;    /* letters, digits, _ and -, WEFT_CLOTH_NAME_MAX at most */
+    size_t first, count; /* vertices [first, first + count) */
+    double velocity[3];  /* [m/s] initial, instead of that of the definition */
+} weft_cloth_part;
+
 /* Triangles of fabric instead of a grid of springs; docs/meshes.md. The rest shape lies
  * in the plane (u, v), u along the weft, v along the warp. A vertex may have several
  * places there: its triangles are sewn then. A piece is a set of triangles joined
@@ -194,6 +204,9 @@ typedef struct weft_mesh_def {
     weft_seam seams;
     bool arc; /* lengths of edges follow the cloth's arc: no locking on coarse meshes,
                  some 4 times the cost */
+    const weft_cloth_part *parts; /* part_count cloths, which have all vertices in their
+                 order; at most WEFT_CLOTHS_MAX */
+    size_t part_count;            /* 0: one cloth, without a name */
 } weft_mesh_def;
 
 /* No triangles, seams that bend. Set the rest. */
@@ -410,6 +423,14 @@ WEFT_API size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index);
 /* The number that files and messages have for a vertex: weft_mesh_def.names. */
 WEFT_API size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex);
 
+/* The number of weft_mesh_def.parts, part k < weft_cloth_parts, the part of a name, or
+ * SIZE_MAX, and that of a vertex; 0 of a cloth without parts. A part's vertices are
+ * also [first, first + count) of a state, in another order. */
+WEFT_API size_t weft_cloth_parts(const weft_cloth *cloth);
+WEFT_API weft_cloth_part weft_cloth_part_at(const weft_cloth *cloth, size_t k);
+WEFT_API size_t weft_cloth_part_find(const weft_cloth *cloth, const char *name);
+WEFT_API size_t weft_cloth_part_of(const weft_cloth *cloth, size_t vertex);
+
 /* Triangles and edges as they are drawn and touch; both return their number, and write
  * their particles to corners[3 T] and ends[2 E] unless NULL. A cell (r, c) of a grid
  * has the triangles (r, c), (r + 1, c), (r, c + 1) and (r + 1, c + 1), (r, c + 1), (r +
@@ -433,6 +454,7 @@ WEFT_API size_t weft_cloth_pieces(const weft_cloth *cloth, size_t *sewn,
 /* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
  * "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex 17"; "shear spring (3,
  * 4)-(4, 5)" or "edge 17-4"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21".
+ * Of several cloths "... in 2 cloths" and "... of NAME".
  * Of a band the numbers are those of the whole cloth. */
 WEFT_API const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size);
 WEFT_API const char *weft_particle_text(const weft_cloth *cloth, size_t i, char *text,

@@ -137,12 +137,17 @@ WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 WEFT_API double weft_scene_step(const weft_scene *scene);
 
-/* The OBJ file that the cloth was read from; NULL: it has none. A scene.yaml that has a
+/* The OBJ file that the cloth, or the first of several, was read from; NULL: it has
+ * none. A scene.yaml that has a
  * scene.obj beside it takes its mesh from there, whatever its name in the scene. */
 WEFT_API const char *weft_scene_mesh_file(const weft_scene *scene);
 /* The mesh of cloth.cut as the text of an OBJ file; NULL: the cloth is no cut, or was
  * read from a file. */
 WEFT_API const char *weft_scene_mesh_text(const weft_scene *scene);
+
+/* The same of cloth k of several, whose copies are scene-0.obj, scene-1.obj, ... */
+WEFT_API const char *weft_scene_part_file(const weft_scene *scene, size_t k);
+WEFT_API const char *weft_scene_part_text(const weft_scene *scene, size_t k);
 
 /* What weft_sim_create said of the scene's method, at its place in the scene. */
 WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,

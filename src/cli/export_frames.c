@@ -411,6 +411,19 @@ static int export_run(const arguments *given, export_job *job)
 
 /* ---- the rest shape ---------------------------------------------------------- */
 
+/* dress.obj, or dress-shirt.obj of one of several cloths. */
+static void name_garment(char name[RECORD_PATH], const char *to, const char *cloth)
+{
+    const size_t length = strlen(to);
+    const size_t stem
+        = length > 4 && strcmp(to + length - 4, ".obj") == 0 ? length - 4 : length;
+    if (cloth == NULL) {
+        (void)snprintf(name, RECORD_PATH, "%s", to);
+    } else {
+        (void)snprintf(name, RECORD_PATH, "%.*s-%s%s", (int)stem, to, cloth, to + stem);
+    }
+}
+
 /* The mesh of a scene, or of the scene of a run, as a new file. */
 static int export_garment(const arguments *given)
 {
@@ -423,17 +436,24 @@ static int export_garment(const arguments *given)
     if (code != EXIT_DONE) {
         return code;
     }
-    const weft_status status
-        = weft_scene_cloth(scene)->mesh == NULL
-              ? weft_error_set(&err, WEFT_BAD_SCENE,
+    const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    const size_t parts = mesh != NULL ? mesh->part_count : 0;
+    weft_status status
+        = mesh != NULL
+              ? WEFT_OK
+              : weft_error_set(&err, WEFT_BAD_SCENE,
                                "%.200s: a garment needs cloth.cut or cloth.mesh, not a "
                                "grid",
-                               operand)
-          : record_exists(NULL, to)
-              ? weft_error_set(&err, WEFT_IO, "%.200s: the file exists", to)
-              : record_mesh(NULL, to, scene, &err);
-    if (status == WEFT_OK) {
-        print_plainly(stdout, "%s\n", to);
+                               operand);
+    for (size_t k = 0; status == WEFT_OK && k < (parts > 0 ? parts : 1); ++k) {
+        char name[RECORD_PATH];
+        name_garment(name, to, parts > 0 ? mesh->parts[k].name : NULL);
+        status = record_exists(NULL, name)
+                     ? weft_error_set(&err, WEFT_IO, "%.200s: the file exists", name)
+                     : record_mesh(NULL, name, scene, k, &err);
+        if (status == WEFT_OK) {
+            print_plainly(stdout, "%s\n", name);
+        }
     }
     weft_scene_destroy(scene);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
@@ -492,7 +512,8 @@ const verb verb_export = {
       "  --garment FILE.obj   the mesh instead of frames: where vertices start (v), "
       "the "
       "rest shape (vt), faces and groups, for Blender and for cloth.mesh; that of "
-      "cloth.cut, or a copy of the file of cloth.mesh\n"
+      "cloth.cut, or a copy of the file of cloth.mesh; of several cloths a file for "
+      "each, FILE-NAME.obj\n"
       "  --set KEY=VALUE      of the scene of --garment\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "

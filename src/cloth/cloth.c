@@ -333,7 +333,7 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
     for (size_t i = 0; i < n; ++i) {
         double x[3], v[6];
         weft__start_position(mesh, i, x);
-        memcpy(v, mesh->velocity, sizeof mesh->velocity);
+        memcpy(v, weft__start_velocity(mesh, i), sizeof mesh->velocity);
         if (mesh->pin[i] != 0) {
             weft__pin_rate(mesh, i, 0.0, v);
         }

@@ -4,7 +4,7 @@
 
 #include "mesh/blocks.h"
 #include "mesh/grid_def.h"
-#include "mesh/triangles.h"
+#include "mesh/triangles_work.h"
 
 void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
                      struct weft__triangles *triangles)
@@ -56,6 +56,13 @@ void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])
     }
 }
 
+const double *weft__start_velocity(const weft__mesh *mesh, size_t i)
+{
+    const weft__triangles *of = mesh->triangles;
+    return of == NULL || of->part_count == 0 ? mesh->velocity
+                                             : of->parts[weft__part_of(of, i)].velocity;
+}
+
 double weft__area(const weft__mesh *mesh, size_t i)
 {
     return mesh->triangles == NULL ? weft__grid_area(mesh, i)
@@ -98,8 +105,11 @@ const char *weft__particle_text(const weft_cloth_def *def, size_t particle, char
         (void)weft_text_format(text, size, "particle (%zu, %zu)", particle / def->cols,
                                particle % def->cols);
     } else {
-        (void)weft_text_format(text, size, "vertex %zu",
-                               mesh->names != NULL ? mesh->names[particle] : particle);
+        const bool of = mesh->part_count > 0;
+        (void)weft_text_format(
+            text, size, "vertex %zu%s%s",
+            mesh->names != NULL ? mesh->names[particle] : particle, of ? " of " : "",
+            of ? mesh->parts[weft__part_at(mesh, particle)].name : "");
     }
     return text;
 }

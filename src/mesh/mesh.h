@@ -79,6 +79,8 @@ void weft__rest_positions(const weft__mesh *mesh, double *xyz);
 
 /* Of particle i: where it is at t = 0 [m], its lumped area [m^2]. */
 void weft__start_position(const weft__mesh *mesh, size_t i, double x[3]);
+/* [m/s] unless it is pinned */
+const double *weft__start_velocity(const weft__mesh *mesh, size_t i);
 double weft__area(const weft__mesh *mesh, size_t i);
 
 /* Of a definition without faults: 1 + the number of the pin that holds a particle of

@@ -173,12 +173,25 @@ const char *weft__name_text(const weft__mesh *mesh, size_t vertex,
     return text;
 }
 
+const char *weft__cloth_name(const weft__mesh *mesh, size_t vertex,
+                             char text[WEFT__CLOTH_TEXT])
+{
+    const weft__triangles *of = mesh->triangles;
+    text[0] = '\0';
+    if (of != NULL && of->part_count > 0) {
+        (void)snprintf(text, WEFT__CLOTH_TEXT, " of %s",
+                       of->parts[weft__part_of(of, vertex)].name);
+    }
+    return text;
+}
+
 const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *text,
                                 size_t size)
 {
-    char name[WEFT__NAME_TEXT];
-    (void)snprintf(text, size, "%s %s", mesh->triangles == NULL ? "particle" : "vertex",
-                   weft__name_text(mesh, vertex, name));
+    char name[WEFT__NAME_TEXT], of[WEFT__CLOTH_TEXT];
+    (void)snprintf(
+        text, size, "%s %s%s", mesh->triangles == NULL ? "particle" : "vertex",
+        weft__name_text(mesh, vertex, name), weft__cloth_name(mesh, vertex, of));
     return text;
 }
 
@@ -198,7 +211,8 @@ const char *weft__primitive_text(const weft__mesh *mesh,
                                  const weft_primitive *primitive, char *text,
                                  size_t size)
 {
-    char names[3][WEFT__NAME_TEXT] = { "" };
+    char names[3][WEFT__NAME_TEXT] = { "" }, of[WEFT__CLOTH_TEXT];
+    (void)weft__cloth_name(mesh, primitive->particle[0], of);
     for (size_t k = 0; k < primitive->count; ++k) {
         weft__name_text(mesh, primitive->particle[k], names[k]);
     }
@@ -206,9 +220,10 @@ const char *weft__primitive_text(const weft__mesh *mesh,
         return weft__particle_name(mesh, primitive->particle[0], text, size);
     }
     if (primitive->count == 2) {
-        (void)snprintf(text, size, "edge %s-%s", names[0], names[1]);
+        (void)snprintf(text, size, "edge %s-%s%s", names[0], names[1], of);
     } else if (mesh->triangles != NULL) {
-        (void)snprintf(text, size, "triangle %s-%s-%s", names[0], names[1], names[2]);
+        (void)snprintf(text, size, "triangle %s-%s-%s%s", names[0], names[1], names[2],
+                       of);
     } else {
         (void)snprintf(text, size, "cell %s",
                        weft__name_text(mesh, cell_of(mesh, primitive), names[0]));

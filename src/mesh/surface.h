@@ -31,6 +31,10 @@ static inline weft_primitive weft__primitive_of(const weft__mesh *mesh,
 enum { WEFT__NAME_TEXT = 48 };
 const char *weft__name_text(const weft__mesh *mesh, size_t vertex,
                             char text[WEFT__NAME_TEXT]);
+/* " of shirt" of a vertex; "" if its cloth has no name. */
+enum { WEFT__CLOTH_TEXT = 4 + WEFT_CLOTH_NAME_MAX + 1 };
+const char *weft__cloth_name(const weft__mesh *mesh, size_t vertex,
+                             char text[WEFT__CLOTH_TEXT]);
 const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *text,
                                 size_t size);
 const char *weft__primitive_text(const weft__mesh *mesh,

@@ -192,29 +192,48 @@ static uint32_t along(double part)
     return part <= 1.0 ? (uint32_t)(part * (double)UINT32_MAX) : 0;
 }
 
+/* Of the places of a cloth; it begins as that of all. */
+typedef struct place_extent {
+    double low[2], high[2];
+} place_extent;
+
+/* Of places; 0 of one that no triangle has. */
+static void set_place_keys(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    place_extent of[WEFT_CLOTHS_MAX];
+    memset(at->place_key, 0, def->places * sizeof *at->place_key);
+    for (size_t h = 0; h < 3 * def->triangles; ++h) {
+        at->place_key[weft__place_at(def, 0, h)]
+            = 1 + weft__part_at(def, weft__vertex_at(def, 0, h));
+    }
+    for (size_t k = 0; k < WEFT_CLOTHS_MAX; ++k) {
+        of[k] = (place_extent){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
+    }
+    for (size_t j = 0; j < 2 * def->places; ++j) {
+        if (at->place_key[j / 2] != 0) {
+            place_extent *to = &of[at->place_key[j / 2] - 1];
+            to->low[j % 2] = fmin(to->low[j % 2], def->rest[j]);
+            to->high[j % 2] = fmax(to->high[j % 2], def->rest[j]);
+        }
+    }
+    for (size_t i = 0; i < def->places; ++i) {
+        const double *x = &def->rest[2 * i];
+        if (at->place_key[i] != 0) {
+            const place_extent *in = &of[at->place_key[i] - 1];
+            const double side
+                = fmax(in->high[0] - in->low[0], in->high[1] - in->low[1]);
+            at->place_key[i] = hilbert(along((x[0] - in->low[0]) / side),
+                                       along((x[1] - in->low[1]) / side));
+        }
+    }
+}
+
 /* The least of the places of each vertex. */
 static void set_keys(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
-    double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
-    memset(at->place_key, 0, def->places * sizeof *at->place_key);
-    for (size_t h = 0; h < 3 * def->triangles; ++h) {
-        at->place_key[weft__place_at(def, 0, h)] = 1;
-    }
-    for (size_t j = 0; j < 2 * def->places; ++j) {
-        if (at->place_key[j / 2] != 0) {
-            low[j % 2] = fmin(low[j % 2], def->rest[j]);
-            high[j % 2] = fmax(high[j % 2], def->rest[j]);
-        }
-    }
-    const double extent = fmax(high[0] - low[0], high[1] - low[1]);
-    for (size_t i = 0; i < def->places; ++i) {
-        const double *x = &def->rest[2 * i];
-        at->place_key[i] = at->place_key[i] == 0
-                               ? 0
-                               : hilbert(along((x[0] - low[0]) / extent),
-                                         along((x[1] - low[1]) / extent));
-    }
+    set_place_keys(at);
     memset(at->key, 0xff, def->vertices * sizeof *at->key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
         const uint64_t key = at->place_key[weft__place_at(def, 0, h)];
@@ -288,6 +307,12 @@ static void order_particles(weft__work *at)
     sort_by_keys(at->key, &at->order, &at->other, n);
     if (tied(at)) {
         break_ties(at);
+    }
+    for (size_t i = 0; at->def->part_count > 1 && i < n; ++i) {
+        at->key[i] = weft__part_at(at->def, i);
+    }
+    if (at->def->part_count > 1) { /* one cloth after the other */
+        sort_by_keys(at->key, &at->order, &at->other, n);
     }
     for (size_t i = 0; i < n; ++i) {
         const uint32_t vertex = at->order[i];
@@ -453,6 +478,7 @@ static void add_edge(weft__work *at, uint32_t low, const weft__half_edge *from,
     }
 }
 
+/* And names. */
 static void copy_fabrics(weft__work *at)
 {
     weft__triangles *out = at->out;
@@ -464,6 +490,14 @@ static void copy_fabrics(weft__work *at)
     }
     for (size_t i = 0; out->name != NULL && i < at->def->vertices; ++i) {
         out->name[i] = at->def->names[i];
+    }
+    for (size_t i = 0; i < out->part_count; ++i) {
+        const weft_cloth_part *from = &at->def->parts[i];
+        weft__part *to = &out->parts[i];
+        strcpy(to->name, from->name);
+        to->first = from->first;
+        to->count = from->count;
+        memcpy(to->velocity, from->velocity, sizeof to->velocity);
     }
 }
 
@@ -482,7 +516,9 @@ static void copy_fabrics(weft__work *at)
     X(around, 3 * t)                                                                   \
     X(around_first, n + 1)                                                             \
     X(start, 3 * n)                                                                    \
-    X(lumped, n) X(vertex, n) X(of_vertex, n) X(fabrics, of->fabric_count)
+    X(lumped, n)                                                                       \
+    X(vertex, n)                                                                       \
+    X(of_vertex, n) X(fabrics, of->fabric_count) X(parts, of->part_count + 1)
 
 static void allocate(weft__work *at)
 {
@@ -498,6 +534,7 @@ static void allocate(weft__work *at)
     at->other = weft__work_take(at, most, sizeof *at->other);
     of->count = t;
     of->fabric_count = at->def->fabric_count;
+    of->part_count = at->def->part_count;
     of->seams = at->def->seams;
     of->arc = at->def->arc;
 #define TAKE(array, number) of->array = weft__work_take(at, number, sizeof *of->array);

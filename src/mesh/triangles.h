@@ -20,6 +20,14 @@ typedef struct weft__edge {
                              that it is sewn to; WEFT__NONE */
 } weft__edge;
 
+/* weft_cloth_part, with its name. A cloth has particles [first, first + count) as it
+ * has vertices: the curve runs through one cloth after the other. */
+typedef struct weft__part {
+    char name[WEFT_CLOTH_NAME_MAX + 1];
+    size_t first, count;
+    double velocity[3]; /* [m/s] */
+} weft__part;
+
 typedef struct weft__triangles {
     size_t count, places, edges, pieces;
     uint32_t (*corner)[3]; /* particles, counterclockwise in (u, v), the lowest first */
@@ -41,7 +49,19 @@ typedef struct weft__triangles {
     size_t fabric_count;
     weft_seam seams;
     bool arc;
+    weft__part *parts;
+    size_t part_count; /* 0: one cloth without a name */
 } weft__triangles;
+
+/* Of a vertex, or of a particle. */
+static inline size_t weft__part_of(const weft__triangles *of, size_t i)
+{
+    size_t part = 0;
+    while (part + 1 < of->part_count && i >= of->parts[part + 1].first) {
+        ++part;
+    }
+    return part;
+}
 
 /* The number in the definition of particle i, and the particle of a number. */
 static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)

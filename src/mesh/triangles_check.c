@@ -8,6 +8,7 @@
 
 #include "base/finite.h"
 #include "base/memory.h"
+#include "base/name.h"
 #include "base/plane.h"
 
 #define MAX_VERTICES  ((size_t)1 << 31)
@@ -58,6 +59,51 @@ static void check_arrays(weft__work *at)
     } else if ((unsigned)def->seams > WEFT_SEAM_HINGE) {
         weft__mesh_fault(at, WEFT__MESH_DEF, 0, "mesh: seams is %d, no weft_seam",
                          (int)def->seams);
+    }
+}
+
+static bool is_named_before(const weft_mesh_def *def, size_t part)
+{
+    size_t i = 0;
+    while (i < part && strcmp(def->parts[i].name, def->parts[part].name) != 0) {
+        ++i;
+    }
+    return i < part;
+}
+
+static void check_parts(weft__work *at)
+{
+    const weft_mesh_def *def = at->def;
+    size_t next = 0;
+    if (def->part_count > WEFT_CLOTHS_MAX
+        || (def->part_count > 0 && def->parts == NULL)) {
+        weft__mesh_fault(at, WEFT__MESH_DEF, 0, "mesh: %zu parts, of at most %d%s",
+                         def->part_count, WEFT_CLOTHS_MAX,
+                         def->parts == NULL ? "; parts is NULL" : "");
+    }
+    for (size_t i = 0; !at->failed && i < def->part_count; ++i) {
+        const weft_cloth_part *of = &def->parts[i];
+        if (!WEFT__IS_CLOTH_NAME(of->name) || is_named_before(def, i)) {
+            weft__mesh_fault(at, WEFT__MESH_DEF, 0,
+                             "mesh: part %zu: name '%.60s' is not one of its own of "
+                             "1 to %d letters, digits, _ and -",
+                             i, of->name == NULL ? "" : of->name, WEFT_CLOTH_NAME_MAX);
+        } else if (of->first != next || of->count < 3 || of->count > def->vertices) {
+            weft__mesh_fault(at, WEFT__MESH_DEF, 0,
+                             "mesh: part %zu, %s, has vertices %zu and %zu more: the "
+                             "parts have 3 or more each, from %zu on here",
+                             i, of->name, of->first, of->count, next);
+        } else if (!weft__all_finite(of->velocity, 3)) {
+            weft__mesh_fault(at, WEFT__MESH_DEF, 0,
+                             "mesh: part %zu, %s: its velocity is not finite", i,
+                             of->name);
+        }
+        next += of->count;
+    }
+    if (!at->failed && def->part_count > 0 && next != def->vertices) {
+        weft__mesh_fault(at, WEFT__MESH_DEF, 0,
+                         "mesh: its parts have %zu vertices, not all %zu", next,
+                         def->vertices);
     }
 }
 
@@ -131,7 +177,14 @@ static bool check_triangle(weft__work *at, size_t t)
     double longest;
     const double area = weft__twice_area(at->def, t, &longest),
                  height = fabs(area) / longest;
+    const size_t part = weft__part_at(at->def, a);
     at->clockwise[t] = area < 0.0;
+    if (part != weft__part_at(at->def, b) || part != weft__part_at(at->def, c)) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
+                         "triangle %zu has corners %u, %u, %u of different parts", t, a,
+                         b, c);
+        return false;
+    }
     if (a == b || b == c || c == a) {
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
                          "a triangle with vertex %zu at two corners",
@@ -179,6 +232,7 @@ static void check_used(weft__work *at)
 void weft__triangles_check(weft__work *at)
 {
     check_arrays(at);
+    check_parts(at);
     if (!at->failed) {
         check_positions(at);
         check_triangles(at);

@@ -20,6 +20,18 @@ static bool take_names(const weft_cloth *cloth, record_faces *out)
     return other;
 }
 
+static bool take_parts(const weft_cloth *cloth, record_faces *out)
+{
+    out->part_count = weft_cloth_parts(cloth);
+    out->parts = calloc(out->part_count + 1, sizeof *out->parts);
+    for (size_t i = 0; out->parts != NULL && i < out->part_count; ++i) {
+        const weft_cloth_part part = weft_cloth_part_at(cloth, i);
+        strcpy(out->parts[i].name, part.name);
+        out->parts[i].first = part.first;
+    }
+    return out->parts != NULL;
+}
+
 weft_status record_faces_of(const weft_cloth *cloth, record_faces *out, weft_error *err)
 {
     if (weft_cloth_cols(cloth) > 0) {
@@ -33,7 +45,7 @@ weft_status record_faces_of(const weft_cloth *cloth, record_faces *out, weft_err
     out->corner_places = malloc(3 * out->triangles * sizeof *out->corner_places);
     out->uv = malloc(2 * out->places * sizeof *out->uv);
     if (out->corners == NULL || out->corner_places == NULL || out->uv == NULL
-        || !take_names(cloth, out)) {
+        || !take_names(cloth, out) || !take_parts(cloth, out)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for triangles");
     }
     (void)weft_cloth_triangles(cloth, out->corners);
@@ -47,6 +59,7 @@ void record_faces_free(record_faces *of)
     free(of->corner_places);
     free(of->uv);
     free(of->names);
+    free(of->parts);
     *of = (record_faces){ .particles = 0 };
 }
 
@@ -78,7 +91,10 @@ const char *record_particle_text(const record_faces *of, size_t i,
         (void)snprintf(text, RECORD_FACES_TEXT, "particle (%zu, %zu)", i / of->cols,
                        i % of->cols);
     } else {
-        (void)snprintf(text, RECORD_FACES_TEXT, "vertex %zu", record_name(of, i));
+        const bool named = of->part_count > 0;
+        (void)snprintf(text, RECORD_FACES_TEXT, "vertex %zu%s%s", record_name(of, i),
+                       named ? " of " : "",
+                       named ? of->parts[record_part_of(of, i)].name : "");
     }
     return text;
 }

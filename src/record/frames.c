@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 
 #include "base/finite.h"
+#include "base/name.h"
 #include "record/child_process.h"
 #include "record/vtkhdf_file.h"
 
@@ -141,6 +142,37 @@ static bool load_corners(frames_file *self)
     return of->corners != NULL && all_below(of->corners, count, of->particles);
 }
 
+/* Cloths in the order of their particles. false: they are not. */
+static bool load_parts(frames_file *self)
+{
+    const char *path = "/weft/ClothNames";
+    record_faces *of = &self->seen.faces;
+    if (H5Lexists(self->file, path, H5P_DEFAULT) <= 0) {
+        return true;
+    }
+    const hid_t set = H5Dopen2(self->file, path, H5P_DEFAULT), type = hdf_name_type();
+    const size_t count = set < 0 ? 0 : set_rows(set, 1);
+    const bool some = count > 0 && count <= WEFT_CLOTHS_MAX;
+    char(*names)[WEFT_CLOTH_NAME_MAX]
+        = some ? read_all(self, path, type, count, 1) : NULL;
+    int64_t *first
+        = some ? read_all(self, "/weft/ClothFirst", H5T_STD_I64LE, count, 1) : NULL;
+    of->parts = calloc(count + 1, sizeof *of->parts);
+    bool good = names != NULL && first != NULL && of->parts != NULL && first[0] == 0;
+    for (size_t i = 0; good && i < count; ++i) {
+        memcpy(of->parts[i].name, names[i], sizeof names[i]);
+        of->parts[i].first = (size_t)first[i];
+        good = WEFT__IS_CLOTH_NAME(of->parts[i].name)
+               && (i == 0 || (first[i] > first[i - 1] && first[i] < (int64_t)self->n));
+    }
+    of->part_count = good ? count : 0;
+    free(names);
+    free(first);
+    (void)H5Tclose(type);
+    (void)H5Dclose(set);
+    return good;
+}
+
 /* Nothing of a grid. */
 static const char *load_triangles(frames_file *self)
 {
@@ -163,6 +195,9 @@ static const char *load_triangles(frames_file *self)
         if (of->names == NULL) {
             return "PointData/vertex is wrong";
         }
+    }
+    if (!load_parts(self)) {
+        return "/weft/ClothNames or /weft/ClothFirst are wrong";
     }
     return load_corners(self) && of->uv != NULL
                    && weft__all_finite(of->uv, 2 * of->places)

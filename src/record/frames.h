@@ -9,6 +9,12 @@
 /* ---- faces.c: what frames, pages and exports draw between particles: the cells of a
  * grid, or triangles ---- */
 
+/* One of several cloths: its particles follow those of the one before. */
+typedef struct record_part {
+    char name[WEFT_CLOTH_NAME_MAX + 1];
+    size_t first;
+} record_part;
+
 typedef struct record_faces {
     size_t particles;
     size_t rows, cols; /* of a grid, for which this is all; 0: triangles */
@@ -16,6 +22,8 @@ typedef struct record_faces {
     uint32_t *corners, *corner_places; /* 3 of each triangle: particles, places */
     double *uv;                        /* [m] of each place in the rest shape */
     int64_t *names;                    /* of particles in files; NULL: 0, 1, ... */
+    record_part *parts;
+    size_t part_count; /* 0: one cloth without a name */
 } record_faces;
 
 static inline record_faces record_grid(size_t rows, size_t cols)
@@ -36,7 +44,7 @@ weft_status record_faces_differ(const char *a_directory, const record_faces *a,
                                 weft_status status, weft_error *err);
 /* "16 x 24 particles" or "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex
  * 17": to text[RECORD_FACES_TEXT], which both return. */
-enum { RECORD_FACES_TEXT = 64 };
+enum { RECORD_FACES_TEXT = 96 };
 const char *record_faces_text(const record_faces *of, char text[RECORD_FACES_TEXT]);
 const char *record_particle_text(const record_faces *of, size_t i,
                                  char text[RECORD_FACES_TEXT]);
@@ -56,6 +64,16 @@ static inline size_t record_face_sides(const record_faces *of)
 static inline size_t record_name(const record_faces *of, size_t i)
 {
     return of->names != NULL ? (size_t)of->names[i] : i;
+}
+
+/* The number of particle i's cloth. */
+static inline size_t record_part_of(const record_faces *of, size_t i)
+{
+    size_t part = 0;
+    while (part + 1 < of->part_count && i >= of->parts[part + 1].first) {
+        ++part;
+    }
+    return part;
 }
 
 /* The corners of face f, around it, the same way round in every format. */

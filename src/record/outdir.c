@@ -42,10 +42,10 @@ const char *const record_names[] = {
     "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  NULL,
 };
 
-/* What exports add beside the names above, and the files of frames/. A shape has files
- * of its own beside those of the cloth. */
+/* Meshes of several cloths, and what exports add beside the names above, and the files
+ * of frames/. A shape has files of its own beside those of the cloth. */
 #define EXPORTED                                                                       \
-    "^((final|rest)-shape-[0-9]+[.]obj|final-shape-[0-9]+[.]ply"                       \
+    "^(scene-[0-9]+[.]obj|(final|rest)-shape-[0-9]+[.]obj|final-shape-[0-9]+[.]ply"    \
     "|run-shape-[0-9]+[.](mdd|pc2))([.]tmp)?$"
 #define FRAME                                                                          \
     "^frame-([0-9]{6}|[1-9][0-9]{6,})(-shape-[0-9]+)?[.](obj|ply|csv|vtp)([.]tmp)?$"

@@ -64,12 +64,12 @@ void record_csv_quoted(FILE *stream, const char *text);
 /* The copy of a scene's mesh in its results. */
 #define RECORD_MESH "scene.obj"
 
-/* scene.yaml, and its mesh if it has one. */
-/* The mesh of a scene that has one, as an OBJ file: that it was read from, or of a cut.
- */
+/* The mesh of cloth k of a scene that has one, as an OBJ file: that it was read from,
+ * or of a cut. */
 weft_status record_mesh(const char *directory, const char *name,
-                        const weft_scene *scene, weft_error *err);
+                        const weft_scene *scene, size_t k, weft_error *err);
 
+/* scene.yaml, and its mesh if it has one; of several cloths those of all. */
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err);
 

@@ -165,9 +165,10 @@ static weft_status copy_file(const char *directory, const char *name, const char
 }
 
 weft_status record_mesh(const char *directory, const char *name,
-                        const weft_scene *scene, weft_error *err)
+                        const weft_scene *scene, size_t k, weft_error *err)
 {
-    const char *file = weft_scene_mesh_file(scene), *made = weft_scene_mesh_text(scene);
+    const char *file = weft_scene_part_file(scene, k),
+               *made = weft_scene_part_text(scene, k);
     return file != NULL ? copy_file(directory, name, file, err)
                         : write_text(directory, name, made, err);
 }
@@ -175,8 +176,15 @@ weft_status record_mesh(const char *directory, const char *name,
 weft_status record_scene_text(const char *directory, const weft_scene *scene,
                               weft_error *err)
 {
-    if (weft_scene_cloth(scene)->mesh != NULL) { /* scene.yaml is read with it again */
-        TRY(record_mesh(directory, RECORD_MESH, scene, err));
+    /* scene.yaml is read with them again */
+    const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    if (mesh != NULL && mesh->part_count == 0) {
+        TRY(record_mesh(directory, RECORD_MESH, scene, 0, err));
+    }
+    for (size_t k = 0; mesh != NULL && k < mesh->part_count; ++k) {
+        char name[40];
+        (void)snprintf(name, sizeof name, "scene-%zu.obj", k);
+        TRY(record_mesh(directory, name, scene, k, err));
     }
     return write_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }

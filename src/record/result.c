@@ -59,6 +59,31 @@ static void write_config(yaml_out *out, const weft_scene *scene, const weft_sim 
     yaml_out_write(out, "} }");
 }
 
+record_part_facts record_part_facts_of(const weft_cloth *cloth, size_t k)
+{
+    record_part_facts out = { .part = weft_cloth_part_at(cloth, k) };
+    for (size_t i = out.part.first; i < out.part.first + out.part.count; ++i) {
+        out.pinned += weft_cloth_pinned(cloth, i);
+        out.mass += weft_cloth_particle_mass(cloth, i);
+    }
+    return out;
+}
+
+void record_cloths(yaml_out *out, const weft_cloth *cloth)
+{
+    const size_t count = weft_cloth_parts(cloth);
+    if (count == 0) {
+        return;
+    }
+    yaml_out_write(out, "cloths: [");
+    for (size_t k = 0; k < count; ++k) {
+        const record_part_facts of = record_part_facts_of(cloth, k);
+        yaml_out_write(out, "{ name: \"%s\", vertices: %zu, pinned: %zu, mass: %g }",
+                       of.part.name, of.part.count, of.pinned, of.mass);
+    }
+    yaml_out_write(out, "]");
+}
+
 static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
 {
     if (limit->method == WEFT_LIMIT_NONE) {
@@ -126,6 +151,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
                    weft_cloth_pins(whole), weft_cloth_springs(whole, WEFT_STRETCH),
                    weft_cloth_springs(whole, WEFT_SHEAR),
                    weft_cloth_springs(whole, WEFT_BEND), weft_cloth_mass(whole));
+    record_cloths(&out, whole);
     write_contact_def(&out, &weft_scene_cloth(scene)->contact);
     write_limit_def(&out, weft_scene_limit(scene));
     yaml_out_write(&out,
@@ -147,6 +173,11 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
     yaml_out_write(out, "max_strain_spring: { family: %s",
                    weft_family_name(worst->family));
     if (cols == 0) {
+        if (weft_cloth_parts(cloth) > 0) {
+            yaml_out_write(
+                out, "cloth: \"%s\"",
+                weft_cloth_part_at(cloth, weft_cloth_part_of(cloth, p)).name);
+        }
         yaml_out_write(out, "from_vertex: %zu, to_vertex: %zu }",
                        weft_cloth_name(cloth, p), weft_cloth_name(cloth, q));
     } else {

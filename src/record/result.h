@@ -10,6 +10,18 @@
  */
 bool record_step_differs(const weft_scene *scene);
 
+/* Of one of several cloths. */
+typedef struct record_part_facts {
+    weft_cloth_part part;
+    size_t pinned;
+    double mass; /* [kg] */
+} record_part_facts;
+record_part_facts record_part_facts_of(const weft_cloth *cloth, size_t k);
+
+/* The item `cloths` of a mapping (yaml_out.h); nothing of one cloth. */
+struct yaml_out;
+void record_cloths(struct yaml_out *out, const weft_cloth *cloth);
+
 /* Versions, plugin, method and every option in force. */
 weft_status record_manifest(const char *directory, const weft_scene *scene,
                             const weft_sim *sim, const weft_cloth *whole,
@@ -38,8 +50,7 @@ weft_status record_result_write(const char *directory, const record_result *resu
 weft_status record_result_amend(const char *directory, const record_result *result,
                                 weft_error *err);
 
-/* The content of result.yaml, as items of a mapping (yaml_out.h). */
-struct yaml_out;
+/* The content of result.yaml, as items of a mapping. */
 void record_result_items(struct yaml_out *out, const record_result *result);
 
 /* DIR/result.yaml, a mapping; false if there is none. The caller deletes the

@@ -66,6 +66,14 @@ hid_t hdf_access(void)
     return access;
 }
 
+hid_t hdf_name_type(void)
+{
+    const hid_t text = H5Tcopy(H5T_C_S1);
+    (void)H5Tset_size(text, WEFT_CLOTH_NAME_MAX);
+    (void)H5Tset_strpad(text, H5T_STR_NULLPAD);
+    return text;
+}
+
 /* Writes `from` to the rows of a frame, or if that is NULL reads them into `to`. */
 static bool transfer(const hdf_set *set, size_t frame, const void *from, void *to)
 {
@@ -225,6 +233,32 @@ static bool topology(const builder *self)
     return good;
 }
 
+/* Of several cloths: their names and first particles, and the cloth of each one. */
+static bool cloths(const builder *self)
+{
+    const record_faces *of = self->faces;
+    const size_t count = of->part_count;
+    char(*names)[WEFT_CLOTH_NAME_MAX] = calloc(count + 1, sizeof *names);
+    int64_t *numbers = calloc(count + self->n, sizeof *numbers),
+            *part = numbers + count;
+    const hid_t type = hdf_name_type();
+    bool good = names != NULL && numbers != NULL;
+    for (size_t i = 0; good && i < count; ++i) {
+        memcpy(names[i], of->parts[i].name, sizeof *names);
+        numbers[i] = (int64_t)of->parts[i].first;
+    }
+    for (size_t i = 0; good && i < self->n; ++i) {
+        part[i] = (int64_t)record_part_of(of, i);
+    }
+    good = good && dataset(self, "/weft/ClothNames", type, count, 1, type, names)
+           && integers(self, "/weft/ClothFirst", count, 1, numbers)
+           && integers(self, ROOT "PointData/cloth", self->n, 1, part);
+    (void)H5Tclose(type);
+    free(names);
+    free(numbers);
+    return good;
+}
+
 /* Of triangles: the flat rest shape, and names that are not 0, 1, ... */
 static bool mesh(const builder *self)
 {
@@ -235,7 +269,8 @@ static bool mesh(const builder *self)
                && dataset(self, "/weft/CornerPlaces", H5T_STD_U32LE, of->triangles, 3,
                           H5T_NATIVE_UINT32, of->corner_places)
                && (of->names == NULL
-                   || integers(self, ROOT "PointData/vertex", self->n, 1, of->names)));
+                   || integers(self, ROOT "PointData/vertex", self->n, 1, of->names))
+               && (of->part_count == 0 || cloths(self)));
 }
 
 /* ---- particles -------------------------------------------------------------- */
@@ -291,6 +326,9 @@ static bool particles(const builder *self)
                            NULL))
            && (self->faces->names == NULL
                || integers(self, STEPS "PointDataOffsets/vertex", self->capacity, 1,
+                           NULL))
+           && (self->faces->part_count == 0
+               || integers(self, STEPS "PointDataOffsets/cloth", self->capacity, 1,
                            NULL));
 }
 

@@ -30,6 +30,9 @@ void hdf_begin(int *why);
  * together. Close with H5Pclose. */
 hid_t hdf_access(void);
 
+/* Of the name of a cloth; close with H5Tclose. */
+hid_t hdf_name_type(void);
+
 /* The rows of frame `frame`. */
 bool hdf_write(const hdf_set *set, size_t frame, const void *values);
 bool hdf_read(const hdf_set *set, size_t frame, void *values);

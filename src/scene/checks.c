@@ -18,6 +18,7 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                  "reader of version 1",
                  scene->version);
     }
+    CHECK_ONE(reader, match, "cloth", "cloths");
     weft__check_stop(reader, match);
     if (reader->report->found->errors == 0 && reader->def->bands > 1) {
         weft__check_bands(reader, match);
@@ -79,6 +80,14 @@ static bool holds_all(const weft_scene *scene)
     return all;
 }
 
+void weft__warn_of_held(weft__reader *reader, const weft__node *at)
+{
+    if (reader->report->found->errors == 0 && holds_all(reader->scene)) {
+        WARNING_AT(reader, at, "all %zu particles are pinned: nothing will move freely",
+                   weft__particles_in(reader->scene));
+    }
+}
+
 /* Products of numbers in range may be out of range: masses are told at their key, what
  * depends on lengths at the spacing. */
 static void report_product(void *ctx, size_t field, size_t other, const char *message)
@@ -120,11 +129,7 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     } else if (weft__key_in(match, "grid") != NULL) {
         check_sheet(reader, match, cloth);
     }
-    if (reader->report->found->errors == 0 && holds_all(reader->scene)) {
-        WARNING_AT(reader, weft__key_in(match, "pins"),
-                   "all %zu particles are pinned: nothing will move freely",
-                   weft__particles_in(reader->scene));
-    }
+    weft__warn_of_held(reader, weft__key_in(match, "pins"));
 }
 
 /* ---- limit, run ------------------------------------------------------------- */

@@ -16,7 +16,8 @@ static const char *default_text(const weft__key *key)
 static const weft__section *below(const weft__key *key)
 {
     return key->kind == WEFT__INSIDE || key->kind == WEFT__FABRICS
-                   || key->kind == WEFT__PATH || key->kind == WEFT__PATHS
+                   || key->kind == WEFT__CLOTHS || key->kind == WEFT__PATH
+                   || key->kind == WEFT__PATHS
                ? NULL
                : key->section;
 }
@@ -143,7 +144,7 @@ static void print_markdown(const printer *to)
     for (size_t i = 0; i <= root->count; ++i) {
         char text[120];
         const weft__key *part = i == 0 ? NULL : &root->keys[i - 1];
-        if (part != NULL && part->section == NULL) {
+        if (part != NULL && below(part) == NULL) {
             continue;
         }
         if (i > 0) {

@@ -290,8 +290,11 @@ static const char *const membrane_names[] = { "chord", "arc", NULL };
 
 #define IN_SCENE(field) .at = offsetof(weft_scene, field) - offsetof(weft_scene, cloth)
 
-/* The grid, or the mesh, comes first: the other keys are checked against it. */
+/* The grid, or the mesh, comes first: the other keys are checked against it. `name` is
+ * of one of several cloths. */
 static const weft__key cloth_keys[] = {
+    { "name", WEFT__TEXT, .required = true, IN_SCENE(part_name),
+      .meaning = "what results call it: letters, digits, _ and -" },
     { "grid", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(grid),
       .meaning
       = "exactly one of grid, mesh and cut is required; particle (row, col) rests "
@@ -335,6 +338,11 @@ static const weft__key cloth_keys[] = {
       .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
                  "later entry wins" },
 };
+
+static const weft__section cloth_section = { .keys = cloth_keys + 1,
+                                             .count = COUNT(cloth_keys) - 1,
+                                             .check = weft__check_cloth },
+                           part_section = { KEYS(cloth), .check = weft__check_part };
 
 /* ---- forces -------------------------------------------------------------------- */
 
@@ -676,8 +684,15 @@ static const weft__key root_keys[] = {
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
     { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
       .meaning = "free text; default: the file's name without .yaml" },
-    { "cloth", WEFT__MAPPING, .required = true, CHECKED(cloth), AT(weft_scene, cloth),
-      .meaning = "the model: grid or mesh, masses, springs, pins" },
+    { "cloth", WEFT__MAPPING, .section = &cloth_section, .absent = "cloth or cloths",
+      AT(weft_scene, cloth),
+      .meaning = "the model: grid or mesh, masses, springs, pins; exactly one of cloth "
+                 "and cloths is required" },
+    { "cloths", WEFT__CLOTHS, .section = &part_section, .absent = "cloth or cloths",
+      AT(weft_scene, parts),
+      .meaning = "several: each a mesh or a cut with its name, fabric, velocity, loads "
+                 "and pins; seams and membrane are the same for all; they touch each "
+                 "other with contact.self" },
     { "forces", WEFT__MAPPING, SECTION(force), .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, CHECKED(contact), .absent = "none",

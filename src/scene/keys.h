@@ -31,6 +31,7 @@
     X(NEAREST, near, "a point [x, y, z]")                     /* the same */           \
     X(INSIDE, inside, "a mapping")                            /* the same */           \
     X(FABRICS, fabrics, "a mapping of up to 64 names to mappings as fabric")           \
+    X(CLOTHS, cloths, "a list of 1 to 64 mappings {name, keys as cloth}")              \
     X(PATH, paths, "a list of points [u, v], or {disc: radius}")                       \
     X(PATHS, paths, "a list, each item points [[u, v], ...] or {disc: radius}")        \
     X(TRACK, track, "a list of rows [t, x, y, z]") /* weft_track */                    \

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* override.c -- "key.path=value", or a value of a sweep, put into a tree.
+/* override.c -- "key.path=value", or a value of a sweep, put into a tree. An index of a
+ * list is a part of the path, as in pins.0 or pins[0].
  *
  * New nodes have the override's place, and so has the key of a replaced pair: messages
  * about them name the override. */
@@ -50,7 +51,8 @@ static bool is_index(const segment *part)
 static bool next_segment(const graft *self, const char *from, segment *part)
 {
     *part = (segment){ .name = from };
-    while (past(part) < self->end && *past(part) != '.') {
+    while (past(part) < self->end
+           && (*past(part) == '\0' || strchr(".[]", *past(part)) == NULL)) {
         if (*past(part) <= ' ' || *past(part) > '~') {
             weft__report_error(self->tree->report, place(self, past(part)),
                                "no key has such a character");
@@ -63,6 +65,14 @@ static bool next_segment(const graft *self, const char *from, segment *part)
                            "a key is missing here: write key.path=value");
     }
     return part->length > 0;
+}
+
+/* Where the next part begins; NULL: there is none. */
+static const char *behind(const graft *self, const segment *part)
+{
+    const char *at = past(part);
+    at += at < self->end && *at == ']';
+    return at < self->end ? at + 1 : NULL;
 }
 
 /* The entry of a part of the path; the index after the last item makes a new one.
@@ -125,16 +135,15 @@ static const weft__node *put(const graft *self, const weft__node *there, segment
         return node;
     }
     weft__entry entry = { NULL, slot < node->count ? node->entries[slot].value : NULL };
-    const bool is_last
-        = past(&part) == self->end || (entry.value == NULL && self->value == NULL);
+    const char *next = behind(self, &part);
+    const bool is_last = next == NULL || (entry.value == NULL && self->value == NULL);
     const size_t height = is_last && self->value != NULL ? self->value->height : 0;
     if (depth + height > WEFT__MAX_DEPTH) {
         ERROR_AT(self->tree, height > 0 ? self->value : node,
                  "nested more than 32 deep");
         return node;
     }
-    entry.value = is_last ? self->value
-                          : put(self, entry.value, part, past(&part) + 1, depth + 1);
+    entry.value = is_last ? self->value : put(self, entry.value, part, next, depth + 1);
     if (node->type == WEFT__MAP) {
         entry.key = weft__scalar_new(self->tree, part.name, part.length,
                                      YAML_PLAIN_SCALAR_STYLE, place(self, part.name));

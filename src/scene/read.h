@@ -137,6 +137,11 @@ struct weft_scene {
     weft__obj obj;   /* what cloth.mesh points to */
     bool renumbered; /* vertices have other numbers than in the scene as it is */
     bool meshed;     /* the cloth is no grid, whether its mesh could be read or not */
+    struct weft_scene *parts; /* several cloths, each read as if it were the only one */
+    size_t part_count;
+    size_t part; /* of such a one: its number, from 1 */
+    char *part_name;
+    size_t mistakes; /* reported before it was read */
     weft_limit_def limit;
     weft_run_def run;
     weft_record_def record;
@@ -330,6 +335,15 @@ char *weft__mesh_path(weft__reader *reader, const char *name);
 /* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);
 void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth);
+
+/* scene_cloths.c */
+weft__check_fn weft__check_part;
+
+/* Sets the sizes of its structs. */
+void weft__scene_begin(weft_scene *scene);
+
+/* checks.c: warns if pins hold every particle. */
+void weft__warn_of_held(weft__reader *reader, const weft__node *at);
 
 /* scene_vertices.c */
 /* Whether a pin or a load says on what it is, in the way of its cloth. */

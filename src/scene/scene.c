@@ -236,10 +236,7 @@ weft_status weft__base_read(const weft__base *base, size_t run, weft__report *re
     }
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
-    scene->cloth.struct_size = sizeof scene->cloth;
-    scene->cloth.load_size = sizeof(weft_load);
-    scene->cloth.pin_size = sizeof(weft_pin);
-    scene->cloth.shape_size = sizeof(weft_shape);
+    weft__scene_begin(scene);
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
     scene->tree.root = NULL; /* of nodes of the base */
     scene->tree.report = NULL;
@@ -285,6 +282,9 @@ void weft_scene_destroy(weft_scene *scene)
     }
     const weft_allocator memory = scene->memory;
     weft__obj_close(&scene->obj, &memory);
+    for (size_t i = 0; i < scene->part_count; ++i) {
+        weft__obj_close(&scene->parts[i].obj, &memory);
+    }
     weft__tree_free(&scene->tree, &memory);
     weft__free(&memory, scene);
 }
@@ -306,10 +306,20 @@ QUERY(const char *, plugin, scene->plugin)
 QUERY(const char *, method, scene->method)
 QUERY(const weft_stepper_type *, method_type, scene->type)
 QUERY(const weft_stepper_config *, config, &scene->config)
-QUERY(const char *, mesh_file, scene->mesh_path)
-QUERY(const char *, mesh_text, scene->obj.text)
+QUERY(const char *, mesh_file, weft_scene_part_file(scene, 0))
+QUERY(const char *, mesh_text, weft_scene_part_text(scene, 0))
 QUERY(double, step, scene->step)
 QUERY(const char *, text, scene->text)
+
+const char *weft_scene_part_file(const weft_scene *scene, size_t k)
+{
+    return scene->part_count > 0 ? scene->parts[k].mesh_path : scene->mesh_path;
+}
+
+const char *weft_scene_part_text(const weft_scene *scene, size_t k)
+{
+    return scene->part_count > 0 ? scene->parts[k].obj.text : scene->obj.text;
+}
 
 void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
                         weft_diagnostic *out)

@@ -15,11 +15,15 @@ enum { MOST_FABRICS = 64 };
 
 char *weft__mesh_path(weft__reader *reader, const char *name)
 {
-    static const char scene_copy[] = "scene.yaml", copy[] = "scene.obj";
+    static const char scene_copy[] = "scene.yaml";
+    char copy[32] = "scene.obj";
     const char *scene = reader->def->file == NULL ? "" : reader->def->file;
     const char *slash = strrchr(scene, '/');
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - scene) + 1;
     const size_t length = name == NULL ? 0 : strlen(name);
+    if (reader->scene->part > 0) {
+        (void)snprintf(copy, sizeof copy, "scene-%zu.obj", reader->scene->part - 1);
+    }
     char *path = weft__tree_take(
         reader->tree, folder + (length < sizeof copy ? sizeof copy : length + 1), 1);
     if (path == NULL) {
@@ -193,7 +197,8 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
                                 "needs a grid: a mesh of triangles has a fabric");
     if (weft__lacks(cloth, "fabric")) {
         ERROR_AT(reader, cloth->map,
-                 "cloth lacks 'fabric', which a mesh of triangles is made of");
+                 "%s lacks 'fabric', which a mesh of triangles is made of",
+                 cloth->title);
     }
     if (scene->cloth.mesh == NULL || weft__key_in(cloth, "fabric") == NULL) {
         return;
@@ -204,7 +209,7 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
         scene->obj.def.fabrics = &scene->fabric;
         scene->obj.def.fabric_count = 1;
     }
-    if (reader->report->found->errors == 0 && !reader->report->no_memory) {
+    if (reader->report->mistakes == scene->mistakes && !reader->report->no_memory) {
         weft__mesh_check(&scene->cloth,
                          &(weft__mesh_faults){ find_part, (void *)cloth },
                          &(weft__faults){ find_fault, (void *)cloth }, NULL,

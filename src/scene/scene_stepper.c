@@ -3,6 +3,7 @@
  * keys that exclude one another or have no use. */
 #include <string.h>
 
+#include "base/name.h"
 #include "plugin/methods.h"
 #include "scene/read.h"
 
@@ -51,9 +52,7 @@ static void report_method(weft__reader *reader, const weft__match *match,
 /* An id becomes part of a file's name and of a function's. */
 bool weft__is_plugin_id(const char *id)
 {
-    static const char allowed[]
-        = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    return id[0] != '\0' && strspn(id, allowed) == strlen(id) && strlen(id) <= 48;
+    return weft__is_name(id, "_", 48);
 }
 
 static bool check_id(weft__reader *reader, const weft__match *match)

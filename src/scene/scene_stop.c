@@ -114,7 +114,7 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         bool wrong;
         const char *section, *key, *message;
     } rules[] = {
-        { scene->meshed, "cloth", "mesh",
+        { scene->meshed, scene->part_count > 0 ? "cloths" : "cloth", "mesh",
           "a mesh of triangles does not run in bands, which are rows of a grid" },
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
           "a strain limit does not run in bands: it corrects springs one after "

@@ -46,7 +46,9 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
         const weft_pin *pin = &def->pins[i];
         const bool moves = pin->frequency > 0.0 || pin->velocity[0] != 0.0
                            || pin->velocity[1] != 0.0 || pin->velocity[2] != 0.0;
-        printf("             pin %zu:", i);
+        const bool named = !grid && def->mesh->part_count > 0;
+        printf("             pin %zu%s%s:", i, named ? ", " : "",
+               named ? cloth_of(def->mesh, pin->vertices[0]) : "");
         if (grid) {
             print_range("row", pin->rows);
             print_range("column", pin->cols);
@@ -58,12 +60,27 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
     }
 }
 
+static void print_cloths(const weft_mesh_def *mesh, const weft_cloth *cloth)
+{
+    for (size_t k = 0; k < mesh->part_count; ++k) {
+        const record_part_facts of = record_part_facts_of(cloth, k);
+        size_t triangles = 0;
+        for (size_t t = 0; t < mesh->triangles; ++t) {
+            triangles += part_of(mesh, mesh->corners[3 * t]) == k;
+        }
+        print_item(k == 0 ? "cloths" : "",
+                   "%s: %zu vertices, %zu triangles, %.6g kg, %zu held", of.part.name,
+                   of.part.count, triangles, of.mass, of.pinned);
+    }
+}
+
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     char size[HUMAN_SIZE];
     double least = weft_cloth_particle_mass(cloth, 0), most = least;
     if (def->mesh != NULL) {
         print_item("mesh", "%s", weft_cloth_text(cloth, size, sizeof size));
+        print_cloths(def->mesh, cloth);
     } else {
         printf("  particles  %zu (%zu rows x %zu columns)\n",
                weft_cloth_particles(cloth), def->rows, def->cols);
@@ -146,6 +163,7 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_write(out, "{ file: \"%s\", name: \"%s\", particles: %zu, pinned: %zu",
                    file, weft_scene_name(scene), weft_cloth_particles(cloth),
                    weft_cloth_pins(cloth));
+    record_cloths(out, cloth);
     fabric_yaml(out, scene);
     contact_yaml(out, weft_scene_cloth(scene));
     stability_yaml(out, scene, found);

@@ -9,6 +9,7 @@ typedef struct report {
     double length[2];   /* [m] Peirce's, 0: none */
     double edge[2];     /* [m] the spacing; of triangles the mean edge */
     double area;        /* [m^2] of its triangles */
+    const char *cloth;  /* of several, "" of one */
     bool coarse[2];     /* the spacing is above half of it, the edge above a quarter */
 } report;
 
@@ -25,10 +26,12 @@ static report mesh_report(const weft_cloth_def *def, size_t fabric)
 {
     const weft_mesh_def *mesh = def->mesh;
     double sum = 0.0, count = 0.0, area = 0.0;
+    const char *cloth = "";
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const rest_triangle at = rest_triangle_of(mesh, t);
         if ((mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0) == fabric) {
             area += rest_area(&at);
+            cloth = cloth_of(mesh, mesh->corners[3 * t]);
             for (size_t k = 0; k < 3; ++k, count += 1.0) {
                 const double *a = at.corners[k], *b = at.corners[(k + 1) % 3];
                 sum += hypot(b[0] - a[0], b[1] - a[1]);
@@ -36,8 +39,10 @@ static report mesh_report(const weft_cloth_def *def, size_t fabric)
         }
     }
     const double edge = count > 0.0 ? sum / count : 0.0;
-    report out
-        = { .fabric = mesh->fabrics[fabric], .edge = { edge, edge }, .area = area };
+    report out = { .fabric = mesh->fabrics[fabric],
+                   .edge = { edge, edge },
+                   .area = area,
+                   .cloth = cloth };
     set_length(&out, 0, def, 0.25);
     set_length(&out, 1, def, 0.25);
     return out;
@@ -67,8 +72,10 @@ static void print_least(const char *item, const char *format, double least,
         name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
     }
     (void)snprintf(number, sizeof number, format, least);
-    print_item(item, "%s or more at rest, in the triangle of vertices %zu, %zu, %zu",
-               number, name[0], name[1], name[2]);
+    const char *cloth = cloth_of(mesh, mesh->corners[3 * triangle]);
+    print_item(
+        item, "%s or more at rest, in the triangle of vertices %zu, %zu, %zu%s%s",
+        number, name[0], name[1], name[2], cloth[0] != '\0' ? " of " : "", cloth);
 }
 
 /* The smallest angle and height at rest, and their triangles. */
@@ -125,16 +132,17 @@ static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
         if (of.edge[0] == 0.0) {
             continue; /* no triangle has it */
         }
-        print_item("fabric",
-                   "%s%sC %.5g and %.5g, G %.5g, C12 %.5g N/m; rigidity %.4g and %.4g, "
-                   "twist %.4g N m; edges of %.3g mm, %.4g m^2",
-                   fabric->name == NULL ? "" : fabric->name,
-                   fabric->name == NULL ? "" : ": ", fabric->stretch[0],
-                   fabric->stretch[1], fabric->shear, fabric->coupling, fabric->bend[0],
-                   fabric->bend[1],
-                   fabric->twist < 0.0 ? sqrt(fabric->bend[0] * fabric->bend[1])
-                                       : fabric->twist,
-                   1e3 * of.edge[0], of.area);
+        print_item(
+            "fabric",
+            "%s%s%s%sC %.5g and %.5g, G %.5g, C12 %.5g N/m; rigidity %.4g and %.4g, "
+            "twist %.4g N m; edges of %.3g mm, %.4g m^2",
+            of.cloth, of.cloth[0] == '\0' ? "" : ": ",
+            fabric->name == NULL ? "" : fabric->name, fabric->name == NULL ? "" : ": ",
+            fabric->stretch[0], fabric->stretch[1], fabric->shear, fabric->coupling,
+            fabric->bend[0], fabric->bend[1],
+            fabric->twist < 0.0 ? sqrt(fabric->bend[0] * fabric->bend[1])
+                                : fabric->twist,
+            1e3 * of.edge[0], of.area);
         print_peirce(&of, "the warp", "the weft");
         if (of.coarse[0] || of.coarse[1]) {
             print_item("warning",
@@ -206,6 +214,9 @@ void fabric_yaml(yaml_out *out, const weft_scene *scene)
         for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
             of = mesh_report(def, i);
             yaml_out_write(out, "{ edge: %g", of.edge[0]);
+            if (of.cloth[0] != '\0') {
+                yaml_out_write(out, "cloth: \"%s\"", of.cloth);
+            }
             write_report(out, &of);
         }
         yaml_out_write(out, "]");

@@ -4,6 +4,7 @@
 
 #include "base/suggest.h"
 #include "cli/converge/converge.h"
+#include "cli/survey/survey.h"
 #include "record/series.h"
 
 static const struct {
@@ -32,20 +33,33 @@ static bool read_line(const char *text, char end, size_t count, size_t *place)
     return number && line < count;
 }
 
-/* A particle, the tip of a single row being its last; of a mesh the vertex that has a
- * number. */
+/* The vertex that has a number, of several cloths "shirt:17"; their number: none has.
+ */
+static size_t find_vertex(const weft_mesh_def *mesh, const char *name)
+{
+    const char *colon = mesh->part_count > 0 ? strchr(name, ':') : NULL;
+    const size_t cloth = colon != NULL ? (size_t)(colon - name) : 0;
+    size_t number, v = 0;
+    if (!option_count(colon != NULL ? colon + 1 : name, '\0', &number)
+        || (mesh->part_count > 0 && colon == NULL)) {
+        return mesh->vertices;
+    }
+    while (v < mesh->vertices
+           && ((mesh->names == NULL ? v : mesh->names[v]) != number
+               || strlen(cloth_of(mesh, v)) != cloth
+               || strncmp(cloth_of(mesh, v), name, cloth) != 0)) {
+        ++v;
+    }
+    return v;
+}
+
+/* A particle, the tip of a single row being its last. */
 static bool read_particle(const converge *self, const char *name, size_t place[2])
 {
     const weft_mesh_def *mesh = weft_scene_cloth(self->scene)->mesh;
-    size_t number;
     if (mesh != NULL) {
-        size_t v = option_count(name, '\0', &number) ? 0 : mesh->vertices;
-        while (v < mesh->vertices
-               && (mesh->names == NULL ? v : mesh->names[v]) != number) {
-            ++v;
-        }
-        place[0] = v;
-        return v < mesh->vertices;
+        place[0] = find_vertex(mesh, name);
+        return place[0] < mesh->vertices;
     }
     const refine_axis *axis = self->grid.axis;
     const char *particle = name;
@@ -73,7 +87,9 @@ static int unknown_quantity(const converge *self, const record_series *series,
     const weft_cloth_def *cloth = weft_scene_cloth(self->scene);
     sentence nor = { "" };
     if (self->mesh) {
-        say(&nor, "vertex of %zu", cloth->mesh->vertices);
+        say(&nor, "vertex%s of %zu",
+            cloth->mesh->part_count > 0 ? ", CLOTH:NUMBER," : "",
+            cloth->mesh->vertices);
     } else {
         say(&nor, "particle of %zu x %zu", cloth->rows, cloth->cols);
     }

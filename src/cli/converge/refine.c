@@ -165,9 +165,9 @@ static double edge_of(const weft_mesh_def *mesh)
     return sqrt(2.0 / sqrt(3.0) * sum / (double)mesh->triangles);
 }
 
-/* The triangle of a flat piece that x lies in, or is nearest to, as shares of its
- * corners. */
-static void find_place(const weft_mesh_def *mesh, const double x[2],
+/* The triangle of a flat piece, of one of several cloths, that x lies in or is nearest
+ * to, as shares of its corners. */
+static void find_place(const weft_mesh_def *mesh, size_t part, const double x[2],
                        converge_probe *out)
 {
     double most = -INFINITY;
@@ -179,7 +179,7 @@ static void find_place(const weft_mesh_def *mesh, const double x[2],
             = { weft__plane_turn(x, b, c) / area, weft__plane_turn(a, x, c) / area,
                 weft__plane_turn(a, b, x) / area };
         const double least = fmin(share[0], fmin(share[1], share[2]));
-        if (least > most) {
+        if (least > most && part_of(mesh, mesh->corners[3 * t]) == part) {
             most = least;
             for (size_t k = 0; k < 3; ++k) {
                 out->particle[k] = mesh->corners[3 * t + k];
@@ -194,14 +194,18 @@ static void find_vertex(const converge *self, const weft_mesh_def *mesh, size_t 
                         converge_probe *out)
 {
     const weft_mesh_def *from = weft_scene_cloth(self->scene)->mesh;
-    *out = (converge_probe){ { vertex, vertex, vertex }, { 1.0, 0.0, 0.0 } };
-    if (mesh != from && weft_scene_mesh_text(self->scene) != NULL) {
+    const size_t part = part_of(from, vertex);
+    const size_t kept = from->part_count == 0 ? vertex
+                                              : vertex - from->parts[part].first
+                                                    + mesh->parts[part].first;
+    *out = (converge_probe){ { kept, kept, kept }, { 1.0, 0.0, 0.0 } };
+    if (mesh != from && weft_scene_part_text(self->scene, part) != NULL) {
         size_t corner = 0;
         while (from->corners[corner] != vertex) {
             ++corner;
         }
         const rest_triangle at = rest_triangle_of(from, corner / 3);
-        find_place(mesh, at.corners[corner % 3], out);
+        find_place(mesh, part, at.corners[corner % 3], out);
     }
 }
 

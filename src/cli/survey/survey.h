@@ -77,6 +77,22 @@ double calls_per_second(const weft_scene *scene, const survey_method *method, do
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 
 /* The places of the corners of a triangle in its rest shape [m]. */
+/* The number of the one of several cloths that has a vertex, and its name; "" of one
+ * cloth. */
+static inline size_t part_of(const weft_mesh_def *mesh, size_t vertex)
+{
+    size_t part = 0;
+    while (part + 1 < mesh->part_count && vertex >= mesh->parts[part + 1].first) {
+        ++part;
+    }
+    return part;
+}
+
+static inline const char *cloth_of(const weft_mesh_def *mesh, size_t vertex)
+{
+    return mesh->part_count > 0 ? mesh->parts[part_of(mesh, vertex)].name : "";
+}
+
 typedef struct rest_triangle {
     const double *corners[3];
 } rest_triangle;

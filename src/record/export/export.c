@@ -70,9 +70,14 @@ static void write_obj_faces(FILE *stream, const record_faces *faces)
         }
         fputc('\n', stream);
     }
-    for (size_t f = 0; f < count; ++f) {
+    for (size_t f = 0, shown = SIZE_MAX; f < count; ++f) {
         size_t at[4];
         record_face(faces, f, at);
+        const size_t part = record_part_of(faces, at[0]);
+        if (faces->part_count > 0 && part != shown) {
+            fprintf(stream, "g %s\n", faces->parts[part].name);
+            shown = part;
+        }
         fputs("f", stream);
         for (size_t k = 0; k < sides; ++k) {
             fprintf(stream, " %zu/%zu", at[k] + 1,
@@ -99,10 +104,16 @@ static void write_header(FILE *stream, const record_faces *of)
     const size_t faces = record_face_count(of), n = of->particles;
     fprintf(stream, "ply\nformat binary_little_endian 1.0\ncomment weft %s, metres\n",
             weft_version());
+    for (size_t k = 0; k < of->part_count; ++k) {
+        fprintf(stream, "comment cloth %zu is %s\n", k, of->parts[k].name);
+    }
     fprintf(stream, "element vertex %zu\n", n);
     fputs("property float x\nproperty float y\nproperty float z\n", stream);
     if (of->cols > 0) {
         fputs("property float s\nproperty float t\n", stream);
+    }
+    if (of->part_count > 0) {
+        fputs("property int cloth\n", stream);
     }
     if (faces > 0) {
         fprintf(stream, "element face %zu\nproperty list uchar int vertex_indices\n",
@@ -145,6 +156,7 @@ void record_ply(FILE *stream, const record_surface *surface)
             texture(of, i, uv);
             record_put_float(stream, uv[k], false);
         }
+        record_put(stream, record_part_of(of, i), of->part_count > 0 ? 4 : 0, false);
     }
     write_ply_faces(stream, of);
 }

@@ -11,6 +11,7 @@
 #define GRID_HEADER "row,col,x,y,z"
 #define MESH_HEADER "vertex,x,y,z"
 #define VELOCITY    ",vx,vy,vz"
+#define CLOTH       "cloth," /* before the vertex, of several */
 
 static void write_vector(FILE *stream, const double *v, bool doubles)
 {
@@ -22,13 +23,17 @@ static void write_vector(FILE *stream, const double *v, bool doubles)
 void record_csv(FILE *stream, const record_surface *surface)
 {
     const record_faces *faces = &surface->faces;
-    fprintf(stream, "%s%s\n", faces->cols > 0 ? GRID_HEADER : MESH_HEADER,
+    fprintf(stream, "%s%s%s\n", faces->part_count > 0 ? CLOTH : "",
+            faces->cols > 0 ? GRID_HEADER : MESH_HEADER,
             surface->velocity == NULL ? "" : VELOCITY);
     for (size_t i = 0; i < faces->particles; ++i) {
         if (faces->cols > 0) {
             fprintf(stream, "%zu,%zu", i / faces->cols, i % faces->cols);
         } else {
-            fprintf(stream, "%zu", record_name(faces, i));
+            fprintf(stream, "%s%s%zu",
+                    faces->part_count > 0 ? faces->parts[record_part_of(faces, i)].name
+                                          : "",
+                    faces->part_count > 0 ? "," : "", record_name(faces, i));
         }
         write_vector(stream, &surface->position[3 * i], surface->doubles);
         if (surface->velocity != NULL) {
@@ -42,6 +47,12 @@ static bool read_row(FILE *stream, const record_faces *faces, size_t i, double *
                      double *v)
 {
     size_t row = 0, col = 0;
+    char cloth[WEFT_CLOTH_NAME_MAX + 1];
+    if (faces->part_count > 0
+        && (fscanf(stream, " %40[^,],", cloth) != 1
+            || strcmp(cloth, faces->parts[record_part_of(faces, i)].name) != 0)) {
+        return false;
+    }
     const bool named
         = faces->cols > 0
               ? fscanf(stream, "%zu,%zu", &row, &col) == 2 && row == i / faces->cols
@@ -57,9 +68,10 @@ static weft_status read_state(const char *directory, const record_faces *faces,
                               double *position, double *velocity, weft_error *err)
 {
     char path[RECORD_PATH];
-    const char *wanted
-        = faces->cols > 0 ? GRID_HEADER VELOCITY "\n" : MESH_HEADER VELOCITY "\n";
-    char header[sizeof GRID_HEADER VELOCITY "\n"];
+    const char *wanted = faces->part_count > 0 ? CLOTH MESH_HEADER VELOCITY "\n"
+                         : faces->cols > 0     ? GRID_HEADER VELOCITY "\n"
+                                               : MESH_HEADER VELOCITY "\n";
+    char header[sizeof CLOTH GRID_HEADER VELOCITY "\n"];
     weft_status status = WEFT_OK;
     FILE *stream = record_open(directory, "final.csv", path, err);
     if (stream == NULL) {

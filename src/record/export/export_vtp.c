@@ -88,6 +88,15 @@ static void put_cells(FILE *stream, const record_surface *surface)
 
 /* ---- VTP -------------------------------------------------------------------- */
 
+/* Of each particle; nothing of one cloth. */
+static void put_cloths(FILE *stream, const record_faces *of)
+{
+    record_put(stream, 8 * of->particles, of->part_count > 0 ? 8 : 0, false);
+    for (size_t i = 0; of->part_count > 0 && i < of->particles; ++i) {
+        record_put(stream, record_part_of(of, i), 8, false);
+    }
+}
+
 static void write_tags(FILE *stream, const record_surface *surface)
 {
     const char *cells = record_face_count(&surface->faces) > 0 ? "Polys" : "Lines";
@@ -103,6 +112,9 @@ static void write_tags(FILE *stream, const record_surface *surface)
     }
     if (surface->strain != NULL) {
         tag_reals(stream, surface, "strain", 1, &offset);
+    }
+    if (surface->faces.part_count > 0) {
+        tag(stream, "Int64", "cloth", 1, 8 * surface->faces.particles, &offset);
     }
     fprintf(stream, "</PointData>\n<%s>\n", cells);
     tag(stream, "Int64", "connectivity", 1,
@@ -122,6 +134,7 @@ void record_vtp(FILE *stream, const record_surface *surface)
     if (surface->strain != NULL) {
         put_reals(stream, surface, surface->strain, 1);
     }
+    put_cloths(stream, &surface->faces);
     put_cells(stream, surface);
     fputs("\n</AppendedData></VTKFile>\n", stream);
 }

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_cloths.c -- several cloths: each is read as the cloth of a scene of its own,
+ * then all of them become one mesh of named parts. */
+#include <math.h>
+#include <string.h>
+
+#include "base/name.h"
+#include "cloth/model.h"
+#include "scene/read.h"
+
+/* ---- one of them --------------------------------------------------------------- */
+
+void weft__scene_begin(weft_scene *scene)
+{
+    scene->cloth.struct_size = sizeof scene->cloth;
+    scene->cloth.load_size = sizeof(weft_load);
+    scene->cloth.pin_size = sizeof(weft_pin);
+    scene->cloth.shape_size = sizeof(weft_shape);
+}
+
+/* The cut that is the same sheet, if the grid is a good one. */
+static void report_grid(weft__reader *reader, const weft__match *match,
+                        const weft_cloth_def *grid)
+{
+    char cut[320] = "";
+    if (grid->rows > 1 && grid->cols > 1) {
+        const double width = (double)(grid->cols - 1) * grid->spacing[1],
+                     height = (double)(grid->rows - 1) * grid->spacing[0];
+        (void)snprintf(cut, sizeof cut,
+                       ": the same sheet is cut: {outline: [[0, 0], [0, %g], [%g, %g], "
+                       "[%g, 0]], spacing: %g} with its origin, right and down",
+                       -height, width, -height, width,
+                       fmin(grid->spacing[0], grid->spacing[1]));
+    }
+    ERROR_AT(
+        reader, weft__key_in(match, "grid"),
+        "a cloth of several is a mesh or a cut with a fabric, as a grid of springs "
+        "has no triangles%s",
+        cut);
+}
+
+static void check_name(weft__reader *reader, const weft__match *match)
+{
+    const weft__node *name = weft__value_in(match, "name");
+    if (name != NULL && !weft__found_in(match, "name")->wrong
+        && !WEFT__IS_CLOTH_NAME(reader->scene->part_name)) {
+        ERROR_AT(reader, name,
+                 "'%.60s' is no name of a cloth: 1 to %d letters, digits, _ and -",
+                 reader->scene->part_name, WEFT_CLOTH_NAME_MAX);
+    }
+}
+
+void weft__check_part(weft__reader *reader, const weft__match *match, void *base)
+{
+    check_name(reader, match);
+    if (weft__key_in(match, "grid") != NULL) {
+        report_grid(reader, match, base);
+        return;
+    }
+    CHECK_ONE(reader, match, "mesh", "cut");
+    weft__check_mesh_cloth(reader, match);
+}
+
+/* Keys of one mesh, which its parts must agree on: at the second of two that do not. */
+static void check_same(weft__reader *reader, const weft__node *node, const char *key,
+                       size_t part, bool differs)
+{
+    const weft__node *value = weft__value_of(node, key);
+    if (differs) {
+        ERROR_AT(reader, (value == NULL ? node : value),
+                 "%s of cloths[%zu] differs from that of cloths[0]: it is the same for "
+                 "all cloths",
+                 key, part);
+    }
+}
+
+static void check_pair(weft__reader *reader, const weft__node *list, size_t part)
+{
+    const weft_scene *all = reader->scene->parts, *own = &all[part];
+    const weft__node *node = weft__item(list, part);
+    for (size_t i = 0; i < part; ++i) {
+        if (own->part_name != NULL && all[i].part_name != NULL
+            && strcmp(all[i].part_name, own->part_name) == 0) {
+            ERROR_AT(reader, weft__value_of(node, "name"),
+                     "cloths[%zu] is called '%.60s' too", i, own->part_name);
+        }
+    }
+    check_same(reader, node, "seams", part, own->obj.def.seams != all->obj.def.seams);
+    check_same(reader, node, "membrane", part, own->obj.def.arc != all->obj.def.arc);
+}
+
+static void read_part(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, size_t index)
+{
+    char title[32];
+    weft_scene *part = &reader->scene->parts[index];
+    weft__reader own = *reader;
+    (void)snprintf(title, sizeof title, "cloths[%zu]", index);
+    weft__scene_begin(part);
+    part->meshed = true;
+    part->part = index + 1;
+    part->mistakes = reader->report->mistakes;
+    own.scene = part;
+    weft__read_section(&own, key->section, title, node, &part->cloth);
+    weft__obj_forget(&part->obj);
+}
+
+/* ---- all of them ---------------------------------------------------------------- */
+
+/* Numbers of vertices that are `first` higher, of the tree. */
+static const size_t *shifted(weft__reader *reader, const size_t *from, size_t count,
+                             size_t first)
+{
+    size_t *to = weft__tree_take(reader->tree, count, sizeof *to);
+    for (size_t i = 0; to != NULL && i < count; ++i) {
+        to[i] = from[i] + first;
+    }
+    return to;
+}
+
+/* The pins and loads of a part behind those that are there. */
+static void add_held(weft__reader *reader, const weft_cloth_def *from, size_t first)
+{
+    weft_cloth_def *to = &reader->scene->cloth;
+    weft_pin *pins = (weft_pin *)to->pins + to->pin_count;
+    weft_load *loads = (weft_load *)to->loads + to->load_count;
+    for (size_t i = 0; i < from->pin_count; ++i) {
+        pins[i] = from->pins[i];
+        pins[i].vertices
+            = shifted(reader, pins[i].vertices, pins[i].vertex_count, first);
+    }
+    for (size_t i = 0; i < from->load_count; ++i) {
+        loads[i] = from->loads[i];
+        loads[i].vertices
+            = shifted(reader, loads[i].vertices, loads[i].vertex_count, first);
+    }
+    to->pin_count += from->pin_count;
+    to->load_count += from->load_count;
+}
+
+/* The mesh of a part behind those that are there. */
+static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabrics)
+{
+    weft_mesh_def *def = &to->def;
+    memcpy(to->start + 3 * def->vertices, from->start,
+           3 * from->vertices * sizeof *to->start);
+    memcpy(to->rest + 2 * def->places, from->rest, 2 * from->places * sizeof *to->rest);
+    for (size_t i = 0; i < from->vertices; ++i) {
+        to->name[def->vertices + i] = from->names != NULL ? from->names[i] : i;
+    }
+    for (size_t j = 0; j < 3 * from->triangles; ++j) {
+        const size_t at = 3 * def->triangles + j;
+        to->corner[at] = from->corners[j] + (uint32_t)def->vertices;
+        to->corner_place[at] = from->corner_places[j] + (uint32_t)def->places;
+        to->fabric_of[at / 3]
+            = (uint32_t)def->fabric_count
+              + (from->fabric_of != NULL ? from->fabric_of[j / 3] : 0);
+    }
+    memcpy(fabrics + def->fabric_count, from->fabrics,
+           from->fabric_count * sizeof *fabrics);
+    def->vertices += from->vertices;
+    def->places += from->places;
+    def->triangles += from->triangles;
+    def->fabric_count += from->fabric_count;
+}
+
+/* Room for all. false: they are too many, or no memory. */
+static bool make_room(weft__reader *reader, const weft__node *node,
+                      weft_fabric **fabrics, weft_cloth_part **parts)
+{
+    weft_scene *scene = reader->scene;
+    weft__obj *obj = &scene->obj;
+    weft__report *report = reader->report;
+    size_t vertices = 0, places = 0, triangles = 0, own = 0, pins = 0, loads = 0;
+    for (size_t i = 0; i < scene->part_count; ++i) {
+        const weft_cloth_def *from = &scene->parts[i].cloth;
+        vertices += from->mesh->vertices;
+        places += from->mesh->places;
+        triangles += from->mesh->triangles;
+        own += from->mesh->fabric_count;
+        pins += from->pin_count;
+        loads += from->load_count;
+    }
+    if (places > UINT32_MAX || triangles > UINT32_MAX / 3) {
+        ERROR_AT(reader, node, "%zu triangles in all are too many", triangles);
+        return false;
+    }
+    obj->start = weft__report_take(report, vertices, 3 * sizeof *obj->start);
+    obj->name = weft__report_take(report, vertices, sizeof *obj->name);
+    obj->rest = weft__report_take(report, places, 2 * sizeof *obj->rest);
+    obj->corner = weft__report_take(report, triangles, 3 * sizeof *obj->corner);
+    obj->corner_place
+        = weft__report_take(report, triangles, 3 * sizeof *obj->corner_place);
+    obj->fabric_of = weft__report_take(report, triangles, sizeof *obj->fabric_of);
+    *fabrics = weft__tree_take(reader->tree, own, sizeof **fabrics);
+    *parts = weft__tree_take(reader->tree, scene->part_count, sizeof **parts);
+    scene->cloth.pins = weft__tree_take(reader->tree, pins, sizeof(weft_pin));
+    scene->cloth.loads = weft__tree_take(reader->tree, loads, sizeof(weft_load));
+    return !report->no_memory;
+}
+
+static void join(weft__reader *reader, const weft__node *node)
+{
+    weft_scene *scene = reader->scene;
+    weft__obj *obj = &scene->obj;
+    weft_fabric *fabrics;
+    weft_cloth_part *parts;
+    if (!make_room(reader, node, &fabrics, &parts)) {
+        return;
+    }
+    obj->def = weft_mesh_def_default();
+    obj->def.seams = scene->parts->obj.def.seams;
+    obj->def.arc = scene->parts->obj.def.arc;
+    for (size_t i = 0; i < scene->part_count; ++i) {
+        const weft_scene *part = &scene->parts[i];
+        parts[i] = (weft_cloth_part){ .name = part->part_name,
+                                      .first = obj->def.vertices,
+                                      .count = part->cloth.mesh->vertices };
+        memcpy(parts[i].velocity, part->cloth.velocity, sizeof parts[i].velocity);
+        add_held(reader, &part->cloth, obj->def.vertices);
+        add_mesh(obj, part->cloth.mesh, fabrics);
+    }
+    obj->def.start = obj->start;
+    obj->def.names = obj->name;
+    obj->def.rest = obj->rest;
+    obj->def.corners = obj->corner;
+    obj->def.corner_places = obj->corner_place;
+    obj->def.fabric_of = obj->fabric_of;
+    obj->def.fabrics = fabrics;
+    obj->def.parts = parts;
+    obj->def.part_count = scene->part_count;
+    scene->cloth.mesh = &obj->def;
+    scene->fabric = scene->parts->fabric;
+    weft__warn_of_held(reader, node);
+}
+
+void weft__read_cloths(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
+{
+    weft_scene *scene = reader->scene;
+    const size_t before = reader->report->mistakes, count = weft__item_count(node);
+    scene->meshed = true;
+    if (count == 0 || count > WEFT_CLOTHS_MAX) {
+        weft__refuse_value(reader, key, node);
+        return;
+    }
+    weft_scene *parts = weft__tree_take(reader->tree, count, sizeof *parts);
+    if (parts == NULL) {
+        return;
+    }
+    memcpy(to, &parts, sizeof parts);
+    scene->part_count = count;
+    for (size_t i = 0; i < count; ++i) {
+        read_part(reader, key, weft__item(node, i), i);
+        check_pair(reader, node, i);
+    }
+    if (reader->report->mistakes == before && !reader->report->no_memory) {
+        join(reader, node);
+    }
+}
