@@ -79,8 +79,7 @@ HAVE_CVODE := $(call has,cvode/cvode.h)
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
 
 VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
-# Before 1.0 a second number that differs is another interface.
-SOVERSION := $(if $(filter 0.%,$(VERSION)),$(basename $(VERSION)),$(firstword $(subst ., ,$(VERSION))))
+SOVERSION := $(shell sed -n 's/^.define WEFT_INTERFACE //p' include/weft/base.h)
 
 FAST     := $(wildcard src/forces/*/*_fast.c)
 LIB_SRC  := $(filter-out $(FAST),$(wildcard $(patsubst %,src/%/*.c,base mesh forces/* cloth sim plugin stability scene)))
@@ -136,7 +135,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(if $(HAVE_CXX),$(BUILD)/examples/sail) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
-.PHONY: all check check-run check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
+.PHONY: all check check-run check-reuse check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
@@ -432,6 +431,7 @@ C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[c
 
 lint: all
 	@tools/lint $(C_FILES)
+	@tools/versions
 	@tools/rooms $(BUILD)
 
 format:
@@ -522,6 +522,10 @@ clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
+# A licence and a copyright for every file.
+check-reuse:
+	@tools/check-reuse $(BUILD)
+
 valgrind: all
 	@tools/valgrind $(BUILD)
 
@@ -571,7 +575,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

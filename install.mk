@@ -48,7 +48,7 @@ $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/we
 	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
 
 # Documentation, in the folders that its links use.
-DOCS = README.md CHANGELOG.md LICENSE $(wildcard docs/*.md docs/pictures/* examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
+DOCS = README.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS CITATION.cff $(wildcard docs/*.md docs/pictures/* examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
 
 # Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
@@ -94,7 +94,7 @@ site: all
 check-site: all
 	@tools/check-site $(BUILD)
 
-# Compares the interface of libweft.so with that of the last tag.
+# Compares the interface of libweft.so with the dump of 0.2.0.
 check-abi: $(BUILD)/libweft.so
 	@tools/check-abi $(BUILD)
 renew-abi: $(BUILD)/libweft.so

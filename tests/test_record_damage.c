@@ -67,10 +67,14 @@ START_TEST(another_version_is_refused)
     record_checkpoint checkpoint;
     stop_midway(SIGKILL, "");
     read_checkpoint(&checkpoint);
-    ck_assert_ptr_nonnull(strstr(checkpoint.program, "weft " WEFT_VERSION));
+    char minor[32] = "weft " WEFT_VERSION; /* any patch of it may resume */
+    *strrchr(minor, '.') = '\0';
+    ck_assert_ptr_eq(strstr(checkpoint.program, minor), checkpoint.program);
+    ck_assert_ptr_null(strstr(checkpoint.program, WEFT_VERSION));
     (void)snprintf(checkpoint.program, sizeof checkpoint.program, "weft 0.0.1");
     write_checkpoint(&checkpoint);
-    refused(4, "k/checkpoint.weft: of weft 0.0.1; this is weft " WEFT_VERSION);
+    char wanted[96] = "k/checkpoint.weft: of weft 0.0.1; this is ";
+    refused(4, strcat(wanted, minor));
 }
 END_TEST
 

@@ -14,7 +14,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define WEFT_VERSION "0.1.0"
+#define WEFT_VERSION "0.2.0"
+/* The number in the name of the shared library, libweft.so.1: higher only if programs
+ * built for it before no longer run (VERSIONING.md). */
+#define WEFT_INTERFACE 1
 
 /* The library is built with hidden visibility: it exports only marked names. */
 #if defined(__GNUC__)

@@ -92,8 +92,12 @@ weft_status record_checkpoint_identify(record_checkpoint *out, const weft_scene 
     TRY(weft_registry_find(registry, weft_scene_plugin(scene), &plugin, err));
     memset(out->program, 0, sizeof out->program);
     out->scene = scene_hash(scene);
-    (void)snprintf(out->program, sizeof out->program, "weft %s, plugin %s %s%s%s",
-                   weft_version(), plugin->id, plugin->version,
+    /* without the patch, which keeps the bits: VERSIONING.md */
+    const char *version = weft_version();
+    const bool ours = strcmp(plugin->version, version) == 0;
+    (void)snprintf(out->program, sizeof out->program, "weft %.*s, plugin %s%s%s%s%s",
+                   (int)(strrchr(version, '.') - version), version, plugin->id,
+                   ours ? "" : " ", ours ? "" : plugin->version,
                    plugin->solver[0] == '\0' ? "" : ", ", plugin->solver);
     return WEFT_OK;
 }
