@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // compare.js -- work and precision: the error of every method against its cost.
 import { decades, powerText } from './decades.js';
+import { save } from './save.js';
 import { toggleTheme } from './theme.js';
 import { placeTip } from './tip.js';
 
@@ -154,14 +155,6 @@ function asFile() {
     return new XMLSerializer().serializeToString(copy);
 }
 
-function save() {
-    const link = element('a');
-    link.href = URL.createObjectURL(new Blob([asFile()], { type: 'image/svg+xml' }));
-    link.download = 'compare.svg';
-    link.click();
-    URL.revokeObjectURL(link.href);
-}
-
 // ---- the point under the pointer --------------------------------------------------
 
 function nearest(left, top) {
@@ -292,7 +285,7 @@ function listen() {
     on('by-calls', () => { state.time = false; update(); });
     on('by-time', () => { state.time = true; update(); });
     on('all', () => { state.others = $('all').checked; update(); });
-    on('save', save);
+    on('save', () => save('compare.svg', 'image/svg+xml', asFile()));
     on('theme', toggleTheme);
     addEventListener('keydown', (event) => {
         if (event.key === 'd' && !event.ctrlKey && !event.metaKey && !event.altKey) {

@@ -81,8 +81,14 @@ export const warmShare = (all) => all.filter(([r, g, b]) => r > 1.35 * b && r - 
 
 export const clothShare = async (page, selector = '#canvas') => warmShare(await pixels(page, selector));
 
-/** What the page gives the reader as a file when `action` is done: its name and bytes. */
-export async function saved(page, action) {
-    const [download] = await Promise.all([page.waitForEvent('download'), action()]);
+/** [ms] A download of a page's own bytes has begun long before, unless Chromium lost it. */
+const LOST = 60000;
+
+/** What the page gives the reader as a file when `action` is done: its name and bytes. On a
+ * machine with more to do than processors one of some thousand downloads never begins, and
+ * no event says so: it is asked for once more. */
+export async function saved(page, action, lost = LOST) {
+    const ask = (timeout) => Promise.all([page.waitForEvent('download', { timeout }), action()]);
+    const [download] = await ask(lost).catch(() => ask(PATIENCE));
     return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
 }
