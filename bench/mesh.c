@@ -160,28 +160,6 @@ static naive_triangle naive_of(const weft__triangles *mesh, size_t t,
     return to;
 }
 
-/* Row i of the matrix, by ascending columns; returns their number. */
-static size_t row_of(const weft__plate_matrix *of, size_t i, const uint32_t *number,
-                     uint32_t *column, double *entry)
-{
-    const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-    size_t count = 0;
-    for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-        const double value = of->entry[WEFT__PLATE_ROWS * j + r];
-        const uint32_t p = name(number, weft__plate_particle(of, i, of->column[j]));
-        size_t at = value != 0.0 ? count++ : 0;
-        for (; value != 0.0 && at > 0 && column[at - 1] > p; --at) {
-            column[at] = column[at - 1];
-            entry[at] = entry[at - 1];
-        }
-        if (value != 0.0) {
-            column[at] = p;
-            entry[at] = value;
-        }
-    }
-    return count;
-}
-
 typedef struct naive {
     naive_mesh of;
     naive_triangle *triangle;
@@ -191,6 +169,52 @@ typedef struct naive {
     naive_vec *y, *dydt;
 } naive;
 
+/* Adds an entry to a row of so many, by ascending columns. */
+static void put(naive *to, size_t row, size_t *count, uint32_t column, double entry)
+{
+    size_t at = to->row[row] + (*count)++;
+    for (; at > to->row[row] && to->column[at - 1] > column; --at) {
+        to->column[at] = to->column[at - 1];
+        to->entry[at] = to->entry[at - 1];
+    }
+    to->column[at] = column;
+    to->entry[at] = entry;
+}
+
+/* The matrix row by row: counts its entries, then takes them. */
+static void fill_rows(naive *to, const weft__plate_matrix *of, const uint32_t *number)
+{
+    const size_t n = of->particles;
+    size_t *count = array(n, sizeof *count);
+    double *diagonal = array(n, sizeof *diagonal);
+    for (size_t pass = 0; pass < 2; ++pass) {
+        for (size_t i = 0; i < n; ++i) {
+            const weft__plate_row row = weft__plate_row_of(of, i);
+            for (size_t j = row.first; j < row.end; ++j) {
+                const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+                const uint32_t a = name(number, i), b = name(number, pair.particle);
+                for (size_t k = 0; of->entry[j] != 0.0 && k < (pair.own ? 2 : 1); ++k) {
+                    if (pass == 0) {
+                        ++count[k == 0 ? a : b];
+                    } else {
+                        put(to, k == 0 ? a : b, &count[k == 0 ? a : b], k == 0 ? b : a,
+                            of->entry[j]);
+                        diagonal[k == 0 ? a : b] -= of->entry[j];
+                    }
+                }
+            }
+        }
+        for (size_t i = 0; pass == 0 && i < n; ++i) {
+            to->row[i + 1] = to->row[i] + count[i] + 1;
+            count[i] = 0;
+        }
+    }
+    for (size_t i = 0; i < n; ++i) {
+        put(to, i, &count[i], (uint32_t)i, diagonal[i]);
+    }
+    free(count), free(diagonal);
+}
+
 /* The cloth in the order of its definition, or in that of weft. */
 static naive naive_create_mesh(const weft_cloth *cloth, bool file, const double *y)
 {
@@ -198,7 +222,7 @@ static naive naive_create_mesh(const weft_cloth *cloth, bool file, const double 
     const weft__plate_matrix *matrix = &cloth->plate.matrix;
     const size_t n = cloth->mesh.particles, m = mesh->count;
     const uint32_t *number = file ? mesh->vertex : NULL;
-    const size_t most = WEFT__PLATE_ROWS * matrix->first[(n + 3) / WEFT__PLATE_ROWS];
+    const size_t most = n + 2 * matrix->first[(n + 3) / WEFT__PLATE_ROWS];
     naive to = { .triangle = array(m, sizeof *to.triangle),
                  .row = array(n + 1, sizeof *to.row),
                  .column = array(most, sizeof *to.column),
@@ -213,12 +237,12 @@ static naive naive_create_mesh(const weft_cloth *cloth, bool file, const double 
     }
     free(turn);
     for (size_t i = 0; i < n; ++i) {
-        const size_t p = file ? mesh->of_vertex[i] : i, at = to.row[i];
-        to.row[i + 1] = at + row_of(matrix, p, number, to.column + at, to.entry + at);
+        const size_t p = file ? mesh->of_vertex[i] : i;
         to.inverse_mass[i] = cloth->mesh.inverse_mass[p];
         to.y[i] = (naive_vec){ y[p], y[n + p], y[2 * n + p] };
         to.y[n + i] = (naive_vec){ y[3 * n + p], y[4 * n + p], y[5 * n + p] };
     }
+    fill_rows(&to, matrix, number);
     to.of = (naive_mesh){ .particles = n,
                           .triangles = m,
                           .triangle = to.triangle,

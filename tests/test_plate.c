@@ -30,12 +30,15 @@ static matrix matrix_of(const weft_cloth *cloth)
     const size_t n = cloth->mesh.particles;
     matrix to = { n, calloc(n * n, sizeof *to.at) };
     for (size_t i = 0; of->first != NULL && i < n; ++i) {
-        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-            const size_t p = weft__plate_particle(of, i, of->column[j]);
-            to.at[weft__vertex_of(&cloth->mesh, i) * n
-                  + weft__vertex_of(&cloth->mesh, p)]
-                = of->entry[WEFT__PLATE_ROWS * j + r];
+        const weft__plate_row row = weft__plate_row_of(of, i);
+        const size_t a = weft__vertex_of(&cloth->mesh, i);
+        for (size_t j = row.first; j < row.end; ++j) {
+            const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+            const size_t b = weft__vertex_of(&cloth->mesh, pair.particle);
+            to.at[a * n + b] += of->entry[j];
+            to.at[a * n + a] -= of->entry[j];
+            to.at[b * n + a] += pair.own ? of->entry[j] : 0.0;
+            to.at[b * n + b] -= pair.own ? of->entry[j] : 0.0;
         }
     }
     return to;

@@ -15,17 +15,25 @@ static bool present(const void *own)
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-/* y = |K| d */
+/* y = |K| d; `diagonal` is scratch. */
 static void absolute(const weft__plate_matrix *of, const double *entry, const double *d,
-                     double *y)
+                     double *y, double *diagonal)
 {
+    memset(y, 0, of->particles * sizeof *y);
+    memset(diagonal, 0, of->particles * sizeof *diagonal);
     for (size_t i = 0; i < of->particles; ++i) {
-        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-        y[i] = 0.0;
-        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-            y[i] += fabs(entry[WEFT__PLATE_ROWS * j + r])
-                    * d[weft__plate_particle(of, i, of->column[j])];
+        const weft__plate_row row = weft__plate_row_of(of, i);
+        for (size_t j = row.first; j < row.end; ++j) {
+            const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+            const size_t p = pair.particle;
+            y[i] += fabs(entry[j]) * d[p];
+            diagonal[i] -= entry[j];
+            y[p] += pair.own ? fabs(entry[j]) * d[i] : 0.0;
+            diagonal[p] -= pair.own ? entry[j] : 0.0;
         }
+    }
+    for (size_t i = 0; i < of->particles; ++i) {
+        y[i] += fabs(diagonal[i]) * d[i];
     }
 }
 
@@ -33,25 +41,25 @@ enum { ITERATIONS = 3 };
 
 /* For any d > 0 K is at most the diagonal of (|K| d)_i / d_i, by Young's inequality.
  * The power method brings d near the best, that of the largest eigenvalue of M^-1 |K|
- * (L. Collatz, Math. Z. 48, 1942). Needs work[2 N]. */
+ * (L. Collatz, Math. Z. 48, 1942). Needs work[3 N]. */
 static void bound_all(weft__plate *of, double *work)
 {
     const weft__plate_matrix *matrix = &of->matrix;
     const size_t n = matrix->particles;
     const double *mass = of->mesh->mass;
-    double *d = work, *y = work + n, least = INFINITY;
+    double *d = work, *y = d + n, *diagonal = y + n, least = INFINITY;
     for (size_t i = 0; i < n; ++i) {
         d[i] = 1.0;
     }
     for (size_t step = 0; step <= ITERATIONS; ++step) {
         double top = 0.0, size = 0.0;
-        absolute(matrix, matrix->entry, d, y);
+        absolute(matrix, matrix->entry, d, y, diagonal);
         for (size_t i = 0; i < n; ++i) {
             top = fmax(top, y[i] / (mass[i] * d[i]));
             size = fmax(size, y[i] / mass[i]);
         }
         if (top < least && matrix->damping != NULL) {
-            absolute(matrix, matrix->damping, d, of->most + n);
+            absolute(matrix, matrix->damping, d, of->most + n, diagonal);
         }
         for (size_t i = 0; top < least && i < n; ++i) {
             of->most[i] = y[i] / d[i];
@@ -132,7 +140,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     if (!present(of)) {
         return true;
     }
-    double *work = weft__alloc(memory, mesh->particles, 2 * sizeof *work);
+    double *work = weft__alloc(memory, mesh->particles, 3 * sizeof *work);
     of->most = weft__alloc(memory, mesh->particles, 2 * sizeof *of->most);
     const bool made = work != NULL && of->most != NULL;
     if (made) {
@@ -166,7 +174,7 @@ static uint64_t hash_of(const void *own, uint64_t hash)
         return hash;
     }
     const size_t groups = (of->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
-    const size_t entries = WEFT__PLATE_ROWS * of->first[groups];
+    const size_t entries = of->first[groups];
     hash = weft__hash_reals(hash, of->entry, entries);
     hash = weft__hash_reals(hash, of->tau, 2);
     return of->damping != NULL ? weft__hash_reals(hash, of->damping, entries) : hash;
@@ -187,36 +195,49 @@ static double value(const weft__plate_matrix *of, const weft__plate_term *term,
     return term->tau != 0.0 ? x[0] + term->tau * x[3 * of->particles] : x[0];
 }
 
-/* Row i of a term in plane k. */
-static double row(const weft__plate_matrix *of, const weft__plate_term *term, size_t i,
-                  size_t k)
+/* The rows of a term, of the particles of block b: less the force on them. */
+static void add_rows(const weft__plate *own, const weft__plate_term *term, size_t b,
+                     double (*rows)[3])
 {
-    const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-    const double origin = value(of, term, i - i % WEFT__MESH_BLOCK, k);
-    double sums[2] = { 0.0, 0.0 };
-    for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-        const size_t p = weft__plate_particle(of, i, of->column[j]);
-        sums[(j - of->first[g]) % 2] += term->matrix[WEFT__PLATE_ROWS * j + r]
-                                        * (value(of, term, p, k) - origin);
+    const weft__plate_matrix *of = &own->matrix;
+    const size_t first = weft__block(own->mesh, b), end = weft__block(own->mesh, b + 1);
+    memset(rows, 0, (end - first) * sizeof *rows);
+    for (size_t i = first; i < end; ++i) {
+        const weft__plate_row row = weft__plate_row_of(of, i);
+        double sums[2][3] = { { 0.0 } };
+        for (size_t j = row.first; j < row.end; ++j) {
+            const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+            for (size_t k = 0; k < 3; ++k) {
+                const double apart
+                    = value(of, term, i, k) - value(of, term, pair.particle, k);
+                const double pull = term->matrix[j] * apart;
+                sums[(j - row.first) % 2][k] += pull;
+                if (pair.own) {
+                    rows[pair.particle - first][k] += pull;
+                }
+            }
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            rows[i - first][k] -= sums[0][k] + sums[1][k];
+        }
     }
-    return sums[0] + sums[1];
 }
 
 int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
                       double *to, size_t first, size_t end)
 {
     const weft__plate *of = own;
-    const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles;
+    double rows[WEFT__MESH_BLOCK][3], bad = 0.0;
     weft__plate_term terms[2];
     const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
-    double bad = 0.0;
-    for (size_t i = weft__block(mesh, first); i < weft__block(mesh, end); ++i) {
-        const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        for (size_t m = 0; m < 3 * count; ++m) {
-            const size_t k = m % 3;
-            to[k * n + i] -= share * row(&of->matrix, &terms[m / 3], i, k);
-            bad += to[k * n + i] * 0.0;
+    for (size_t b = first * count; b < end * count; ++b) {
+        const size_t low = weft__block(of->mesh, b / count);
+        const size_t high = weft__block(of->mesh, b / count + 1);
+        add_rows(of, &terms[b % count], b / count, rows);
+        for (size_t i = low; i < high; ++i) {
+            const double *row = rows[i - low];
+            bad += weft__force_add(of->mesh, unit, i,
+                                   (double[3]){ -row[0], -row[1], -row[2] }, to);
         }
     }
     return bad == 0.0 ? 0 : 1;
@@ -233,8 +254,8 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
 
 /* ---- energy and powers ----------------------------------------------------------- */
 
-/* [x K x] of the rows of block b, for planes x[3 N]: as rows sum to 0, half the sum of
- * -K_ij |x_i - x_j|^2. */
+/* x K x, for planes x[3 N]: the sum of -K_ij |x_i - x_j|^2 over pairs, half of it for
+ * each block of a pair of two. */
 static double block_square(const weft__plate *own, const double *entry, const double *x,
                            size_t b)
 {
@@ -242,15 +263,16 @@ static double block_square(const weft__plate *own, const double *entry, const do
     const size_t n = of->particles, end = weft__block(own->mesh, b + 1);
     double sum = 0.0;
     for (size_t i = weft__block(own->mesh, b); i < end; ++i) {
-        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-            const size_t p = weft__plate_particle(of, i, of->column[j]);
+        const weft__plate_row row = weft__plate_row_of(of, i);
+        for (size_t j = row.first; j < row.end; ++j) {
+            const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+            const double *at = x + pair.particle;
             const double d[3]
-                = { x[p] - x[i], x[n + p] - x[n + i], x[2 * n + p] - x[2 * n + i] };
-            sum -= entry[WEFT__PLATE_ROWS * j + r] * weft__dot(d, d);
+                = { at[0] - x[i], at[n] - x[n + i], at[2 * n] - x[2 * n + i] };
+            sum -= (pair.own ? 1.0 : 0.5) * entry[j] * weft__dot(d, d);
         }
     }
-    return 0.5 * sum;
+    return sum;
 }
 
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
@@ -266,14 +288,19 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     const weft__mesh *mesh = of->mesh;
     const double *v = at->y + 3 * mesh->particles;
     weft__plate_term terms[2];
-    double rate[6];
+    double rows[WEFT__MESH_BLOCK][3], rate[6];
+    const size_t first = weft__block(mesh, b), end = weft__block(mesh, b + 1);
     const size_t count = weft__plate_terms(&of->matrix, at->y, terms);
-    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
-        if (weft__pin_moves(mesh, i)) {
-            weft__pin_rate(mesh, i, at->t, rate);
-            for (size_t m = 0; m < 3 * count; ++m) {
-                sum->power[WEFT_POWER_PINS]
-                    += row(&of->matrix, &terms[m / 3], i, m % 3) * rate[m % 3];
+    bool moves = false;
+    for (size_t i = first; i < end; ++i) {
+        moves = moves || weft__pin_moves(mesh, i);
+    }
+    for (size_t m = 0; moves && m < count; ++m) {
+        add_rows(of, &terms[m], b, rows);
+        for (size_t i = first; i < end; ++i) {
+            if (weft__pin_moves(mesh, i)) {
+                weft__pin_rate(mesh, i, at->t, rate);
+                sum->power[WEFT_POWER_PINS] += weft__dot(rows[i - first], rate);
             }
         }
     }
@@ -287,22 +314,22 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-/* Rows sum to 0: K x of i is the sum of -K_ip (x_i - x_p). */
+/* A pair of two blocks is taken from the row of its lower end. */
 static size_t ties(const void *own, weft_tie *to)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     size_t count = 0;
     for (size_t i = 0; i < of->particles; ++i) {
-        const size_t g = i / WEFT__PLATE_ROWS, r = i % WEFT__PLATE_ROWS;
-        for (size_t j = of->first[g]; j < of->first[g + 1]; ++j) {
-            const size_t p = weft__plate_particle(of, i, of->column[j]);
-            const size_t at = WEFT__PLATE_ROWS * j + r;
-            const double k = -of->entry[at];
+        const weft__plate_row row = weft__plate_row_of(of, i);
+        for (size_t j = row.first; j < row.end; ++j) {
+            const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
+            const uint32_t p = (uint32_t)i, q = (uint32_t)pair.particle;
+            const double k = -of->entry[j];
             const double c
-                = of->damping != NULL ? -of->damping[at] : weft__plate_tau(of) * k;
-            if (p > i && (k != 0.0 || c != 0.0)) {
+                = of->damping != NULL ? -of->damping[j] : weft__plate_tau(of) * k;
+            if ((pair.own || q > p) && (k != 0.0 || c != 0.0)) {
                 if (to != NULL) {
-                    to[count] = (weft_tie){ (uint32_t)i, (uint32_t)p, k, c };
+                    to[count] = (weft_tie){ p < q ? p : q, p < q ? q : p, k, c };
                 }
                 ++count;
             }
@@ -318,8 +345,7 @@ static size_t bytes(const void *own)
     const size_t groups = (k->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t blocks = weft__blocks(of->mesh);
     const size_t tables = k->damping != NULL ? 2 : 1;
-    const size_t each
-        = sizeof *k->column + tables * WEFT__PLATE_ROWS * sizeof *k->entry;
+    const size_t each = sizeof *k->column + tables * sizeof *k->entry;
     return k->first[groups] * each + (groups + 1) * sizeof *k->first
            + k->reach[blocks] * sizeof *k->halo + (blocks + 1) * sizeof *k->reach
            + 2 * k->particles * sizeof *of->most;

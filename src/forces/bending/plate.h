@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plate.h -- the bending of triangles, F = -K (x + damping v) with the matrix of
- * plate_matrix.c. A row is summed over its columns by turns in two sums, from the first
- * particle of its block on, which moves with the cloth. On a grid it is nothing. */
+ * plate_matrix.c. As its rows sum to 0, it is a sum over pairs of particles, K_ij
+ * (x_i - x_j) on i and the opposite on j: a row adds its pairs by turns in two sums,
+ * and each of them at once to its other end. On a grid it is nothing. */
 #pragma once
 
 #include "forces/force.h"
@@ -9,14 +10,16 @@
 
 /* plate_matrix.c: the matrix K [N/m] of the bending energy x.K x / 2 of triangles,
  * the same for each coordinate: constant, symmetric to the last bit, never negative.
- * Its rows lie in groups of four, which share their columns. */
+ * A pair of particles of one block stands once, in the row of either; one of two blocks
+ * in the rows of both. Rows lie in groups of four of equal length: pairs of a particle
+ * with itself, of entry 0, fill them up. */
 enum { WEFT__PLATE_ROWS = 4 };
 
 typedef struct weft__plate_matrix {
     size_t particles;
-    size_t *first;    /* column of each group of rows, and their number */
-    uint32_t *column; /* where it is in its block's list: own particles, then halo */
-    double *entry;    /* [N/m] four of each column: 0 where a row has none */
+    size_t *first;    /* pair of each group of rows, and their number */
+    uint32_t *column; /* the other end in its block's list: own particles, then halo */
+    double *entry;    /* [N/m] */
     double tau[2];    /* [s] the least and the largest damping of its triangles */
     double *damping;  /* [N s/m] as `entry`, where they differ; else tau of each */
     size_t *reach;    /* the first of each block's halo, and their number */
@@ -37,14 +40,38 @@ static inline double weft__plate_tau(const weft__plate_matrix *of)
     return of->damping != NULL ? 0.0 : of->tau[0];
 }
 
-/* The particle of a column of a row. */
-static inline size_t weft__plate_particle(const weft__plate_matrix *of, size_t row,
-                                          uint32_t column)
+/* Row i is made of pairs [first, end). */
+typedef struct weft__plate_row {
+    size_t first, end;
+} weft__plate_row;
+
+static inline weft__plate_row weft__plate_row_of(const weft__plate_matrix *of, size_t i)
 {
-    const size_t b = row / WEFT__MESH_BLOCK, first = b * WEFT__MESH_BLOCK;
+    const size_t g = i / WEFT__PLATE_ROWS, left = of->particles - g * WEFT__PLATE_ROWS;
+    const size_t rows = left < WEFT__PLATE_ROWS ? left : WEFT__PLATE_ROWS;
+    const size_t all = of->first[g + 1] - of->first[g];
+    const size_t length
+        = rows == WEFT__PLATE_ROWS ? all / WEFT__PLATE_ROWS : all / rows;
+    const size_t first = of->first[g] + i % WEFT__PLATE_ROWS * length;
+    return (weft__plate_row){ first, first + length };
+}
+
+/* A pair in the row of particle i. */
+typedef struct weft__plate_pair {
+    size_t particle; /* the other end */
+    bool own;        /* of the same block: its row does not have the pair */
+} weft__plate_pair;
+
+static inline weft__plate_pair weft__plate_pair_of(const weft__plate_matrix *of,
+                                                   size_t i, size_t pair)
+{
+    const size_t b = i / WEFT__MESH_BLOCK, first = b * WEFT__MESH_BLOCK;
     const size_t left = of->particles - first;
     const size_t own = left < WEFT__MESH_BLOCK ? left : WEFT__MESH_BLOCK;
-    return column < own ? first + column : of->halo[of->reach[b] + (column - own)];
+    const uint32_t column = of->column[pair];
+    return (weft__plate_pair){ column < own ? first + column
+                                            : of->halo[of->reach[b] + (column - own)],
+                               column < own };
 }
 
 /* Particles of a block and its halo, for which the fast forms have room. */
@@ -62,7 +89,7 @@ typedef struct weft__plate {
 /* The force is -K (x + tau v), then, with a matrix of damping of its own, less that by
  * v: terms `matrix` (x + tau v), tau 0: of x alone. */
 typedef struct weft__plate_term {
-    const double *matrix; /* 4 of each column */
+    const double *matrix; /* `entry` or `damping` */
     const double *x;      /* three planes; those of v are 3 N further on */
     double tau;           /* [s] */
 } weft__plate_term;

@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plate_fast.c -- the bending of plate.h, block by block: positions of its own
- * particles and its halo are copied to the first cache, and four rows at a time are
- * summed in the lanes of a vector, of whatever width the level has. */
+ * particles and its halo are copied to the first cache, as records x, y, z, 0 beside
+ * those of their sums; what is summed for the halo is thrown away. */
 #include "forces/bending/plate.h"
 #include "forces/lanes.h"
 
-enum { ROOM = WEFT__PLATE_ROOM, ROWS = WEFT__PLATE_ROWS, AHEAD = 192 };
+enum { ROOM = WEFT__PLATE_ROOM, ROW = 24, LINE = 8, AHEAD = 384 };
 
-typedef double quad __attribute__((vector_size(8 * ROWS)));
-typedef double quad_anywhere
-    __attribute__((vector_size(8 * ROWS), aligned(8), may_alias));
+typedef double record __attribute__((vector_size(32)));
+
+#define ALL(a) ((record){ (a), (a), (a), (a) })
+
+typedef struct nearby {
+    record x, sum;
+} nearby;
 
 /* A block of rows. */
 typedef struct block {
@@ -27,100 +31,103 @@ static block block_of(const weft__plate_matrix *of, size_t b)
                     .halo = of->reach[b + 1] - of->reach[b] };
 }
 
-/* What a term multiplies, less that of the first particle. */
-INLINE void take(const block *p, const weft__plate_term *term, double (*to)[4])
+/* What a term multiplies, of one particle. */
+INLINE void take(const double *x, size_t n, double tau, nearby *to)
 {
-    const double *x = term->x, tau = term->tau;
-    const size_t n = p->of->particles, v = tau != 0.0 ? 3 * n : 0;
-    const uint32_t *halo = p->of->halo + p->of->reach[p->b];
-    const double *first = x + p->first;
-    double origin[3];
-    for (size_t k = 0; k < 3; ++k) {
-        origin[k] = first[k * n] + tau * first[k * n + v];
+    to->x = (record){ x[0], x[n], x[2 * n], 0.0 };
+    if (tau != 0.0) {
+        to->x += (record){ tau * x[3 * n], tau * x[4 * n], tau * x[5 * n], 0.0 };
     }
+    to->sum = ALL(0.0);
+}
+
+INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
+{
+    const size_t n = p->of->particles;
+    const uint32_t *halo = p->of->halo + p->of->reach[p->b];
     for (size_t j = 0; j < p->own; ++j) {
-        for (size_t k = 0; k < 3; ++k) {
-            to[j][k] = (first[k * n + j] + tau * first[k * n + j + v]) - origin[k];
-        }
+        take(x + p->first + j, n, tau, &to[j]);
     }
     for (size_t j = 0; j < p->halo; ++j) {
-        const double *at = x + halo[j];
-        for (size_t k = 0; k < 3; ++k) {
-            to[p->own + j][k] = (at[k * n] + tau * at[k * n + v]) - origin[k];
+        take(x + halo[j], n, tau, &to[p->own + j]);
+    }
+}
+
+INLINE void add_pair(double entry, const record *x, nearby *other, record *sum)
+{
+    const record pull = ALL(entry) * (*x - other->x);
+    other->sum += pull;
+    *sum += pull;
+}
+
+/* A row of a block: so many pairs of particle i. */
+INLINE void add_row(const double *entry, const uint32_t *column, size_t length,
+                    nearby *near, size_t i)
+{
+    const record x = near[i].x;
+    record even = ALL(0.0), odd = even;
+    for (size_t j = 0; j < ROW; j += LINE) { /* of average length */
+        __builtin_prefetch(entry + j + AHEAD);
+        __builtin_prefetch(column + j + AHEAD);
+    }
+    for (size_t j = 0; j < length; j += 2) {
+        add_pair(entry[j], &x, &near[column[j]], &even);
+        add_pair(entry[j + 1], &x, &near[column[j + 1]], &odd);
+    }
+    near[i].sum -= even + odd;
+}
+
+/* The rows of a block, which lie one behind the other. */
+INLINE void add_rows(const block *p, const double *entry, nearby *near)
+{
+    const size_t begin = weft__plate_row_of(p->of, p->first).first;
+    const uint32_t *column = p->of->column + begin;
+    size_t length = 0;
+    entry += begin;
+    for (size_t i = 0; i < p->own; ++i, entry += length, column += length) {
+        if (i % WEFT__PLATE_ROWS == 0) {
+            const weft__plate_row row = weft__plate_row_of(p->of, p->first + i);
+            length = row.end - row.first;
         }
+        add_row(entry, column, length, near, i);
     }
 }
 
-typedef struct quad3 {
-    quad x, y, z;
-} quad3;
-
-INLINE void add_column(const double *entry, const double at[4], quad3 *sum)
+/* Takes share times the sums from three planes; 0 or NaN. */
+INLINE double subtract(const block *p, const double *mass, const nearby *near,
+                       double *from)
 {
-    const quad share = *(const quad_anywhere *)entry;
-    sum->x += share * at[0];
-    sum->y += share * at[1];
-    sum->z += share * at[2];
-}
-
-/* A group of rows by the copies. */
-INLINE quad3 add_rows(const weft__plate_matrix *of, const double *entry, size_t group,
-                      double (*near)[4])
-{
-    const size_t end = of->first[group + 1];
-    quad3 even = { .x = { 0.0 } }, odd = even;
-    size_t j = of->first[group];
-    for (; j + 2 <= end; j += 2) {
-        __builtin_prefetch(entry + ROWS * (j + AHEAD));
-        add_column(entry + ROWS * j, near[of->column[j]], &even);
-        add_column(entry + ROWS * (j + 1), near[of->column[j + 1]], &odd);
+    const size_t n = p->of->particles;
+    double bad = 0.0;
+    for (size_t i = 0; i < p->own; ++i) {
+        const double share = mass != NULL ? mass[p->first + i] : 1.0;
+        const record change = ALL(share) * near[i].sum;
+        double *to = from + p->first + i;
+        to[0] -= change[0], to[n] -= change[1], to[2 * n] -= change[2];
+        bad += ((to[0] + to[n]) + to[2 * n]) * 0.0;
     }
-    if (j < end) {
-        add_column(entry + ROWS * j, near[of->column[j]], &even);
-    }
-    return (quad3){ even.x + odd.x, even.y + odd.y, even.z + odd.z };
-}
-
-/* Takes share times a sum from the numbers of some rows; adds those to *bad. */
-INLINE void subtract(double *from, const quad *share, const quad *sum, size_t rows,
-                     quad *bad)
-{
-    const quad change = *share * *sum;
-    if (rows == ROWS) {
-        *bad += *(quad_anywhere *)from -= change;
-        return;
-    }
-    for (size_t r = 0; r < rows; ++r) {
-        (*bad)[r] += from[r] -= change[r];
-    }
+    return bad;
 }
 
 int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
                        double *to, size_t first, size_t end)
 {
     const weft__plate *plate = own;
-    const weft__plate_matrix *of = &plate->matrix;
-    const size_t n = of->particles;
-    const double *mass = plate->mesh->inverse_mass;
-    _Alignas(64) double near[ROOM][4];
+    const double *mass = unit != WEFT__FORCE ? plate->mesh->inverse_mass : NULL;
+    _Alignas(64) nearby near[ROOM];
     weft__plate_term terms[2];
-    const size_t count = weft__plate_terms(of, at->y, terms);
-    quad bad = { 0.0 };
+    const size_t count = weft__plate_terms(&plate->matrix, at->y, terms);
+    double bad = 0.0;
     for (size_t b = first * count; b < end * count; ++b) {
-        const block p = block_of(of, b / count);
+        const block p = block_of(&plate->matrix, b / count);
         const weft__plate_term *term = &terms[b % count];
-        take(&p, term, near);
-        for (size_t i = p.first; i < p.first + p.own; i += ROWS) {
-            const size_t left = p.first + p.own - i, rows = left < ROWS ? left : ROWS;
-            const quad3 sum = add_rows(of, term->matrix, i / ROWS, near);
-            quad share = { 1.0, 1.0, 1.0, 1.0 };
-            if (unit != WEFT__FORCE) {
-                share = *(const quad_anywhere *)(mass + i);
-            }
-            subtract(to + i, &share, &sum.x, rows, &bad);
-            subtract(to + n + i, &share, &sum.y, rows, &bad);
-            subtract(to + 2 * n + i, &share, &sum.z, rows, &bad);
+        if (term->tau != 0.0) {
+            take_all(&p, term->x, term->tau, near);
+        } else {
+            take_all(&p, term->x, 0.0, near);
         }
+        add_rows(&p, term->matrix, near);
+        bad += subtract(&p, mass, near, to);
     }
-    return ((bad[0] + bad[1]) + (bad[2] + bad[3])) * 0.0 == 0.0 ? 0 : 1;
+    return bad == 0.0 ? 0 : 1;
 }

@@ -244,34 +244,31 @@ static void stencils_free(stencils *of)
 
 /* ---- rows ------------------------------------------------------------------------ */
 
+/* A pair of a particle of a block with another, by the block's list; no other has both
+ * ends. */
+typedef struct pair {
+    uint32_t row, column;
+    double entry, damping;
+} pair;
+
 /* The matrix as it grows, in a block of particles [first, first + own). */
 typedef struct growth {
     weft__plate_matrix *out;
-    size_t columns, column_room, halo, halo_room, first, own;
-    uint32_t *seat; /* 1 + place in its group of a column of the block; 0 between two */
+    size_t entries, entry_room, halo, halo_room, first, own;
+    pair *pairs; /* of the block */
+    size_t count, room;
+    uint32_t *seat; /* 1 + place in its row of a column of the block; 0 between two */
 } growth;
 
-static bool resize_columns(const stencils *of, growth *to, size_t room)
+static bool resize_entries(const stencils *of, growth *to, size_t room)
 {
     weft__plate_matrix *out = to->out;
-    const size_t group = WEFT__PLATE_ROWS * sizeof *out->entry;
     const bool damped = out->tau[0] != out->tau[1];
-    to->column_room = room;
+    to->entry_room = room;
     return weft__resized(of->memory, &out->column, room, sizeof *out->column)
-           && weft__resized(of->memory, &out->entry, room, group)
-           && (!damped || weft__resized(of->memory, &out->damping, room, group));
-}
-
-/* Room for what so many columns may add. */
-static bool reserve_columns(const stencils *of, growth *to, size_t more)
-{
-    if (!weft__reserve(of->memory, &to->out->halo, &to->halo_room, to->halo + more,
-                       sizeof *to->out->halo)) {
-        return false;
-    }
-    return to->columns + more <= to->column_room
-           || resize_columns(of, to,
-                             2 * (to->columns + more) + 16 * to->out->particles);
+           && weft__resized(of->memory, &out->entry, room, sizeof *out->entry)
+           && (!damped
+               || weft__resized(of->memory, &out->damping, room, sizeof *out->damping));
 }
 
 /* Where a particle is in the list of the block. */
@@ -289,75 +286,120 @@ static uint32_t column_of(const stencils *of, growth *to, uint32_t particle)
     return (uint32_t)(to->own + *slot - 1);
 }
 
-/* Adds what one triangle has in row `row` of the group whose columns begin at `begin`:
- * of item `at` with all of them. */
-static void add_item(const stencils *of, growth *to, size_t begin, size_t row,
-                     size_t at)
+/* Adds what one triangle has in the row of particle i, whose pairs begin at `begin`: of
+ * item `at` with all that this row is to have. */
+static void add_item(const stencils *of, growth *to, size_t begin, size_t i, size_t at)
 {
-    weft__plate_matrix *out = to->out;
     const uint32_t triangle = of->triangle[at];
     const double *own = of->r[of->item[at]];
     const double tau = of->mesh->fabrics[of->mesh->fabric[triangle]].damping[1];
-    const size_t size = WEFT__PLATE_ROWS * sizeof *out->entry;
     for (size_t j = of->first[triangle]; j < of->first[triangle + 1]; ++j) {
-        const uint32_t column = column_of(of, to, of->particle[j]);
+        const uint32_t other = of->particle[j];
+        if (other >= to->first && other <= i) {
+            continue; /* the other's row has it */
+        }
+        const uint32_t column = column_of(of, to, other);
         if (to->seat[column] == 0) {
-            out->column[to->columns] = column;
-            memset(out->entry + WEFT__PLATE_ROWS * to->columns, 0, size);
-            if (out->damping != NULL) {
-                memset(out->damping + WEFT__PLATE_ROWS * to->columns, 0, size);
-            }
-            to->seat[column] = (uint32_t)(++to->columns - begin);
+            to->pairs[to->count++] = (pair){ (uint32_t)(i - to->first), column, 0, 0 };
+            to->seat[column] = (uint32_t)(to->count - begin);
         }
-        const size_t k = WEFT__PLATE_ROWS * (begin + to->seat[column] - 1) + row;
+        pair *sum = &to->pairs[begin + to->seat[column] - 1];
         const double share = dot(own, of->r[j]);
-        out->entry[k] += share;
-        if (out->damping != NULL) {
-            out->damping[k] += tau * share;
-        }
+        sum->entry += share;
+        sum->damping += tau * share;
     }
 }
 
-/* Makes the sum of a row 0 by its entry of the diagonal. */
-static void balance(const growth *to, double *entry, size_t begin, size_t i)
+static bool add_row(const stencils *of, growth *to, size_t i)
 {
-    const size_t row = i % WEFT__PLATE_ROWS;
-    double sum = 0.0, *diagonal = NULL;
-    for (size_t j = begin; j < to->columns; ++j) {
-        double *at = &entry[WEFT__PLATE_ROWS * j + row];
-        const bool own = to->out->column[j] == i - to->first;
-        diagonal = own ? at : diagonal;
-        sum += own ? 0.0 : *at;
-    }
-    if (diagonal != NULL) {
-        *diagonal = -sum;
-    }
-}
-
-/* The rows [first, end) of a group. */
-static bool add_group(const stencils *of, growth *to, size_t first, size_t end)
-{
-    const size_t begin = to->columns;
+    const size_t begin = to->count;
     size_t most = 0;
-    for (size_t at = of->begin[first]; at < of->begin[end]; ++at) {
+    for (size_t at = of->begin[i]; at < of->begin[i + 1]; ++at) {
         most += of->first[of->triangle[at] + 1] - of->first[of->triangle[at]];
     }
-    if (!reserve_columns(of, to, most)) {
+    if (!weft__reserve(of->memory, &to->pairs, &to->room, begin + most,
+                       sizeof *to->pairs)
+        || !weft__reserve(of->memory, &to->out->halo, &to->halo_room, to->halo + most,
+                          sizeof *to->out->halo)) {
         return false;
     }
-    for (size_t i = first; i < end; ++i) {
-        for (size_t at = of->begin[i]; at < of->begin[i + 1]; ++at) {
-            add_item(of, to, begin, i - first, at);
+    for (size_t at = of->begin[i]; at < of->begin[i + 1]; ++at) {
+        add_item(of, to, begin, i, at);
+    }
+    for (size_t j = begin; j < to->count; ++j) {
+        to->seat[to->pairs[j].column] = 0;
+    }
+    return true;
+}
+
+/* Gives pairs of the block to the shorter row of their ends, so that few are needed to
+ * fill up its groups; counts those of each row. */
+static void level_rows(growth *to, size_t length[WEFT__MESH_BLOCK])
+{
+    enum { PASSES = 8 };
+    memset(length, 0, WEFT__MESH_BLOCK * sizeof *length);
+    for (size_t j = 0; j < to->count; ++j) {
+        ++length[to->pairs[j].row];
+    }
+    for (size_t pass = 0; pass < PASSES; ++pass) {
+        for (pair *at = to->pairs; at < to->pairs + to->count; ++at) {
+            const uint32_t row = at->row, other = at->column;
+            if (other < to->own && length[row] > length[other]) {
+                --length[row], ++length[other];
+                at->row = other, at->column = row;
+            }
         }
     }
+}
+
+/* Where the rows of a group begin, all filled up; at: the next pair of each. */
+static void fill_group(growth *to, size_t first, const size_t *length, size_t *at)
+{
+    weft__plate_matrix *out = to->out;
+    const size_t end
+        = first + WEFT__PLATE_ROWS < to->own ? first + WEFT__PLATE_ROWS : to->own;
+    size_t most = 0;
     for (size_t i = first; i < end; ++i) {
-        balance(to, to->out->entry, begin, i);
-        if (to->out->damping != NULL) {
-            balance(to, to->out->damping, begin, i);
+        most = length[i] > most ? length[i] : most;
+    }
+    most += most % 2;
+    for (size_t i = first; i < end; ++i, to->entries += most) {
+        at[i] = to->entries;
+        for (size_t j = 0; j < most; ++j) {
+            out->column[to->entries + j] = (uint32_t)i;
+            out->entry[to->entries + j] = 0.0;
+            if (out->damping != NULL) {
+                out->damping[to->entries + j] = 0.0;
+            }
         }
     }
-    for (size_t j = begin; j < to->columns; ++j) {
-        to->seat[to->out->column[j]] = 0;
+    out->first[(to->first + first) / WEFT__PLATE_ROWS + 1] = to->entries;
+}
+
+/* Moves the pairs of the block to their rows. */
+static bool add_block(const stencils *of, growth *to)
+{
+    weft__plate_matrix *out = to->out;
+    size_t length[WEFT__MESH_BLOCK], at[WEFT__MESH_BLOCK], most = to->entries;
+    level_rows(to, length);
+    for (size_t i = 0; i < to->own; ++i) {
+        most += WEFT__PLATE_ROWS * (length[i] + 1);
+    }
+    if (most > to->entry_room
+        && !resize_entries(of, to, 2 * most + 8 * out->particles)) {
+        return false;
+    }
+    for (size_t i = 0; i < to->own; i += WEFT__PLATE_ROWS) {
+        fill_group(to, i, length, at);
+    }
+    for (size_t j = 0; j < to->count; ++j) {
+        const pair *from = &to->pairs[j];
+        const size_t place = at[from->row]++;
+        out->column[place] = from->column;
+        out->entry[place] = from->entry;
+        if (out->damping != NULL) {
+            out->damping[place] = from->damping;
+        }
     }
     return true;
 }
@@ -370,13 +412,14 @@ static bool add_rows(const stencils *of, growth *to)
     for (size_t b = 0; b * WEFT__MESH_BLOCK < n; ++b) {
         const size_t first = to->first = b * WEFT__MESH_BLOCK;
         to->own = n - first < WEFT__MESH_BLOCK ? n - first : WEFT__MESH_BLOCK;
-        for (size_t i = first; i < first + to->own; i += WEFT__PLATE_ROWS) {
-            const size_t left = first + to->own - i;
-            const size_t rows = left < WEFT__PLATE_ROWS ? left : WEFT__PLATE_ROWS;
-            if (!add_group(of, to, i, i + rows)) {
+        to->count = 0;
+        for (size_t i = first; i < first + to->own; ++i) {
+            if (!add_row(of, to, i)) {
                 return false;
             }
-            out->first[i / WEFT__PLATE_ROWS + 1] = to->columns;
+        }
+        if (!add_block(of, to)) {
+            return false;
         }
         for (size_t j = out->reach[b]; j < to->halo; ++j) {
             of->slot[out->halo[j]] = 0;
@@ -385,7 +428,7 @@ static bool add_rows(const stencils *of, growth *to)
         const size_t near = to->own + to->halo - out->reach[b];
         out->near = near > out->near ? near : out->near;
     }
-    (void)resize_columns(of, to, to->columns); /* gives back what is not needed */
+    (void)resize_entries(of, to, to->entries); /* gives back what is not needed */
     return true;
 }
 
@@ -423,7 +466,7 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
                       && stencils_create(&all, pin, particles) && turn(&all, particles)
                       && add_rows(&all, &grown);
     stencils_free(&all);
-    weft__free(memory, grown.seat);
+    WEFT__FREE_ALL(memory, grown.seat, grown.pairs);
     if (!made) {
         weft__plate_matrix_free(out, memory);
     }
