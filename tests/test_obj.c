@@ -266,6 +266,13 @@ static const struct {
       "shirt.obj:4:1: error: the file has no vt lines, which give the rest shape in "
       "the "
       "plane\nf 1 2 3\n^\n" },
+    { "v 0 0 0\nv 1 0 0\nv 0 1 x\nv 2 0 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 0 1\nvt 2 0\n"
+      "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\nf 2/2 4/4 7/3\n",
+      "shirt.obj:3:7: error: 'x' is not a finite decimal number\nv 0 1 x\n      ^\n"
+      "shirt.obj:11:1: error: the triangle of vertices 0, 1, 3 is degenerate at rest: "
+      "its height is 0 m, below 0.0001 of its longest edge of 2 m\nf 1/1 2/2 4/4\n^\n"
+      "shirt.obj:12:11: error: v 7 is not there: the file has 1 to 5\n"
+      "f 2/2 4/4 7/3\n          ^\n" },
     { SQUARE, "shirt.obj:1:1: error: the file has no faces (lines 'f 1/1 2/2 3/3')\n"
               "v 0 0 0\n^\n" },
 };

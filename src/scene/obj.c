@@ -211,7 +211,7 @@ static void warn_of_unused(const weft__obj *obj, size_t first, size_t count)
 }
 
 /* Numbers the vertices of faces in the order of the file. */
-static void take_vertices(weft__obj *obj)
+static void take_vertices(weft__obj *obj, bool whole)
 {
     size_t unused = 0, first = 0;
     memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
@@ -232,7 +232,7 @@ static void take_vertices(weft__obj *obj)
         obj->name[i] = v;
         memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
     }
-    if (unused > 0) {
+    if (unused > 0 && whole) {
         warn_of_unused(obj, first, unused);
     }
 }
@@ -264,14 +264,15 @@ static void fetch_ahead(const obj_builder *self, size_t f)
     }
 }
 
-static bool build(weft__obj *obj)
+/* whole: no face is left out. */
+static bool build(weft__obj *obj, bool whole)
 {
     obj_builder self = { .obj = obj };
     const size_t before = obj->report->mistakes;
     obj->def = weft_mesh_def_default();
     if (make_room(&self)) {
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
-        take_vertices(obj);
+        take_vertices(obj, whole);
         for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {
             fetch_ahead(&self, f);
             add_face(&self, f);
@@ -288,9 +289,38 @@ static bool build(weft__obj *obj)
 
 /* ---- files --------------------------------------------------------------------- */
 
+/* Reports what else is wrong with the faces whose statements have no mistakes. */
+static void check_faces(weft__obj *obj)
+{
+    const weft_fabric any = { .density = 1.0 };
+    size_t good = 0;
+    for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
+        const weft__obj_face *face = &obj->face[f];
+        bool finite = true;
+        for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
+            finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
+                     && isfinite(obj->place[face->place[k]][0]);
+        }
+        obj->face[good] = *face;
+        good += finite;
+    }
+    obj->faces = good;
+    if (good > 0 && build(obj, false)) {
+        weft_mesh_def def = obj->def;
+        def.fabrics = &any, def.fabric_count = 1;
+        (void)weft__triangles_create(NULL, &def, obj->report->memory,
+                                     &(weft__mesh_faults){ weft__obj_fault, obj },
+                                     &obj->report->no_memory);
+    }
+}
+
 bool weft__obj_read(weft__obj *obj)
 {
-    return weft__obj_parse(obj) && build(obj);
+    const bool read = weft__obj_parse(obj);
+    if (!read && !obj->report->no_memory) {
+        check_faces(obj);
+    }
+    return read && build(obj, true);
 }
 
 bool weft__obj_take(weft__obj *obj, const char *text, size_t length)

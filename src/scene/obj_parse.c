@@ -219,14 +219,16 @@ static void read_vertex(cursor *self)
 {
     weft__obj *obj = self->obj;
     obj->vertex_byte[self->vertices] = byte_of(self, self->word);
-    (void)read_reals(self, "x y z", 3, obj->vertex[self->vertices++]);
+    double *x = obj->vertex[self->vertices++];
+    x[0] = read_reals(self, "x y z", 3, x) ? x[0] : (double)NAN;
 }
 
 static void read_texture(cursor *self)
 {
     weft__obj *obj = self->obj;
     obj->place_byte[self->places] = byte_of(self, self->word);
-    (void)read_reals(self, "u v", 2, obj->place[self->places++]);
+    double *u = obj->place[self->places++];
+    u[0] = read_reals(self, "u v", 2, u) ? u[0] : (double)NAN;
 }
 
 static void add_name(cursor *self, weft__obj_names *to, size_t length)
