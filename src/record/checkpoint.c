@@ -81,6 +81,9 @@ static uint64_t scene_hash(const weft_scene *scene)
             hash = weft__hash_word(hash, mesh->corners[i]);
             hash = weft__hash_word(hash, mesh->corner_places[i]);
         }
+        for (size_t i = 0; mesh->names != NULL && i < mesh->vertices; ++i) {
+            hash = weft__hash_word(hash, mesh->names[i]);
+        }
     }
     return hash;
 }
