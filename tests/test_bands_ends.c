@@ -208,6 +208,7 @@ START_TEST(refuses_changes_from_outside)
                                      weft_sim_move_pin(sim, 0, zero, &err),
                                      weft_sim_add_shape(sim, &shape, NULL, &err),
                                      weft_sim_move_shape(sim, 0, zero, zero, &err),
+                                     weft_sim_drive_shape(sim, 0, &shape, &err),
                                      weft_sim_remove_shape(sim, 0, &err) };
     for (size_t i = 0; i < sizeof statuses / sizeof statuses[0]; ++i) {
         ck_assert_msg(statuses[i] == WEFT_UNSUPPORTED, "%zu", i);

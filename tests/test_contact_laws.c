@@ -459,6 +459,32 @@ START_TEST(the_exponent_limits_the_order)
 }
 END_TEST
 
+/* The same on a capsule and a box that turn, whose surface moves up and aside. */
+START_TEST(landings_on_shapes_that_turn_keep_the_order)
+{
+    enum { COUNT = 24 };
+    const double v = 3.0, t = 0.012;
+    double exact[6 * COUNT];
+    shapes[0] = weft_shape_default(_i == 0 ? WEFT_CAPSULE : WEFT_BOX);
+    shapes[0].radius = 0.1, shapes[0].at[1] = shapes[0].to[1] = -0.1;
+    shapes[0].at[0] = _i == 0 ? -0.2 : 0.0, shapes[0].to[0] = 0.2;
+    shapes[0].half[0] = 0.2, shapes[0].half[1] = 0.1, shapes[0].half[2] = 0.1;
+    shapes[0].turn
+        = (weft_turn){ { 0.3, 0.2, 1.0 }, { 0.0, -0.1, 0.0 }, 10.0, 0.1, 9.0 };
+    memset(model.gravity, 0, sizeof model.gravity);
+    model.rows = COUNT, model.cols = 1, model.spacing[0] = 1.6e-4 * v / COUNT;
+    model.origin[0] = 0.06, model.origin[1] = 0.0165, model.velocity[1] = -v;
+    solve(t, exact);
+    ck_assert_uint_eq(weft_sim_measure(sim).touching, 0);
+    ck_assert_double_gt(exact[4 * COUNT], v);
+    for (size_t m = 0; m < METHODS; ++m) {
+        const double order = order_of(of_order[m].name, of_order[m].step, t, exact, v);
+        ck_assert_msg(order > fmin(of_order[m].order, 4.0) - 0.5, "%s: order %g",
+                      of_order[m].name, order);
+    }
+}
+END_TEST
+
 /* Along a capsule and over its join, in touch with it all the time. */
 START_TEST(the_join_of_a_capsule_keeps_the_order)
 {
@@ -502,6 +528,7 @@ TEST_SUITE(contact_laws)
     tcase_add_test(tcase, a_smooth_ball_keeps_the_angular_momentum);
     tcase_add_loop_test(tcase, a_roller_pulls_a_chain_by_the_law_of_capstans, 0, 3);
     tcase_add_loop_test(tcase, the_exponent_limits_the_order, 0, 5);
+    tcase_add_loop_test(tcase, landings_on_shapes_that_turn_keep_the_order, 0, 2);
     tcase_add_test(tcase, the_join_of_a_capsule_keeps_the_order);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -320,6 +320,7 @@ static void meddle(int callback)
     REFUSED(weft_sim_unpin, from, 0);
     REFUSED(weft_sim_add_shape, from, &shape, NULL);
     REFUSED(weft_sim_move_shape, from, 0, place, NULL);
+    REFUSED(weft_sim_drive_shape, from, 0, &shape);
     REFUSED(weft_sim_remove_shape, from, 0);
     refused(weft_sim_restart(sim, &why), &why, "weft_sim_restart", from);
     REFUSED(weft_sim_save, from, bytes, sizeof bytes);

@@ -26,7 +26,8 @@ static const char all_shapes[] = SHEET
     "    - {shape: capsule, from: [0, -1, 0], to: [1, -1, 0], radius: 0.1, velocity: "
     "[0, 0, 1]}\n"
     "    - {shape: box, at: [0, -3, 0], half: [0.3, 0.4, 0.5], rounding: 0.2, "
-    "amplitude: [0, 0.1, 0], frequency: 2}\n" END;
+    "amplitude: [0, 0.1, 0], frequency: 2, turn: {axis: [0, 3, 4], about: [1, 2, 3], "
+    "rate: 0.5, amplitude: -0.2, frequency: 3}}\n" END;
 
 static void check_same(const weft_contact_def *a, const weft_contact_def *b)
 {
@@ -87,6 +88,11 @@ static void check_values(const weft_contact_def *contact)
     ck_assert(shapes[2].radius == 0.1 && shapes[2].friction < 0.0);
     check_vector(shapes[3].half, 0.3, 0.4, 0.5);
     check_vector(shapes[3].amplitude, 0.0, 0.1, 0.0);
+    const weft_turn *turn = &shapes[3].turn;
+    check_vector(turn->axis, 0.0, 3.0, 4.0);
+    check_vector(turn->about, 1.0, 2.0, 3.0);
+    ck_assert(turn->rate == 0.5 && turn->amplitude == -0.2 && turn->frequency == 3.0);
+    check_vector(shapes[2].turn.axis, 0.0, 0.0, 0.0);
     ck_assert(shapes[3].rounding == 0.2 && shapes[3].frequency == 2.0);
 }
 

@@ -38,6 +38,7 @@ static const bounds scenes[] = {
     { "table.yaml", 0.02, 0.15, 1.0, true, .gsl = true },
     { "rail.yaml", 0.01, 0.15, 1.0, false, .gsl = true },
     { "pole.yaml", 0.02, 0.2, 1.0, false, .gsl = true },
+    { "whirl.yaml", 0.02, 0.15, 1.0, false, .gsl = true },
     { "tarpaulin.yaml", 0.1, 0.3, 60.0, .passive = true },
     { "cantilever.yaml", 1e-5, 0.01, 1e-3, .passive = true },
     { "denim.yaml", 0.001, 0.15, 0.01, true, .gsl = true },

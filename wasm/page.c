@@ -194,6 +194,18 @@ static void put_vector(const char *name, const double v[3])
     put(",\"%s\":[%.17g,%.17g,%.17g]", name, v[0], v[1], v[2]);
 }
 
+static void put_turn(const weft_shape *shape)
+{
+    const weft_turn *turn = &shape->turn;
+    if (turn->axis[0] != 0.0 || turn->axis[1] != 0.0 || turn->axis[2] != 0.0) {
+        put(",\"turn\":{\"rate\":%.17g,\"amplitude\":%.17g,\"frequency\":%.17g",
+            turn->rate, turn->amplitude, turn->frequency);
+        put_vector("axis", turn->axis);
+        put_vector("about", isnan(turn->about[0]) ? shape->at : turn->about);
+        put("}");
+    }
+}
+
 static void put_shapes(void)
 {
     const weft_contact_def contact = weft_cloth_contact(page.cloth);
@@ -212,6 +224,7 @@ static void put_shapes(void)
         put_vector("velocity", shape.velocity);
         put_vector("amplitude", shape.amplitude);
         put_vector("spin", shape.spin);
+        put_turn(&shape);
         put("}");
     }
     put("]");

@@ -612,6 +612,11 @@ WEFT_RESULT(weft_shape, weft_cloth_shape, (const weft_cloth *cloth, size_t k),
 WEFT_API void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t,
                                     double at[3], double velocity[3]);
 
+/* How shape k stands at time t: the rotation, by rows, of its directions as defined, of
+ * a box from x, y, z; and omega [rad/s] of its turn. Both may be NULL. */
+WEFT_API void weft_cloth_shape_rotation(const weft_cloth *cloth, size_t k, double t,
+                                        double rotation[9], double omega[3]);
+
 /* The force [N] that the cloth exerts on shape k, and its torque [N m] about `at`. */
 WEFT_API void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y,
                                     size_t k, double force[3], double torque[3]);

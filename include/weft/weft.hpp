@@ -208,6 +208,10 @@ public:
     {
         call(weft_sim_move_shape, get(), shape, nullptr, velocity.data());
     }
+    void drive_shape(std::size_t shape, const weft_shape &as)
+    {
+        call(weft_sim_drive_shape, get(), shape, &as);
+    }
     void remove_shape(std::size_t shape) { call(weft_sim_remove_shape, get(), shape); }
 
     std::vector<unsigned char> save()

@@ -352,6 +352,39 @@ def test_shapes_come_move_and_go(scene):
     assert sim.shapes == []
 
 
+def test_shapes_turn(scene):
+    sim = weft.load(scene)
+    turn = {"axis": [0, 0, 2], "about": [0, -3, 0], "rate": 0.5, "amplitude": 0.1, "frequency": 2}
+    k = sim.add_shape("box", at=[1, -3, 0], half=[0.1, 0.1, 0.1], turn=turn)
+    assert sim.shapes[k]["turn"].keys() == turn.keys() and list(sim.shapes[k]["turn"]["about"]) == [0, -3, 0]
+
+    def by(angle):
+        return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+
+    sim.advance(0.1)
+    angle = 0.05 + 0.1 * np.sin(0.4 * np.pi)
+    rotation, omega = sim.shape_rotation(k)
+    assert rotation == pytest.approx(by(angle)) and omega[2] == pytest.approx(0.5 + 0.4 * np.pi * np.cos(0.4 * np.pi))
+    place = sim.shape_pose(k)[0]
+    assert place == pytest.approx([np.cos(angle), np.sin(angle) - 3, 0])
+    sim.move_shape(k, turn={"axis": [0, 0, 1], "rate": -2}, velocity=[0, 0, 1])  # about its own centre, from how it stands
+    assert sim.shape_rotation(k)[0] == pytest.approx(by(angle)) and sim.shape_pose(k)[0] == pytest.approx(place)
+    sim.advance(0.3)
+    assert sim.shape_rotation(k)[0] == pytest.approx(by(angle - 0.4))
+    assert sim.shape_pose(k)[0] == pytest.approx(place + [0, 0, 0.2])
+    sim.move_shape(k, velocity=[0, 0, 0])  # stops the turn too
+    sim.advance(0.4)
+    assert sim.shape_rotation(k)[0] == pytest.approx(by(angle - 0.4)) and sim.shape_rotation(k)[1].tolist() == [0, 0, 0]
+    other = weft.load(scene)
+    assert other.add_shape(**sim.shapes[k]) == 0 and other.shape_rotation(0)[0] == pytest.approx(by(angle - 0.4))
+    with pytest.raises(TypeError, match="a turn has no 'speed'; it has axis"):
+        sim.add_shape("sphere", turn={"speed": 1})
+    with pytest.raises(TypeError, match="a motion with at has no 'turn'"):
+        sim.move_shape(k, at=[0, -5, 0], turn={"axis": [0, 0, 1]})
+    with pytest.raises(weft.Error, match="turn: frequency"):
+        sim.move_shape(k, turn={"axis": [0, 0, 1], "frequency": -1})
+
+
 # ---- solvers of Python ----------------------------------------------------------------
 
 @quiet

@@ -35,6 +35,20 @@ void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t, double a
     }
 }
 
+void weft_cloth_shape_rotation(const weft_cloth *cloth, size_t k, double t,
+                               double rotation[9], double omega[3])
+{
+    const weft__pose pose = weft__pose_of(&cloth->contact.shapes[k], t);
+    const weft__matrix *now
+        = pose.kind == WEFT_BOX ? &pose.frame : &pose.rigid.rotation;
+    if (rotation != NULL) {
+        memcpy(rotation, now, sizeof *now);
+    }
+    if (omega != NULL) {
+        memcpy(omega, pose.rigid.omega, sizeof pose.rigid.omega);
+    }
+}
+
 void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y, size_t k,
                            double force[3], double torque[3])
 {

@@ -211,6 +211,16 @@ static void write_shape(FILE *stream, const weft_shape *shape)
     write_numbers(stream, "amplitude", shape->amplitude, 3);
     write_numbers(stream, "frequency", &shape->frequency, 1);
     write_numbers(stream, "spin", shape->spin, 3);
+    const weft_turn *turn = &shape->turn;
+    if (turn->axis[0] != 0.0 || turn->axis[1] != 0.0 || turn->axis[2] != 0.0) {
+        fprintf(stream, ",\"turn\":{\"rate\":%.17g", turn->rate);
+        write_numbers(stream, "axis", turn->axis, 3);
+        write_numbers(stream, "about", isnan(turn->about[0]) ? shape->at : turn->about,
+                      3);
+        write_numbers(stream, "amplitude", &turn->amplitude, 1);
+        write_numbers(stream, "frequency", &turn->frequency, 1);
+        fputc('}', stream);
+    }
     fputc('}', stream);
 }
 

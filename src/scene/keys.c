@@ -380,6 +380,20 @@ enum {
     BOX = 1 << WEFT_BOX
 };
 
+static const weft__key shape_turn_keys[] = {
+    { "axis", WEFT__VECTOR, .required = true, NUMBER(turn, axis),
+      .meaning = "direction of the axis; the shape turns counterclockwise, seen from "
+                 "its end" },
+    { "about", WEFT__VECTOR, .unit = "m", .absent = "at, or from", AT(weft_turn, about),
+      .meaning = "a point of the axis at t = 0; it moves with the shape" },
+    { "rate", WEFT__NUMBER, .fallback = "0", NUMBER(turn, rate),
+      .meaning = "the angle is rate * t + amplitude * sin(2 pi frequency t)" },
+    { "amplitude", WEFT__NUMBER, .fallback = "0", NUMBER(turn, amplitude),
+      .meaning = "of an oscillation" },
+    { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(turn, frequency),
+      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+};
+
 /* The shape comes first: it decides which other keys belong to it. */
 static const weft__key shape_keys[] = {
     { "shape", WEFT__CHOICE, .required = true, .names = shape_names,
@@ -412,6 +426,10 @@ static const weft__key shape_keys[] = {
     { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
       .meaning = "of the surface: about at, along the normal of a plane and the axis "
                  "of a capsule, none of a box" },
+    { "turn", WEFT__MAPPING, CHECKED(shape_turn), .absent = "none",
+      AT(weft_shape, turn),
+      .meaning = "the shape turns about an axis, and then moves by velocity and "
+                 "amplitude" },
 };
 
 static const weft__section shape_section

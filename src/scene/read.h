@@ -66,7 +66,7 @@ typedef struct weft__solver {
     size_t max_order;
 } weft__solver;
 
-/* A rotation about an axis. */
+/* A rotation about an axis, which comes first, as in weft_turn. */
 typedef struct weft__turn {
     double axis[3];
     double angle; /* [degrees] */
@@ -298,7 +298,7 @@ WEFT__KIND_LIST(WEFT__READER)
 
 /* scene_contact.c */
 weft__read_fn weft__read_shape;
-weft__check_fn weft__check_shape, weft__check_contact;
+weft__check_fn weft__check_shape, weft__check_shape_turn, weft__check_contact;
 
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);

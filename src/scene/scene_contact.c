@@ -15,6 +15,12 @@ void weft__read_shape(weft__reader *reader, const weft__key *key,
 
 /* ---- errors ------------------------------------------------------------------ */
 
+void weft__check_shape_turn(weft__reader *reader, const weft__match *match, void *base)
+{
+    weft__check_together(reader, match, "amplitude", "frequency");
+    weft__check_turn(reader, match, base);
+}
+
 void weft__check_shape(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_shape *shape = base;

@@ -42,12 +42,12 @@ char *weft__mesh_path(weft__reader *reader, const char *name)
 
 void weft__check_turn(weft__reader *reader, const weft__match *match, void *base)
 {
-    const weft__turn *turn = base;
+    const double *turn = base; /* its axis is first */
     const weft__node *axis = weft__value_in(match, "axis");
     if (axis != NULL && !weft__found_in(match, "axis")->wrong
-        && !weft__positive(weft__length(turn->axis))) {
-        ERROR_AT(reader, axis, "axis is [%g, %g, %g], which is no direction",
-                 turn->axis[0], turn->axis[1], turn->axis[2]);
+        && !weft__positive(weft__length(turn))) {
+        ERROR_AT(reader, axis, "axis is [%g, %g, %g], which is no direction", turn[0],
+                 turn[1], turn[2]);
     }
 }
 

@@ -9,10 +9,23 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const minus = (a, b) => a.map((x, k) => x - b[k]);
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
 
-/** Its point `at` at time t [s]. */
-export const placeAt = (shape, t) => shape.at.map(
-    (x, k) => x + shape.velocity[k] * t + shape.amplitude[k] * Math.sin(2 * Math.PI * shape.frequency * t),
-);
+/** How it has turned at time t [s]. */
+export function rotationAt({ turn }, t) {
+    if (!turn) {
+        return new Quaternion();
+    }
+    const angle = turn.rate * t + turn.amplitude * Math.sin(2 * Math.PI * turn.frequency * t);
+    return new Quaternion().setFromAxisAngle(new Vector3(...turn.axis).normalize(), angle);
+}
+
+/** Where the point x of t = 0 is at time t [s]; its point `at` unless given. */
+export function placeAt(shape, t, x = shape.at) {
+    const about = shape.turn?.about ?? shape.at;
+    const arm = new Vector3(...minus(x, about)).applyQuaternion(rotationAt(shape, t)).toArray();
+    return arm.map(
+        (r, k) => about[k] + r + shape.velocity[k] * t + shape.amplitude[k] * Math.sin(2 * Math.PI * shape.frequency * t),
+    );
+}
 
 /** How far x is beyond the range from lo to hi. */
 const beyond = (x, lo, hi) => Math.max(x - hi, 0) + Math.min(x - lo, 0);
@@ -44,7 +57,13 @@ const GAPS = {
  * thickness, to other parts of the cloth. */
 export function gaps(page, run, frame, out) {
     const [x, y, z] = [0, 1, 2].map((k) => run.blocks[frame].read(k, new Float32Array(out.length)));
-    const near = run.obstacles.map((shape) => [GAPS[shape.shape](shape), placeAt(shape, page.times[frame])]);
+    const near = run.obstacles.map((shape) => {
+        const gap = GAPS[shape.shape](shape);
+        const back = rotationAt(shape, page.times[frame]).invert();
+        const r = new Vector3();
+        const turned = (from) => gap(r.set(...from).applyQuaternion(back).toArray());
+        return [shape.turn ? turned : gap, placeAt(shape, page.times[frame])];
+    });
     for (let i = 0; i < out.length; ++i) {
         out[i] = near.reduce((least, [gap, at]) => Math.min(least, gap([x[i] - at[0], y[i] - at[1], z[i] - at[2]])), Infinity);
     }
@@ -89,7 +108,7 @@ const MESHES = {
     box: ({ half, rounding }) => new Mesh(around(half.map((x) => x - rounding), rounding, cubic)),
 };
 
-/** Six sectors about the axis of a shape that spins, every other one darker: so that it is seen. */
+/** Six sectors about the axis of a shape that spins or turns, every other one darker: so that it is seen. */
 function stripe(geometry, axis) {
     const { position, normal } = geometry.attributes;
     const flat = new Quaternion().setFromUnitVectors(axis, new Vector3(0, 1, 0));
@@ -105,13 +124,14 @@ export class Shapes {
         this.page = page;
         this.list = run.obstacles;
         this.spins = this.list.map(({ spin = [0, 0, 0] }) => new Vector3(...spin));
+        const axes = this.list.map(({ turn }, i) => (turn && this.spins[i].length() === 0 ? new Vector3(...turn.axis) : this.spins[i]));
         this.group = new Group();
         this.list.forEach((shape, i) => {
             const made = MESHES[shape.shape](shape, size);
             const isPlane = shape.shape === 'plane'; // a veil: the floor's squares show the scale
-            const isStriped = this.spins[i].length() > 0 && !isPlane;
+            const isStriped = axes[i].length() > 0 && !isPlane && shape.shape !== 'box';
             if (isStriped) {
-                stripe(made.geometry, this.spins[i].clone().normalize());
+                stripe(made.geometry, axes[i].clone().normalize());
             }
             made.material = new MeshLambertMaterial({
                 color: '#8d99ae', side: DoubleSide, transparent: isPlane, opacity: isPlane ? 0.3 : 1, depthWrite: !isPlane,
@@ -133,7 +153,8 @@ export class Shapes {
             const made = this.group.children[i];
             const [t, spin] = [this.page.times[frame], this.spins[i]];
             made.position.set(...placeAt(shape, t));
-            made.quaternion.setFromAxisAngle(spin.clone().normalize(), spin.length() * t).multiply(made.userData.rest);
+            made.quaternion.setFromAxisAngle(spin.clone().normalize(), spin.length() * t).multiply(made.userData.rest)
+                .premultiply(rotationAt(shape, t));
         });
     }
 }
@@ -154,9 +175,10 @@ export function shapeBoxes(page, most) {
     const { times } = page;
     const looked = [times[0], times[times.length >> 1], times.at(-1)];
     return page.runs.flatMap((run) => run.obstacles).flatMap((shape) => {
-        const [half, middle] = extents[shape.shape](shape) ?? [[Infinity, 0, 0]];
+        const [still, middle] = extents[shape.shape](shape) ?? [[Infinity, 0, 0]];
+        const half = shape.turn ? still.map(() => Math.hypot(...still)) : still;
         return 2 * Math.hypot(...half) > most ? [] : looked.map(
-            (t) => placeAt(shape, t).map((x, k) => [x + middle[k] - half[k], x + middle[k] + half[k]]),
+            (t) => placeAt(shape, t, shape.at.map((x, k) => x + middle[k])).map((x, k) => [x - half[k], x + half[k]]),
         );
     });
 }

@@ -694,10 +694,9 @@ test('meshes of shapes lie on their surfaces, and gaps are those of the run', as
     const far = await page.evaluate(() => weft.stage.views[0].shapes.list.map((shape, k) => {
         const mesh = weft.stage.views[0].shapes.group.children[k];
         const { position } = mesh.geometry.attributes;
-        const one = { ...shape, at: shape.at.map(Number), velocity: [0, 0, 0], amplitude: [0, 0, 0] };
-        const turned = mesh.geometry.clone().applyQuaternion(mesh.quaternion).translate(...shape.at).attributes.position;
+        const turned = mesh.geometry.clone().applyQuaternion(mesh.quaternion).translate(...mesh.position.toArray()).attributes.position;
         const block = { read: (plane, out) => out.map((_, i) => turned.array[3 * i + plane]) };
-        const found = weft.gaps(weft.page, { obstacles: [one], blocks: [block] }, 0, new Float32Array(position.count));
+        const found = weft.gaps(weft.page, { obstacles: [shape], blocks: { 15: block } }, 15, new Float32Array(position.count));
         return Math.max(...found.map(Math.abs));
     }));
     assert.ok(far.every((gap) => gap < 1e-6), far.join());

@@ -792,31 +792,38 @@ class Sim:
     def add_shape(self, kind: str, **fields: Any) -> int:
         """Adds a rigid shape and returns its number. kind: plane, sphere, capsule or box; fields: those of weft_shape:
         at, to, half (3,) [m], normal (3,), radius, rounding [m], velocity (3,) [m/s], amplitude (3,) [m],
-        frequency [Hz], spin (3,) [rad/s], friction. Raises Error if it would be on a particle.
+        frequency [Hz], spin (3,) [rad/s], friction, orientation (4,) of a box, and turn, a dict of axis (3,), about
+        (3,) [m], rate [rad/s], amplitude [rad], frequency [Hz]. Raises Error if it would be on a particle.
 
         >>> sim = weft.load(scene)
         >>> sim.add_shape("sphere", at=[0, -2, 0], radius=0.3)
         0
         """
-        shape = ffi.new("weft_shape *")
         if kind not in _SHAPES:
             raise ValueError("there is no shape '%s'; there are %s" % (kind, ", ".join(_SHAPES)))
-        shape[0] = lib.weft_shape_default(_SHAPES.index(kind))
-        for name, value in fields.items():
-            if name == "kind" or not hasattr(shape, name):
-                raise TypeError("a shape has no '%s'; it has %s" % (name, ", ".join(_SHAPE_FIELDS)))
-            one = isinstance(getattr(shape, name), float)
-            setattr(shape, name, real(value, name, () if one else (3,)).tolist())
+        shape = ffi.new("weft_shape *", lib.weft_shape_default(_SHAPES.index(kind)))
+        _fill(shape[0], fields)
         k = ffi.new("size_t *")
         with self._alone() as err:
             check(lib.weft_sim_add_shape(self._sim, shape, k, err), err)
         return int(k[0])
 
-    def move_shape(self, k: int, at: Any = None, velocity: Any = None) -> None:
+    def move_shape(self, k: int, at: Any = None, velocity: Any = None, **motion: Any) -> None:
         """Puts shape k to `at` (3,) [m] at once (None: it stays) and moves it at velocity (3,) [m/s] from now on (None:
-        its motion continues). A jump passes through whatever is in between; a velocity does not."""
+        its motion continues). A jump passes through whatever is in between; a velocity does not.
+
+        motion: amplitude, frequency and turn as of add_shape(), without `at`: with the velocity (None: 0) they are its
+        motion from now on, from where it is and as it stands; turn["about"] is where its axis is now."""
+        shape = ffi.new("weft_shape *", lib.weft_shape_default(0))
+        unknown = set(motion) - ({"amplitude", "frequency", "turn"} if at is None else set())
+        if unknown:
+            raise TypeError("a motion%s has no '%s'" % ("" if at is None else " with at", min(unknown)))
+        _fill(shape[0], motion if velocity is None else {**motion, "velocity": velocity})
         with self._alone() as err:
-            check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
+            if motion:
+                check(lib.weft_sim_drive_shape(self._sim, self._shape(k), shape, err), err)
+            else:
+                check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
 
     def remove_shape(self, k: int) -> None:
         """Removes shape k; the shapes behind it get the next lower numbers."""
@@ -829,6 +836,14 @@ class Sim:
         with self._exclusion.read():
             lib.weft_cloth_shape_pose(self._present, self._shape(k), self.time, at, velocity)
         return numbers_of(at), numbers_of(velocity)
+
+    def shape_rotation(self, k: int) -> tuple[Array, Array]:
+        """How shape k stands at present: the rotation (3, 3) of its directions as defined, of a box from x, y and z, and
+        the angular velocity (3,) [rad/s] of its turn."""
+        rotation, omega = ffi.new("double[9]"), ffi.new("double[3]")
+        with self._exclusion.read():
+            lib.weft_cloth_shape_rotation(self._present, self._shape(k), self.time, rotation, omega)
+        return numbers_of(rotation).reshape(3, 3), numbers_of(omega)
 
     def shape_load(self, k: int) -> tuple[Array, Array]:
         """The force [N] of the cloth on shape k, and its torque [N m] about `at`; (3,) each."""
@@ -845,10 +860,29 @@ def _vector(value: Any) -> Any:
 
 
 _SHAPES = [text(lib.weft_shape_name(k)) for k in range(lib.WEFT_SHAPES)]
-_SHAPE_FIELDS = [name for name, _ in ffi.typeof("weft_shape").fields if name != "kind"]
+
+
+def _fill(struct: Any, fields: Mapping[str, Any]) -> None:
+    """Sets the members of a weft_shape, or of the weft_turn in it."""
+    names = [name for name, _ in ffi.typeof(struct).fields if name != "kind"]
+    of = "shape" if "turn" in names else "turn"
+    for name, value in fields.items():
+        if name not in names:
+            raise TypeError("a %s has no '%s'; it has %s" % (of, name, ", ".join(names)))
+        if name == "turn":
+            _fill(struct.turn, value)
+        else:
+            now = getattr(struct, name)
+            setattr(struct, name, real(value, name, () if isinstance(now, float) else (len(now),)).tolist())
+
+
+def _members(struct: Any) -> dict[str, Any]:
+    plain = {name: getattr(struct, name) for name, _ in ffi.typeof(struct).fields if name not in ("kind", "turn")}
+    return {name: value if isinstance(value, float) else numbers_of(value) for name, value in plain.items()}
 
 
 def _shape_dict(shape: Any) -> dict[str, Any]:
-    plain = {name: getattr(shape, name) for name in _SHAPE_FIELDS}
-    return {"kind": _SHAPES[shape.kind],
-            **{name: value if isinstance(value, float) else numbers_of(value) for name, value in plain.items()}}
+    turn = _members(shape.turn)
+    if np.isnan(turn["about"][0]):
+        del turn["about"]
+    return {"kind": _SHAPES[shape.kind], **_members(shape), **({"turn": turn} if turn["axis"].any() else {})}

@@ -118,7 +118,8 @@ static void print_shape(const weft_cloth_def *def, size_t k)
     const weft_shape *shape = &law->shapes[k];
     const fall onto = fall_onto(def, k);
     const bool moved = shape->frequency > 0.0 || length_of(shape->velocity) > 0.0
-                       || length_of(shape->spin) > 0.0;
+                       || length_of(shape->spin) > 0.0
+                       || length_of(shape->turn.axis) > 0.0;
     sentence text = { "" };
     say(&text, "shapes[%zu]: %s, friction %g%s", k, weft_shape_name(shape->kind),
         friction_of(law, shape), moved ? ", moved" : "");

@@ -216,6 +216,7 @@ void weft__block_load(const weft__contact *own, const weft__state *at, size_t b,
 WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, damping,
               friction, slip, law);
 WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
+WEFT__NUMBERS(weft__turn_numbers, axis, rate, amplitude, frequency);
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */
 

@@ -30,6 +30,12 @@ const struct weft__shape_numbers weft__shape_numbers = {
     WEFT__FIELD(weft_shape, frequency, "Hz", NOT_NEGATIVE),
     WEFT__FIELD(weft_shape, spin, "rad/s", VECTOR),
 };
+const struct weft__turn_numbers weft__turn_numbers = {
+    WEFT__FIELD(weft_turn, axis, NULL, VECTOR),
+    WEFT__FIELD(weft_turn, rate, "rad/s", .least = -HUGE_VAL),
+    WEFT__FIELD(weft_turn, amplitude, "rad", .least = -HUGE_VAL),
+    WEFT__FIELD(weft_turn, frequency, "Hz", NOT_NEGATIVE),
+};
 const weft__number weft__shape_radius = { SHAPE(radius), "radius", "m", POSITIVE };
 const weft__number weft__shape_rounding
     = { SHAPE(rounding), "rounding", "m", POSITIVE };
@@ -86,7 +92,6 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
     const bool capsule = shape->kind == WEFT_CAPSULE;
     const weft__shape made = weft__shape_of(shape, 0.0);
     const weft_turn *turn = &shape->turn;
-    const double numbers[] = { turn->rate, turn->amplitude, turn->frequency };
     const bool turns = weft__length(turn->axis) != 0.0;
     const struct {
         bool wrong;
@@ -109,16 +114,10 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
         { !weft__motion_usable(&made.motion.motion), SHAPE(amplitude),
           "its motion is too large or too small for a double" },
-        { !isfinite(weft__length(turn->axis)), SHAPE(turn.axis),
-          "the axis of its turn must be finite" },
         { turns && !isnan(turn->about[0]) && !weft__all_finite(turn->about, 3),
-          SHAPE(turn.about), "what it turns about must be finite" },
-        { turns && !(weft__all_finite(numbers, 3) && turn->frequency >= 0.0),
-          SHAPE(turn.rate),
-          "the rate, amplitude and frequency of its turn must be finite, and the "
-          "frequency >= 0" },
-        { turns && !weft__rigid_usable(&made.motion), SHAPE(turn.amplitude),
-          "its turn is too fast for a double" },
+          SHAPE(turn), "what it turns about must be finite" },
+        { !isfinite(weft__length(turn->axis)) || !weft__rigid_usable(&made.motion),
+          SHAPE(turn), "its turn is too large or too fast for a double" },
         { box && !isfinite(weft__length(shape->orientation)), SHAPE(orientation),
           "its orientation must be finite" },
     };
@@ -138,8 +137,9 @@ bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults
     const weft__number *size = box ? &weft__shape_rounding : &weft__shape_radius;
     size_t field;
     if (!WEFT__NUMBERS_CHECK(weft__shape_numbers, shape, to, "shapes[%zu]: ", index)
-        || !weft__numbers_check(size, box || round, shape, to,
-                                "shapes[%zu]: ", index)) {
+        || !weft__numbers_check(size, box || round, shape, to, "shapes[%zu]: ", index)
+        || !WEFT__NUMBERS_CHECK(weft__turn_numbers, &shape->turn, to,
+                                "shapes[%zu]: turn: ", index)) {
         return false;
     }
     const char *message = shape_fault(shape, &field);
