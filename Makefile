@@ -522,7 +522,16 @@ clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
-# A licence and a copyright for every file.
+.PHONY: sbom tag
+# A bill of materials beside the artefacts.
+sbom:
+	@tools/sbom $(BUILD)
+
+# The tree is a release: checks that, and makes its tag.
+tag: all $(BUILD)/tests/run
+	@tools/tag $(BUILD)
+
+# A licence and a copyright for every file; a bill of materials that is valid.
 check-reuse:
 	@tools/check-reuse $(BUILD)
 
@@ -575,7 +584,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

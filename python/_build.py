@@ -15,8 +15,8 @@ IN_TREE = os.path.exists(os.path.join(TREE, "include", "weft", "weft.h"))
 def pkg_config(*arguments):
     """What pkg-config prints about an installed weft."""
     try:
-        return subprocess.run(["pkg-config", *arguments, "weft"], check=True, text=True,
-                              stdout=subprocess.PIPE).stdout.strip()
+        command = [*shlex.split(os.environ.get("PKG_CONFIG", "pkg-config")), *arguments, "weft"]
+        return subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         raise SystemExit("weft was not found: install this package from weft's source tree "
                          "(pip install ./python), or install weft and set PKG_CONFIG_PATH") from None

@@ -36,17 +36,17 @@ def bundle(prefix):
 class Build(build_ext):
     def run(self):
         package = os.path.dirname(os.path.abspath(self.get_ext_fullpath("weft._weft")))
+        prefix = "" if IN_TREE else pkg_config("--variable=prefix")
         for ext in self.extensions:
             if IN_TREE:
                 bundle(os.path.join(package, "prefix"))
                 ext.extra_objects += glob.glob(os.path.join(package, "prefix", "lib", "libweft.so.*"))
                 ext.runtime_library_dirs.append("$ORIGIN/prefix/lib")
             else:
-                lib = pkg_config("--variable=libdir")
-                ext.library_dirs.append(lib)
-                ext.runtime_library_dirs.append(lib)
+                if prefix != "/usr":  # where every linker looks
+                    ext.library_dirs.append(pkg_config("--variable=libdir"))
+                    ext.runtime_library_dirs.append(pkg_config("--variable=libdir"))
                 ext.libraries.append("weft")
-            prefix = "" if IN_TREE else pkg_config("--variable=prefix")
             ext.define_macros.append(("WEFTPY_PREFIX", '"%s"' % prefix))
         super().run()
         objects = self.compiler.compile([os.path.join(HERE, "own.c")], output_dir=self.build_temp, include_dirs=INCLUDES)

@@ -155,6 +155,7 @@ TEST_SUITE(released)
 {
     Suite *suite = suite_create("released");
     TCase *reading = tcase_create("reading");
+    tcase_set_timeout(reading, 60);
     tcase_add_loop_test(reading, a_scene_runs_as_it_did, 0, RUNS);
     tcase_add_loop_test(reading, a_saved_state_goes_on_as_it_did, 0, RUNS);
     tcase_add_test(reading, every_key_is_still_known);
