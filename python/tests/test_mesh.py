@@ -330,3 +330,30 @@ def test_flat_points_of_meshio_may_have_two_coordinates():
 def test_what_is_no_mesh_is_refused():
     with pytest.raises(TypeError, match="a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a object"):
         weft.load(hung(object()))
+
+
+def two(**shirt):
+    uv, triangles = square(4)
+    skirt = Mesh(uv, np.c_[uv, np.ones(16)], triangles, groups={"top": [0, 1, 2]})
+    return {"cloths": [{"name": "shirt", "mesh": Mesh(uv, np.c_[uv, np.zeros(16)], triangles), "fabric": {"preset": "royal-target"},
+                        "velocity": [0.0, 0.0, 1.0], **shirt},
+                       {"name": "skirt", "mesh": skirt, "fabric": {"preset": "royal-target"},
+                        "pins": [{"group": "top"}]}],
+            "stepper": {"plugin": "verlet", "method": "velocity_verlet", "fixed_step": 1e-4},
+            "run": {"duration": 0.01, "fps": 100}}
+
+
+def test_several_cloths_have_names_and_vertices_of_their_own(tmp_path):
+    sim = weft.load(two())
+    assert sim.cloths == {"shirt": slice(0, 16), "skirt": slice(16, 32)}
+    assert (sim.velocities[sim.cloths["shirt"]] == [0.0, 0.0, 1.0]).all() and sim.pinned.nonzero()[0].tolist() == [16, 17, 18]
+    again = pickle.loads(pickle.dumps(sim))
+    sim.advance(0.01), again.advance(0.01)
+    assert sim.measure().hash == again.measure().hash
+    run = weft.run(two(), tmp_path / "two")
+    assert run.cloths == sim.cloths and run.result["hash"] == sim.measure().hash
+    assert (run.final[["cloth", "vertex"]].iloc[17] == ["skirt", 1]).all()
+    assert weft.load(two(), {"cloths[0].velocity": [0.0, 0.0, 2.0]}).velocities[0, 2] == 2.0
+    assert weft.load(hung(sheet())).cloths == {}
+    with pytest.raises(weft.SceneError, match="has no group 'waist'"):
+        weft.load(two(pins=[{"group": "waist"}]))

@@ -2,6 +2,7 @@
 """Triangles of fabric from arrays: Mesh, and the scenes whose cloth is one."""
 from __future__ import annotations
 
+import os
 import re
 import tempfile
 import warnings
@@ -383,16 +384,46 @@ _WHERE = ("vertices", "group", "near", "inside")
 _ALL_PINNED = "are pinned: nothing will move freely"
 
 
-def has_mesh(scene: Mapping[str, Any]) -> bool:
-    """Whether the cloth of a scene is a mesh of arrays: neither a grid nor a file's."""
-    cloth = scene.get("cloth")
+def _is_mesh(cloth: Any) -> bool:
+    """Whether a cloth is a mesh of arrays: neither a grid nor a file's."""
     mesh = cloth.get("mesh") if isinstance(cloth, Mapping) else None
     return mesh is not None and not isinstance(mesh, (Mapping, str, bytes, int, float, list, tuple, np.ndarray))
+
+
+def _several(scene: Mapping[str, Any]) -> list[Any]:
+    cloths = scene.get("cloths")
+    return list(cloths) if isinstance(cloths, (list, tuple)) else []
+
+
+def has_mesh(scene: Mapping[str, Any]) -> bool:
+    """Whether the cloth of a scene, or one of several, is a mesh of arrays."""
+    return any(map(_is_mesh, [scene.get("cloth"), *_several(scene)]))
 
 
 def with_file(scene: Mapping[str, Any], name: str) -> dict[str, Any]:
     """The scene with a mesh from the OBJ file of a name."""
     return {**scene, "cloth": {**scene["cloth"], "mesh": {"file": name}}}
+
+
+def with_files(scene: Mapping[str, Any], stem: str, folder: Optional[PathLike] = None) -> dict[str, Any]:
+    """The scene with its meshes of arrays from STEM.obj, of several cloths STEM-0.obj and so on, which are written
+    unless `folder` is None."""
+    def from_file(cloth: Any, name: str) -> Any:
+        if not _is_mesh(cloth):
+            mesh = cloth.get("mesh") if isinstance(cloth, Mapping) else None
+            if folder is None or not isinstance(mesh, Mapping) or "file" not in mesh:
+                return cloth
+            return {**cloth, "mesh": {**mesh, "file": os.path.abspath(mesh["file"])}}  # not below the folder
+        if folder is not None:
+            Mesh.of(cloth["mesh"]).write(Path(folder, name))
+        return {**cloth, "mesh": {"file": name}}
+
+    changed = {}
+    if "cloth" in scene:
+        changed["cloth"] = from_file(scene["cloth"], stem + ".obj")
+    if "cloths" in scene:
+        changed["cloths"] = [from_file(one, "%s-%d.obj" % (stem, k)) for k, one in enumerate(_several(scene))]
+    return {**scene, **changed}
 
 
 def _override(node: Any, path: str, value: Any) -> Any:
@@ -439,6 +470,34 @@ def _gap(shape: Mapping[str, Any], x: Array) -> Array:
     side = r - along[:, None] * (axis / length)
     over = along - np.clip(along, 0.0, length)
     return ((side * side).sum(axis=1) ** 2 + over ** 4) ** 0.25 - value["radius"]  # type: ignore[no-any-return]
+
+
+class ClothsScene:
+    """A scene, a dict, of several cloths, some of which are a Mesh: libweft reads those from files."""
+
+    def __init__(self, scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> None:
+        merged: Any = scene
+        for path, value in (overrides or {}).items():
+            merged = _override(merged, path.replace("[", ".").replace("]", ""), value)
+        self.scene: dict[str, Any] = {**merged, "cloths": [
+            {**one, "mesh": Mesh.of(one["mesh"])} if _is_mesh(one) else one for one in _several(merged)]}
+
+    def text(self) -> str:
+        return yaml_text(with_files(self.scene, "scene"))
+
+    def read(self) -> tuple[Any, list[str]]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "scene.yaml")
+            path.write_text(yaml_text(with_files(self.scene, "mesh", folder)), encoding="utf-8")
+            return read_scene(str(path), None, [])
+
+    def definition(self, scene: Any) -> tuple[Any, list[Any]]:
+        return lib.weft_scene_cloth(scene), []
+
+
+def mesh_scene(scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> Any:
+    """A MeshScene or a ClothsScene."""
+    return (ClothsScene if "cloths" in scene else MeshScene)(scene, overrides)
 
 
 class MeshScene:

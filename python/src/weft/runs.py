@@ -21,7 +21,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
-from weft.mesh import Mesh, has_mesh, with_file
+from weft.mesh import has_mesh, with_files
 from weft.own import Method, served
 from weft.simulation import Scene
 
@@ -101,8 +101,7 @@ def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
         name = scene.get("name") if isinstance(scene, Mapping) else None
         stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in str(name or "scene-%d" % i))
         if isinstance(scene, Mapping) and has_mesh(scene):
-            Mesh.of(scene["cloth"]["mesh"]).write(Path(folder, stem + ".obj"))
-            scene = with_file(scene, stem + ".obj")
+            scene = with_files(scene, stem, folder)
         content = yaml_text(scene) if isinstance(scene, Mapping) else os.fspath(scene)
         if isinstance(scene, Mapping) or "\n" in content:
             path = Path(folder, stem + ".yaml")
@@ -341,8 +340,16 @@ class Run:
 
     @property
     def final(self) -> pd.DataFrame:
-        """final.csv: row, col (of triangles vertex), x, y, z [m], vx, vy, vz [m/s] at the end."""
+        """final.csv: row, col (of triangles vertex, of several cloths cloth and vertex), x, y, z [m], vx, vy, vz [m/s] at the end."""
         return self._csv("final.csv")
+
+    @property
+    def cloths(self) -> dict[str, slice]:
+        """Of several cloths the vertices of each, by its name: run.positions[-1][run.cloths["shirt"]]."""
+        found, first = {}, 0
+        for cloth in self.manifest.get("cloths", []):
+            found[cloth["name"]] = slice(first, first := first + cloth["vertices"])
+        return found
 
     def _frames(self, path: str) -> Any:
         """Where the frames of a dataset lie in the file; h5py alone, kept open, would not see a run go on."""

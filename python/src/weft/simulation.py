@@ -16,7 +16,7 @@ from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
                           numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
-from weft.mesh import MeshScene, has_mesh
+from weft.mesh import ClothsScene, MeshScene, has_mesh, mesh_scene
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
@@ -126,7 +126,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
 
     scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
     of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program. In a dict,
-    `cloth.mesh` may be a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of {"file": ...}.
+    `cloth.mesh`, or that of one of `cloths`, may be a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of
+    {"file": ...}.
 
     force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
     (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
@@ -150,7 +151,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     """
     own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
     if isinstance(scene, Mapping) and has_mesh(scene):
-        return Sim(None, MeshScene(scene, overrides), [], own)
+        return Sim(None, mesh_scene(scene, overrides), [], own)
     if isinstance(scene, Mapping):
         return Sim(None, yaml_text(scene), settings(overrides), own)
     if isinstance(scene, str) and "\n" in scene:
@@ -159,7 +160,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
 
 
 def _revive(name: str, content: Any, saved: bytes, own: dict[str, Any]) -> Sim:
-    sim = Sim(name, MeshScene(content) if isinstance(content, Mapping) else content, [], own)
+    sim = Sim(name, mesh_scene(content) if isinstance(content, Mapping) else content, [], own)
     sim.restore(saved)
     return sim
 
@@ -174,12 +175,13 @@ class Sim:
     r * cols + c.
     """
 
-    def __init__(self, file: Optional[str], content: Union[str, MeshScene, None], sets: list[str],
+    def __init__(self, file: Optional[str], content: Union[str, MeshScene, ClothsScene, None], sets: list[str],
                  own: dict[str, Any]) -> None:
         self._exclusion, self._process = Exclusion(), os.getpid()
         self._name, self._given = file or "scene", own
-        self._meshed = content if isinstance(content, MeshScene) else None
-        self._scene, found = (content.read() if isinstance(content, MeshScene) else read_scene(file, content, sets))
+        self._meshed = None if content is None or isinstance(content, str) else content
+        self._scene, found = (read_scene(file, content, sets)  # type: ignore[arg-type]
+                              if self._meshed is None else self._meshed.read())
         for warning in found:
             warnings.warn(warning, SceneWarning, stacklevel=3)
         err, cloth, sim = ffi.new("weft_error *"), ffi.new("weft_cloth **"), ffi.new("weft_sim **")
@@ -289,6 +291,12 @@ class Sim:
         places = np.empty(self.particles, dtype=np.intp)
         lib.weftpy_index(self._cloth, ffi.from_buffer("size_t[]", places))
         return places
+
+    @property
+    def cloths(self) -> dict[str, slice]:
+        """Of several cloths the vertices of each, by its name: sim.positions[sim.cloths["shirt"]]."""
+        parts = [lib.weft_cloth_part_at(self._cloth, k) for k in range(lib.weft_cloth_parts(self._cloth))]
+        return {text(part.name): slice(part.first, part.first + part.count) for part in parts}
 
     @property
     def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
