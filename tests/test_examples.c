@@ -45,6 +45,15 @@ START_TEST(minimal_prints_a_frame_a_line)
 }
 END_TEST
 
+/* One hangs, the other falls freely from a throw of 2 m/s. */
+START_TEST(two_cloths_are_where_each_of_them_goes)
+{
+    expect(shell(EXAMPLE("two_cloths") " 2>&1"), 0);
+    ck_assert_str_eq(output, "flag: 36 vertices, at a height of -0.1250 m\n"
+                             "leaf: 36 vertices, at a height of -0.1098 m\n");
+}
+END_TEST
+
 START_TEST(dragged_corner_is_where_the_hand_is)
 {
     expect(shell(EXAMPLE("game_loop") " 2>&1"), 0);
@@ -259,6 +268,7 @@ TEST_SUITE(examples)
     TCase *tcase = tcase_create("examples");
     tcase_set_timeout(tcase, 120.0);
     tcase_add_test(tcase, minimal_prints_a_frame_a_line);
+    tcase_add_test(tcase, two_cloths_are_where_each_of_them_goes);
     tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
     tcase_add_test(tcase, dragged_sphere_pushes_the_cloth);
     tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
