@@ -432,6 +432,7 @@ TEST_SUITE(cloths)
 {
     Suite *suite = suite_create("cloths");
     TCase *all = tcase_create("all");
+    tcase_set_timeout(all, 120.0);
     tcase_add_test(all, a_cloth_knows_its_parts_by_number_name_and_vertex);
     tcase_add_test(all, a_cloth_without_parts_has_none);
     tcase_add_test(
