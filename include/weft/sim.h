@@ -390,8 +390,8 @@ WEFT_API weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3],
  * the present places. */
 
 /* Adds a shape, as the last; *k (unless NULL) is its number. From the present time on
- * it moves as defined, except that its velocity counts from now:
- * at + velocity (t - now) + amplitude sin(2 pi frequency t). */
+ * it moves as defined, except that its velocity and the rate of its turn count from
+ * now: at + velocity (t - now) + amplitude sin(2 pi frequency t). */
 WEFT_API weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *shape,
                                               size_t size, size_t *k, weft_error *err);
 static inline weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape,
