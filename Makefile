@@ -136,7 +136,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
 .PHONY: all check check-run check-reuse check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
-        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-elsewhere nightly \
+        fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-compilers check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -567,10 +567,15 @@ nightly: all
 	TEST_LONG=1 $(MAKE) check-libm
 	$(MAKE) check-aarch64
 	$(MAKE) check-sundials7 WHOLE=1
+	$(MAKE) check-compilers
 
 # Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
 check-aarch64: all
 	@MAKE="$(MAKE)" tools/check-aarch64 $(BUILD)
+
+# gcc 10 and clang 11 in a system of Debian 11: root, debootstrap.
+check-compilers: all hashes
+	@tools/check-compilers $(BUILD)
 
 # Built where libraries, compilers or HDF5 are elsewhere or missing.
 check-elsewhere: all hashes $(BUILD)/examples/minimal
@@ -584,7 +589,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -168,23 +168,30 @@ INLINE bool any(mask a)
 #endif
 }
 
+/* Lanes of a and then of b, by their numbers. */
+#if defined __clang__ || __GNUC__ >= 12
+#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (mask){ __VA_ARGS__ })
+#endif
+
 /* SHIFT: the last lane, or the last two, of a, followed by the first lanes of b. NEXT:
  * a but for its first lane, or its first two, followed by the first lanes of b. */
 #if LANES == 2
-#define NEXT_1(a, b)  __builtin_shufflevector(a, b, 1, 2)
-#define NEXT_2(a, b)  __builtin_shufflevector(a, b, 2, 3)
-#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 1, 2)
-#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 0, 1)
+#define NEXT_1(a, b)  SHUFFLE(a, b, 1, 2)
+#define NEXT_2(a, b)  SHUFFLE(a, b, 2, 3)
+#define SHIFT_1(a, b) SHUFFLE(a, b, 1, 2)
+#define SHIFT_2(a, b) SHUFFLE(a, b, 0, 1)
 #elif LANES == 4
-#define NEXT_1(a, b)  __builtin_shufflevector(a, b, 1, 2, 3, 4)
-#define NEXT_2(a, b)  __builtin_shufflevector(a, b, 2, 3, 4, 5)
-#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 3, 4, 5, 6)
-#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 2, 3, 4, 5)
+#define NEXT_1(a, b)  SHUFFLE(a, b, 1, 2, 3, 4)
+#define NEXT_2(a, b)  SHUFFLE(a, b, 2, 3, 4, 5)
+#define SHIFT_1(a, b) SHUFFLE(a, b, 3, 4, 5, 6)
+#define SHIFT_2(a, b) SHUFFLE(a, b, 2, 3, 4, 5)
 #elif LANES == 8
-#define NEXT_1(a, b)  __builtin_shufflevector(a, b, 1, 2, 3, 4, 5, 6, 7, 8)
-#define NEXT_2(a, b)  __builtin_shufflevector(a, b, 2, 3, 4, 5, 6, 7, 8, 9)
-#define SHIFT_1(a, b) __builtin_shufflevector(a, b, 7, 8, 9, 10, 11, 12, 13, 14)
-#define SHIFT_2(a, b) __builtin_shufflevector(a, b, 6, 7, 8, 9, 10, 11, 12, 13)
+#define NEXT_1(a, b)  SHUFFLE(a, b, 1, 2, 3, 4, 5, 6, 7, 8)
+#define NEXT_2(a, b)  SHUFFLE(a, b, 2, 3, 4, 5, 6, 7, 8, 9)
+#define SHIFT_1(a, b) SHUFFLE(a, b, 7, 8, 9, 10, 11, 12, 13, 14)
+#define SHIFT_2(a, b) SHUFFLE(a, b, 6, 7, 8, 9, 10, 11, 12, 13)
 #endif
 
 /* Of a row, the columns in whole blocks that two columns follow. */

@@ -13,8 +13,8 @@
     || FLT_EVAL_METHOD != 0 || __FINITE_MATH_ONLY__
 #error "weft needs a 64-bit target or WebAssembly, with IEEE double arithmetic: \
 no -m32, -mfpmath=387 or -ffast-math"
-#elif defined __GNUC__ && !defined __clang__ && __GNUC__ < 12
-#error "weft needs gcc 12 or later, or clang, for __builtin_shufflevector"
+#elif defined __clang__ ? __clang_major__ < 11 : __GNUC__ < 10
+#error "weft needs gcc 10, clang 11 or a later one"
 #endif
 
 /* How far beyond the last particle fast forms may read. */

@@ -20,8 +20,8 @@ static void scalar(yaml_out *out, const char *text, size_t length, bool quoted)
     const yaml_scalar_style_t style
         = quoted ? YAML_DOUBLE_QUOTED_SCALAR_STYLE : YAML_PLAIN_SCALAR_STYLE;
     yaml_event_t event;
-    int made = yaml_scalar_event_initialize(
-        &event, NULL, NULL, (const yaml_char_t *)text, (int)length, 1, 1, style);
+    int made = yaml_scalar_event_initialize(&event, NULL, NULL, (yaml_char_t *)text,
+                                            (int)length, 1, 1, style);
     unsigned char *copy = made ? NULL : malloc(length + 1);
     for (size_t i = 0; copy != NULL && i < length; ++i) {
         copy[i] = (unsigned char)text[i] < 0x80 ? (unsigned char)text[i] : '?';

@@ -44,8 +44,8 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
     if (node->type == WEFT__SCALAR) {
         return emit(to, &event,
                     yaml_scalar_event_initialize(
-                        &event, NULL, NULL, (const yaml_char_t *)node->text,
-                        (int)node->count, 1, 1, (yaml_scalar_style_t)node->style));
+                        &event, NULL, NULL, (yaml_char_t *)node->text, (int)node->count,
+                        1, 1, (yaml_scalar_style_t)node->style));
     }
     bool good = emit(to, &event,
                      is_map ? yaml_mapping_start_event_initialize(

@@ -312,8 +312,9 @@ void weft__grip_most(const weft_contact_def *law, const weft__pose *pose, double
     enum { PARTS = 64 };
     const double end = deepest(law->exponent, phi);
     for (size_t k = 0; k < PARTS; ++k) {
-        const double low = end * (double)k / PARTS;
-        const grip_slopes of = most_between(law, pose, share, low, low + end / PARTS);
+        const double low = end * (double)k / (double)PARTS;
+        const grip_slopes of
+            = most_between(law, pose, share, low, low + end / (double)PARTS);
         weft__grip grip = { .stiff = 0.0 };
         add_slopes(&of, &grip);
         for (size_t j = 0; j < 3; ++j) {

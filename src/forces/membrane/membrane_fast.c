@@ -24,7 +24,6 @@ static const uint16_t in_turn[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
 
 #if LANES >= 4
 typedef double record __attribute__((vector_size(32), may_alias));
-#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 
 INLINE record *record_at(double *of, size_t i)
 {
@@ -37,12 +36,26 @@ INLINE record record_of(const double *of, size_t i)
 }
 #endif
 
+#if LANES == 8
+/* Two records as lanes, and the first or the second of them. */
+#if defined __clang__ || __GNUC__ >= 12
+#define JOIN(a, b) SHUFFLE(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
+#define HALF(a, i) ((i) ? SHUFFLE(a, a, 4, 5, 6, 7) : SHUFFLE(a, a, 0, 1, 2, 3))
+#else
+typedef union halves {
+    record half[2];
+    vec both;
+} halves;
+#define JOIN(a, b) (((halves){ .half = { a, b } }).both)
+#define HALF(a, i) (((halves){ .both = a }).half[i])
+#endif
+#endif
+
 /* The records at[0], at[1], ... */
 INLINE vec3 collect(const double *of, const uint16_t at[LANES])
 {
 #if LANES == 8
-#define TWO(i, j)                                                                      \
-    SHUFFLE(record_of(of, at[i]), record_of(of, at[j]), 0, 1, 2, 3, 4, 5, 6, 7)
+#define TWO(i, j) JOIN(record_of(of, at[i]), record_of(of, at[j]))
     const vec a = TWO(0, 2), b = TWO(1, 3), c = TWO(4, 6), d = TWO(5, 7);
     const vec xz = SHUFFLE(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
     const vec XZ = SHUFFLE(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -79,10 +92,10 @@ INLINE void part(vec3 a, record to[LANES])
     const vec high[2] = { SHUFFLE(xy, z, 4, 5, 12, 13, 6, 7, 14, 15),
                           SHUFFLE(XY, Z, 4, 5, 12, 13, 6, 7, 14, 15) };
     for (size_t odd = 0; odd < 2; ++odd) {
-        to[odd] = SHUFFLE(low[odd], low[odd], 0, 1, 2, 3);
-        to[odd + 2] = SHUFFLE(low[odd], low[odd], 4, 5, 6, 7);
-        to[odd + 4] = SHUFFLE(high[odd], high[odd], 0, 1, 2, 3);
-        to[odd + 6] = SHUFFLE(high[odd], high[odd], 4, 5, 6, 7);
+        to[odd] = HALF(low[odd], 0);
+        to[odd + 2] = HALF(low[odd], 1);
+        to[odd + 4] = HALF(high[odd], 0);
+        to[odd + 6] = HALF(high[odd], 1);
     }
 #else
     const vec xy = SHUFFLE(a.x, a.y, 0, 4, 2, 6), XY = SHUFFLE(a.x, a.y, 1, 5, 3, 7);

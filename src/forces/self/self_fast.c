@@ -73,7 +73,7 @@ INLINE void add(queue *to, const uint32_t at[LANES], mask set, size_t count)
 {
     for (size_t l = 0; l < LANES; ++l) {
         to->at[to->count] = at[l];
-        to->count += (l < count) & (set[l] != 0);
+        to->count += (size_t)(l < count && set[l] != 0);
     }
 }
 
