@@ -171,8 +171,12 @@ $(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 # Lines for debuggers, but not the places of variables: those of inlined loops take a third of the compiler's time.
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
-$(BUILD)/%.v3.o: OWN += -march=x86-64-v3 -DLEVEL=v3 -DLANES=4
-$(BUILD)/%.v4.o: OWN += -march=x86-64-v4 -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
+# clang 11 has no names of levels.
+NAMED := $(if $(LEVELS),$(shell $(CC) -march=x86-64-v4 -E -x c /dev/null >/dev/null 2>&1 && echo yes))
+V3 := $(if $(NAMED),-march=x86-64-v3,-mavx2 -mfma -mbmi -mbmi2)
+V4 := $(if $(NAMED),-march=x86-64-v4,$(V3) -mavx512f -mavx512bw -mavx512cd -mavx512dq -mavx512vl)
+$(BUILD)/%.v3.o: OWN += $(V3) -DLEVEL=v3 -DLANES=4
+$(BUILD)/%.v4.o: OWN += $(V4) -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 HARDER := contact/contact_fast membrane/membrane_fast membrane/membrane_arc_fast
