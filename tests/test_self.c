@@ -118,7 +118,7 @@ static bool count_kind(void *ctx, const weft__pair *pair)
 static kinds kinds_now(void)
 {
     kinds of = { .law = weft__self_law_of(&cloth->self) };
-    const weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
+    const weft__quadtree tree = weft__tree_of(&cloth->self, y);
     ck_assert(weft__each_pair(&tree, def.contact.thickness, count_kind, &of));
     return of;
 }
@@ -317,7 +317,7 @@ static bool keep(void *ctx, const weft__pair *pair)
 static pairs *find(double range, weft__knot *knots)
 {
     pairs *of = calloc(1, sizeof *of);
-    weft__quadtree tree = weft__tree_of(&cloth->mesh, y);
+    weft__quadtree tree = weft__tree_of(&cloth->self, y);
     if (knots != NULL) {
         weft__tree_fill(&tree, knots);
     }
@@ -338,7 +338,8 @@ static bool same(const weft__pair *a, const weft__pair *b)
 START_TEST(pairs_of_a_smaller_range_are_in_the_same_order)
 {
     fold((uint64_t)_i + 1);
-    weft__knot *knots = calloc(weft__tree_size(&cloth->mesh), sizeof *knots);
+    const weft__quadtree tree = weft__tree_of(&cloth->self, y);
+    weft__knot *knots = calloc(weft__tree_size(&tree), sizeof *knots);
     pairs *few = find(0.008, NULL), *many = find(0.02, knots),
           *again = find(0.008, knots);
     size_t at = 0;
@@ -442,8 +443,9 @@ START_TEST(pairs_do_not_push_before_their_wait)
     for (size_t i = 0; i < of->count; ++i) {
         double moved[6 * N], distance, wait, bad = 0.0;
         weft__pushes push;
-        int32_t at[4][1 + WEFT__BLOCK] = { { 0 } };
-        const weft__near one = { { at[0], at[1], at[2], at[3] }, &wait, NULL, NULL };
+        int32_t at[WEFT__NEAR_PLANES][1 + WEFT__BLOCK] = { { 0 } };
+        const weft__near one
+            = { { at[0], at[1], at[2], at[3], at[4], at[5] }, &wait, NULL, NULL };
         for (size_t k = 0; k < 4; ++k) {
             at[k][0] = (int32_t)of->at[i].particle[k];
         }

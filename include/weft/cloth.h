@@ -151,7 +151,7 @@ typedef struct weft_contact_def {
     const weft_shape *shapes; /* shape_count of them; 0: no contact with shapes */
     size_t shape_count;
     bool self; /* contact of the cloth with itself, pinned particles included; needs
-                  thickness <= half the smaller spacing */
+                  thickness <= half the smaller spacing, or smallest height */
 } weft_contact_def;
 
 /* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
@@ -595,8 +595,9 @@ WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *
  * such edges, and neighbours at the same place. Decided exactly, whether the cloth has
  * self-contact or not; pairs of pinned particles alone do not count. pair (unless NULL)
  * is the first, by its edge: the particles of the smallest index; counts of 0 if there
- * is none. Needs a grid: SIZE_MAX of triangles. y must be finite. Allocates nothing;
- * takes O(N log N) unless much of the cloth is in one place. */
+ * is none. Lips of a slit of triangles pass through each other freely. y must be
+ * finite. Allocates nothing of a grid, nor of triangles with self-contact; SIZE_MAX: no
+ * memory. Takes O(N log N) unless much of the cloth is in one place. */
 WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                                      weft_primitive pair[2]);
 

@@ -70,6 +70,9 @@ weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
     if (!cloth->self.law.self) {
         return WEFT_OK;
     }
+    if (weft__notch_error(&cloth->self, err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
     double *y = weft__alloc(&cloth->memory, weft_cloth_dim(cloth), sizeof *y);
     if (y == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");

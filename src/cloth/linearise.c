@@ -53,8 +53,8 @@ void *weft__list_structure(const weft_cloth *cloth, bool links,
     return room;
 }
 
-int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *planes,
-                    size_t bonds, double *blocks)
+int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
+                    const double *y, double *planes, size_t bonds, double *blocks)
 {
     const weft__state at = { .t = t, .y = y };
     double bad = 0.0;
@@ -70,7 +70,8 @@ int weft__linearise(const weft_cloth *cloth, double t, const double *y, double *
             planes = force->bonds(own, &at, b, planes, bonds, &bad);
         }
         if (force != NULL && force->blocks != NULL && blocks != NULL) {
-            failed |= force->blocks(own, &at, blocks);
+            failed
+                |= force->blocks(own, spaces != NULL ? spaces[k] : NULL, &at, blocks);
         }
     }
     return bad == 0.0 ? failed : 1;

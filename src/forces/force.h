@@ -86,11 +86,11 @@ typedef struct weft__force {
                      const double *x, double *out);
 
     /* Linearisation, for weft_structure: its bonds that begin in block b, and what they
-     * are in a state; or 3 x 3 blocks of particles. */
+     * are in a state; or 3 x 3 blocks of particles, with a workspace or NULL. */
     size_t (*runs)(const void *own, size_t b, weft_bonds *runs);
     double *(*bonds)(const void *own, const weft__state *at, size_t b, double *planes,
                      size_t bonds, double *bad);
-    int (*blocks)(const void *own, const weft__state *at, double *blocks);
+    int (*blocks)(const void *own, void *space, const weft__state *at, double *blocks);
 
     /* The same on triangles: its links, which must be its alone, and their numbers; its
      * ties. NULL as `to`: only how many there are. */

@@ -460,7 +460,7 @@ static const weft__key contact_keys[] = {
       .meaning = "below this slip speed friction fades" },
     { "self", WEFT__BOOLEAN, .fallback = "false", AT(weft_contact_def, self),
       .meaning = "whether the cloth touches itself; the thickness is then at most half "
-                 "the smaller spacing" },
+                 "the smaller spacing, of a mesh half the smallest height" },
     { "shapes", WEFT__ITEMS,
       ITEMS(weft_contact_def, shapes, shape_count, weft__read_shape),
       .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },

@@ -64,7 +64,8 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
     }
 }
 
-/* Cloth starts flat, so that only rounding can bring it into itself. */
+/* What weft_cloth_create finds: a grid starts flat, so that only rounding can bring it
+ * into itself; of a mesh also notches. */
 static void check_crossings(weft__reader *reader, const weft__node *self)
 {
     weft_cloth_def def = reader->scene->cloth;
@@ -73,15 +74,11 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
     if ((double)weft__particles_in(reader->scene) >= MAX_COMPARED) {
         return;
     }
-    def.contact = weft_cloth_def_default().contact;
+    def.contact.shape_count = 0;
     def.allocator = reader->report->memory;
-    weft_status status = weft_cloth_create(&def, &cloth, NULL);
-    if (status == WEFT_OK) {
-        cloth->self.law.self = true;
-        status = weft__start_crossing_error(cloth, &err);
-        if (status == WEFT_INVALID) {
-            ERROR_AT(reader, self, "%s", err.message);
-        }
+    const weft_status status = weft_cloth_create(&def, &cloth, &err);
+    if (status == WEFT_INVALID) {
+        ERROR_AT(reader, self, "%s", err.message);
     }
     if (status == WEFT_NO_MEMORY) {
         reader->report->no_memory = true;
@@ -98,7 +95,8 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
                  "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
-    if (weft__particles_in(reader->scene) > 0) {
+    if (weft__particles_in(reader->scene) > 0
+        && (reader->scene->cloth.mesh == NULL || reader->report->found->errors == 0)) {
         weft__self_check(&reader->scene->cloth, &match->faults);
     }
     if (reader->report->found->errors > 0 || reader->report->no_memory) {

@@ -176,7 +176,8 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
 
 /* contact_slopes.c: for weft__force. */
 weft__add_fn weft__contact_change;
-int weft__contact_blocks(const void *own, const weft__state *at, double *blocks);
+int weft__contact_blocks(const void *own, void *space, const weft__state *at,
+                         double *blocks);
 
 /* ---- contact_slopes.c: what it adds to stiffness and damping; docs/physics.md ------
  */

@@ -165,8 +165,10 @@ static void uncouple(const double n[3], double damping[3][3])
     }
 }
 
-int weft__contact_blocks(const void *own, const weft__state *at, double *blocks)
+int weft__contact_blocks(const void *own, void *space, const weft__state *at,
+                         double *blocks)
 {
+    (void)space;
     const weft__contact *of = own;
     const size_t n = of->mesh->particles;
     double bad = 0.0;

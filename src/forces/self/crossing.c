@@ -20,7 +20,7 @@ typedef struct element {
 static element element_of(const counting *of, size_t key, size_t count,
                           const uint32_t *particle)
 {
-    const size_t n = of->tree->mesh->particles;
+    const size_t n = of->tree->own->points;
     element out = { .key = key, .of.count = count };
     for (size_t i = 0; i < count; ++i) {
         out.of.particle[i] = particle[i];
@@ -43,7 +43,7 @@ static bool any_free(const counting *of, const element *primitive)
     bool any = false;
     for (size_t i = 0; i < primitive->of.count; ++i) {
         const size_t at = primitive->of.particle[i];
-        any = any || of->tree->mesh->pin[at] == 0 || at == of->loose;
+        any = any || !weft__self_held(of->tree->own, at) || at == of->loose;
     }
     return any;
 }
@@ -123,32 +123,65 @@ static void meet(counting *of, const element *edge, const element *other)
     }
 }
 
+/* What a node owns of a kind: edges, or triangles, of three numbers; their keys, which
+ * follow each other, and their numbers. */
+typedef struct items {
+    size_t count, size, key;
+    const uint32_t *at;
+    uint32_t room[9];
+} items;
+
+static void find_items(const weft__self *own, size_t i, size_t size, items *to)
+{
+    const weft__skin *skin = own->skin;
+    *to = (items){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
+    if (skin != NULL) {
+        const uint32_t *first = size == 2 ? skin->edge_first : skin->triangle_first;
+        to->key = first[i], to->count = first[i + 1] - first[i];
+        to->at = size == 2 ? skin->edge[first[i]] : skin->triangle[first[i]];
+        return;
+    }
+    uint32_t edges[3][2], triangles[2][3];
+    to->count = size == 2 ? weft__edges_of(own->mesh, i, edges)
+                          : weft__triangles_of(own->mesh, i, triangles);
+    for (size_t k = 0; k < size * to->count; ++k) {
+        to->room[k] = size == 2 ? edges[k / 2][k % 2] : triangles[k / 3][k % 3];
+    }
+    to->at = to->room;
+}
+
 /* The edges of node i with the triangles of node j, or with its edges in a chain. */
 static void compare_nodes(counting *of, size_t i, size_t j)
 {
-    const weft__mesh *mesh = of->tree->mesh;
-    const bool chain = mesh->rows == 1 || mesh->cols == 1;
-    uint32_t edges[3][2], sides[3][2], triangles[2][3];
-    const size_t edge_count = weft__edges_of(mesh, i, edges);
-    const size_t count = chain ? (i < j ? weft__edges_of(mesh, j, sides) : 0)
-                               : weft__triangles_of(mesh, j, triangles);
-    for (size_t k = 0; k < edge_count * count; ++k) {
-        const size_t e = k / count, o = k % count;
-        const element edge = element_of(of, 3 * i + e, 2, edges[e]);
-        const element other = chain ? element_of(of, 1 + 3 * j + o, 2, sides[o])
-                                    : element_of(of, 1 + 2 * j + o, 3, triangles[o]);
-        meet(of, &edge, &other);
+    const weft__self *own = of->tree->own;
+    const bool chain
+        = own->skin == NULL && (own->mesh->rows == 1 || own->mesh->cols == 1);
+    items edges, others;
+    if (chain && i >= j) {
+        return;
+    }
+    find_items(own, i, 2, &edges);
+    find_items(own, j, chain ? 2 : 3, &others);
+    for (size_t k = 0; k < edges.count * others.count; ++k) {
+        const size_t e = k / others.count, o = k % others.count;
+        const element edge = element_of(of, edges.key + e, 2, edges.at + 2 * e);
+        const element other = element_of(of, 1 + others.key + o, others.size,
+                                         others.at + others.size * o);
+        if (own->skin == NULL || own->skin->lip_count == 0
+            || !weft__at_lips(own->skin, edges.key + e, others.key + o)) {
+            meet(of, &edge, &other);
+        }
     }
 }
 
 /* Edges of node i without length, as two particles. */
 static void keep_points(counting *of, size_t i)
 {
-    uint32_t edges[3][2];
-    const size_t count = weft__edges_of(of->tree->mesh, i, edges);
-    for (size_t e = 0; e < count; ++e) {
-        const element a = element_of(of, 3 * i + e, 1, &edges[e][0]);
-        const element b = element_of(of, 0, 1, &edges[e][1]);
+    items edges;
+    find_items(of->tree->own, i, 2, &edges);
+    for (size_t e = 0; e < edges.count; ++e) {
+        const element a = element_of(of, edges.key + e, 1, edges.at + 2 * e);
+        const element b = element_of(of, 0, 1, edges.at + 2 * e + 1);
         keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
     }
 }
@@ -179,7 +212,7 @@ weft_status weft__crossing_error(const weft__self *own, const double *y, size_t 
     if (!own->law.self) {
         return WEFT_OK;
     }
-    const weft__quadtree tree = weft__tree_of(own->mesh, y);
+    const weft__quadtree tree = weft__tree_of(own, y);
     const weft__crossings found = weft__crossings_of(&tree, loose);
     if (found.count == 0) {
         return WEFT_OK;

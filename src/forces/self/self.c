@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* self.c -- the forces of self-contact, by the law of contact.h for the mass M, e W / 4
- * for e and v = sum b_i v_i (docs/physics.md, "Self-contact"). The feet satisfy e_k.r =
- * 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i, the weight changes by
- * dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
+/* self.c -- the forces of self-contact, by the law of contact.h for the mass M, e W, of
+ * a grid e W / 4, for e and v = sum b_i v_i (docs/physics.md, "Self-contact"). The feet
+ * satisfy e_k.r = 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i, the
+ * weight changes by dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
 #include "forces/self/self_list.h"
 
 #include <stdio.h>
@@ -10,20 +10,32 @@
 
 #include "forces/self/self_law.h"
 #include "mesh/grid_def.h"
+#include "mesh/surface.h"
+#include "mesh/triangles_work.h"
+
+/* The share of each pair of a grid: a particle between two layers has some four. */
+#define GRID_SHARE 0.25
+/* Of what two layers have by reduced areas, edges share this; facts of docs/physics.md
+ */
+#define EDGES_SHARE 0.125
 
 weft__self_law weft__self_law_of(const weft__self *own)
 {
+    if (own->skin != NULL) {
+        return (weft__self_law){ .own = own, .share = 1.0 };
+    }
     const double a2 = own->mesh->spacing[0] * own->mesh->spacing[0];
     const double b2 = own->mesh->spacing[1] * own->mesh->spacing[1];
     const double smaller = weft__shortest_edge(own->mesh);
     return (weft__self_law){ .own = own,
-                             .soft = fmin(own->law.thickness / smaller, 0.3),
+                             .share = GRID_SHARE,
+                             .window = 1.0 / fmin(own->law.thickness / smaller, 0.3),
                              .square = { a2, b2, a2 + b2 } };
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
 
-/* [m^2] of an edge at rest */
+/* [m^2] of an edge of a grid at rest */
 static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
 {
     const uint32_t by = a < b ? b - a : a - b;
@@ -34,21 +46,64 @@ static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
 
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair)
 {
+    const weft__skin *skin = law->own->skin;
     const uint32_t *i = pair->particle;
-    return pair->kind != WEFT__EDGES
-               ? 0.0
+    if (pair->kind != WEFT__EDGES) {
+        return 0.0;
+    }
+    return skin != NULL
+               ? 1.0 / (skin->square[pair->item[0]] * skin->square[pair->item[1]])
                : 1.0 / (rest_square(law, i[0], i[1]) * rest_square(law, i[2], i[3]));
+}
+
+/* By reduced areas, and the smallest density of the free points. */
+static double skin_mass(const weft__self *own, const weft__pair *pair)
+{
+    const weft__skin *skin = own->skin;
+    const bool edges = pair->kind == WEFT__EDGES;
+    const double *areas = edges || pair->kind == WEFT__VERTEX_EDGE ? skin->edge_area
+                          : pair->kind == WEFT__VERTICES           ? skin->area
+                                                         : skin->triangle_area;
+    const double a = (edges ? skin->edge_area : skin->area)[pair->item[0]];
+    const double b = areas[pair->item[1]];
+    double density = INFINITY;
+    for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
+        const size_t i = pair->particle[k];
+        density = weft__self_held(own, i) ? density : fmin(density, skin->density[i]);
+    }
+    return density < (double)INFINITY
+               ? (edges ? EDGES_SHARE : 1.0) * density * (a * b / (a + b))
+               : 0.0;
 }
 
 double weft__pair_mass(const weft__self *own, const weft__pair *pair)
 {
     double least = 0.0;
+    if (own->skin != NULL) {
+        return skin_mass(own, pair);
+    }
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         const double mass = own->mesh->pin[i] == 0 ? own->mesh->mass[i] : 0.0;
         least = mass > 0.0 && (least == 0.0 || mass < least) ? mass : least;
     }
     return least;
+}
+
+/* 1 / x0 as law_weigh takes it. */
+static inline void find_windows(const weft__self_law *law, const weft__pair *pair,
+                                double window[3])
+{
+    const weft__skin *skin = law->own->skin;
+    const bool triangle = pair->kind == WEFT__VERTEX_TRIANGLE;
+    for (size_t k = 0; k < 3; ++k) {
+        window[k]
+            = skin == NULL ? law->window
+              : triangle   ? skin->triangle_window[k * skin->triangles + pair->item[1]]
+              : pair->kind == WEFT__EDGES && k < 2 ? skin->edge_window[pair->item[k]]
+              : pair->kind == WEFT__VERTEX_EDGE    ? skin->edge_window[pair->item[1]]
+                                                   : 1.0;
+    }
 }
 
 static inline void place(const double *planes, size_t n, const weft__pair *pair,
@@ -67,9 +122,9 @@ static inline double meet(const weft__self_law *law, weft__pair_kind kind,
                           const weft__pair *pair, const double *y, law_feet *at,
                           double v[4][3])
 {
-    const size_t n = law->own->mesh->particles;
+    const size_t n = law->own->points;
     const double mass = weft__pair_mass(law->own, pair);
-    double x[4][3];
+    double x[4][3], window[3];
     place(y, n, pair, x);
     const law_gram of = law_gram_of(kind, x);
     if (mass == 0.0 || !law_pushes(kind, &of, law->own->law.thickness)) {
@@ -77,7 +132,8 @@ static inline double meet(const weft__self_law *law, weft__pair_kind kind,
     }
     place(y + 3 * n, n, pair, v);
     *at = law_feet_of(kind, &of);
-    law_weigh(kind, law, weft__pair_rest(law, pair), at);
+    find_windows(law, pair, window);
+    law_weigh(kind, law, weft__pair_rest(law, pair), window, at);
     return mass;
 }
 
@@ -93,7 +149,7 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     if (mass == 0.0) {
         return false;
     }
-    law_push_of(kind, &law->own->law, &at, mass, v, &push);
+    law_push_of(kind, &law->own->law, law->share, &at, mass, v, &push);
     for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -133,7 +189,7 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     }
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,
-                            .share = WEFT__SELF_SHARE * at.weight };
+                            .share = law->share * at.weight };
     touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
     weft__touch_forces(contact, contact->friction, touch);
     touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
@@ -172,7 +228,7 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
     for (size_t i = first; i < end; ++i) {
         const weft__pair pair = weft__near_pair(kind, near, i);
         double x[4][3] = { { 0.0 } };
-        place(y, own->mesh->particles, &pair, x);
+        place(y, own->points, &pair, x);
         distances[i] = law_distance(kind, x);
         near->waits[i] = law_wait(kind, x, distances[i], own->law.thickness, most);
     }
@@ -188,6 +244,9 @@ void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
         const size_t lane = i % WEFT__BLOCK;
         for (size_t k = 0; k < weft__kind_particles(kind); ++k) {
             const size_t at = (size_t)from->particle[k][lane];
+            if (at >= n) { /* a body's */
+                continue;
+            }
             const double scale
                 = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[at];
             for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
@@ -201,7 +260,7 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
                           const weft__pushes *pushes, size_t count, const double *y,
                           weft_measures *sum)
 {
-    const size_t n = own->mesh->particles;
+    const size_t n = own->points;
     for (size_t i = 0; i < count; ++i) {
         const weft__pushes *from = &pushes[i / WEFT__BLOCK];
         const size_t lane = i % WEFT__BLOCK;
@@ -214,7 +273,7 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
             const double v[3] = { y[3 * n + at], y[4 * n + at], y[5 * n + at] };
             const double f[3] = { from->force[k][0][lane], from->force[k][1][lane],
                                   from->force[k][2][lane] };
-            if (own->mesh->pin[at] != 0) {
+            if (at < own->mesh->particles && own->mesh->pin[at] != 0) {
                 sum->power[WEFT_POWER_PINS] -= weft__dot(f, v);
             }
         }
@@ -256,7 +315,7 @@ static bool take_pair(void *ctx, const weft__pair *pair)
 bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
                      void *ctx)
 {
-    const weft__quadtree tree = weft__tree_of(own->mesh, y);
+    const weft__quadtree tree = weft__tree_of(own, y);
     return isfinite(weft__extent(own, NULL, y))
            && weft__each_pair(&tree, own->law.thickness, visit, ctx);
 }
@@ -282,15 +341,40 @@ void weft__self_measure(const weft__self *own, const weft__state *at,
 
 /* ---- its part of a cloth --------------------------------------------------------- */
 
+/* Of a mesh: at most half its smallest height. */
+static void check_heights(const weft_cloth_def *def, const weft__faults *to)
+{
+    const weft_mesh_def *mesh = def->mesh;
+    double least = INFINITY;
+    size_t lowest = 0;
+    for (size_t t = 0; t < mesh->triangles; ++t) {
+        double longest;
+        const double area = fabs(weft__twice_area(mesh, t, &longest));
+        lowest = area / longest < least ? t : lowest;
+        least = fmin(least, area / longest);
+    }
+    if (def->contact.thickness > 0.5 * least * (1.0 + 1e-9)) { /* roundoff */
+        size_t names[3];
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t vertex = weft__vertex_at(mesh, lowest, k);
+            names[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+        }
+        weft__fault(to, offsetof(weft_contact_def, thickness),
+                    offsetof(weft_contact_def, self),
+                    "contact: thickness %g m is more than half the smallest height at "
+                    "rest, of triangle %zu-%zu-%zu: contact of the cloth with itself "
+                    "needs at most %.6g m",
+                    def->contact.thickness, names[0], names[1], names[2], 0.5 * least);
+    }
+}
+
 void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_contact_def *law = &def->contact;
     weft__mesh mesh = { .rows = 0 };
     if (def->mesh != NULL) {
         if (law->self) {
-            weft__fault(to, offsetof(weft_contact_def, self),
-                        offsetof(weft_contact_def, self),
-                        "contact of the cloth with itself needs a grid");
+            check_heights(def, to);
         }
         return;
     }
@@ -305,11 +389,67 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
+weft_status weft__notch_error(const weft__self *own, weft_error *err)
+{
+    char names[2][96];
+    if (own->skin == NULL || !(own->skin->notch_width < 2.0 * own->law.thickness)) {
+        return WEFT_OK;
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        const weft_primitive of = weft__primitive_of(own->mesh, own->skin->notch[k]);
+        (void)weft__primitive_text(own->mesh, &of, names[k], sizeof names[k]);
+    }
+    return weft_error_set(err, WEFT_INVALID,
+                          "contact: thickness %g m is more than half the distance of "
+                          "%s and %s at rest: contact of the cloth with itself needs "
+                          "at most %.6g m",
+                          own->law.thickness, names[0], names[1],
+                          0.5 * own->skin->notch_width);
+}
+
+bool weft__self_cover(weft__self *of, const weft_allocator *memory)
+{
+    const weft__mesh *mesh = of->mesh;
+    weft__skin_draft draft;
+    if (weft__skin_draft_create(&draft, mesh->particles, mesh->triangles->count,
+                                memory)) {
+        weft__skin_draft_mesh(&draft, mesh->triangles);
+        draft.thickness = of->law.thickness;
+        draft.tile_level = weft__tile_level((weft__nodes){ 1, draft.points, 2 });
+        of->skin = weft__skin_create(&draft, memory);
+    }
+    weft__skin_draft_destroy(&draft, memory);
+    return of->skin != NULL
+           && weft__find_lips(of->skin, of->mesh, of->law.thickness, memory);
+}
+
 static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
 {
+    weft__self *of = own;
+    of->law = def->contact;
+    of->points = of->mesh->particles;
+    return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
+}
+
+static bool copy(void *own, const weft_allocator *memory)
+{
     (void)memory;
-    ((weft__self *)own)->law = def->contact;
+    ((weft__self *)own)->shared = true;
     return true;
+}
+
+static void free_own(void *own, const weft_allocator *memory)
+{
+    weft__self *of = own;
+    if (!of->shared) {
+        weft__skin_destroy(of->skin, memory);
+    }
+}
+
+static size_t bytes(const void *own)
+{
+    const weft__self *of = own;
+    return of->skin != NULL ? weft__skin_bytes(of->skin) : 0;
 }
 
 static void choose(void *own, weft__isa isa)
@@ -342,6 +482,9 @@ const weft__force weft__self_force = { .name = "self",
                                        .check = weft__self_check,
                                        .init = init,
                                        .choose = choose,
+                                       .copy = copy,
+                                       .free = free_own,
+                                       .bytes = bytes,
                                        .grip = weft__self_grip,
                                        .multiply = weft__self_multiply,
                                        .blocks = weft__self_blocks,

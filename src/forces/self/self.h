@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self.h -- the primitives of a cloth for contact with itself, and pairs of them.
  *
- * A node is a particle with the edges and triangles that it owns (mesh/mesh.h): each
- * pair of primitives has one pair of nodes. The formulas are in docs/physics.md. */
+ * A node is a point with the edges and triangles that it owns (mesh/mesh.h, skin.h):
+ * each pair of primitives has one pair of nodes. A point is a particle, or beyond the
+ * particles a vertex of a body. States are planes of `points` numbers. The formulas are
+ * in docs/physics.md. */
 #pragma once
 
 #include "forces/contact/contact.h"
 #include "forces/self/orientation.h"
 #include "forces/self/self_tree.h"
 
-typedef struct weft__self weft__self;
-
-/* Two primitives without a common particle: their particles, those of the second after
- * those of the first. */
+/* Two primitives without a common point: their points, those of the second after those
+ * of the first. */
 typedef enum weft__pair_kind {
     WEFT__VERTICES,        /* 0 and 1 */
     WEFT__VERTEX_EDGE,     /* 0 and 1-2 */
@@ -22,6 +22,7 @@ typedef enum weft__pair_kind {
 
 typedef struct weft__pair {
     uint32_t particle[4];
+    uint32_t item[2]; /* of a skin: their numbers as points, edges or triangles */
     uint32_t kind;
 } weft__pair;
 
@@ -36,6 +37,15 @@ static inline size_t weft__pair_particles(const weft__pair *pair)
 }
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
+
+/* Of a skin: the same for either order of its primitives. */
+static inline void weft__pair_key(const weft__pair *pair, uint64_t key[2])
+{
+    const bool alike = pair->kind == WEFT__VERTICES || pair->kind == WEFT__EDGES;
+    const uint32_t a = pair->item[0], b = pair->item[1];
+    key[0] = (uint64_t)pair->kind << 32 | (alike && b < a ? b : a);
+    key[1] = alike && b < a ? a : b;
+}
 
 /* ---- self_pairs.c: which pairs are near ------------------------------------------ */
 
@@ -110,23 +120,25 @@ static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
 /* What the law takes from a cloth. */
 typedef struct weft__self_law {
     const weft__self *own;
-    double soft;      /* x0 of the weights */
-    double square[3]; /* [m^2] of the rest lengths: down, right, diagonal */
+    double share;     /* of the energy of a pair */
+    double window;    /* of a grid: 1 / x0 of the weights */
+    double square[3]; /* [m^2] of its rest lengths: down, right, diagonal */
 } weft__self_law;
 
 weft__self_law weft__self_law_of(const weft__self *own);
 
 /* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
- * smallest mass [kg] of the free particles, 0 without. */
+ * mass M [kg] of a pair, 0 without free particles. */
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft__self *own, const weft__pair *pair);
 
 /* Pairs of one kind, their numbers by particles. WEFT__BLOCK numbers beyond the end may
  * be read. */
 enum { WEFT__BLOCK = 8 };
+enum { WEFT__NEAR_PLANES = 6 };
 typedef struct weft__near {
-    int32_t *particle[4];
-    double *waits;       /* [m] of weft__waits_fn */
+    int32_t *particle[WEFT__NEAR_PLANES]; /* [4] and [5]: of a skin, item */
+    double *waits;                        /* [m] of weft__waits_fn */
     double *mass, *rest; /* as of weft__pair_mass and weft__pair_rest */
 } weft__near;
 
@@ -137,6 +149,8 @@ static inline weft__pair weft__near_pair(weft__pair_kind which, const weft__near
     for (size_t k = 0; k < weft__kind_particles(which); ++k) {
         out.particle[k] = (uint32_t)of->particle[k][i];
     }
+    out.item[0] = (uint32_t)of->particle[4][i],
+    out.item[1] = (uint32_t)of->particle[5][i];
     return out;
 }
 
@@ -185,10 +199,19 @@ WEFT_FORMS(weft__drift_fn, drift);
 struct weft__self {
     const weft__mesh *mesh;
     weft_contact_def law; /* law.self: whether there is any */
+    weft__skin *skin;     /* NULL: a grid by itself */
+    size_t points;
+    bool shared; /* the skin is another's */
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
     weft__drift_fn *drift;
 };
+
+/* Whether a point does not move by forces. */
+static inline bool weft__self_held(const weft__self *own, size_t i)
+{
+    return i >= own->mesh->particles || own->mesh->pin[i] != 0;
+}
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
  * mass. */
@@ -227,12 +250,27 @@ void weft__self_multiply(const void *own, const weft__state *at, double a, doubl
                          const double *x, double *out);
 
 /* What majorises the pairs' part of J: each block is symmetric and not negative. */
-int weft__self_blocks(const void *own, const weft__state *at, double *blocks);
+int weft__self_blocks(const void *own, void *space, const weft__state *at,
+                      double *blocks);
 
-/* That the thickness suits contact of the cloth with itself, if it has that. */
+/* That the thickness suits contact of the cloth with itself, if it has that; of a mesh
+ * without notches. */
 void weft__self_check(const weft_cloth_def *def, const weft__faults *to);
 
+/* The same of notches. */
+weft_status weft__notch_error(const weft__self *own, weft_error *err);
+
 extern const weft__force weft__self_force;
+
+/* Makes the skin of a mesh, with its lips; false: no memory. */
+bool weft__self_cover(weft__self *of, const weft_allocator *memory);
+
+/* skin_lips.c: finds the lips of slits of a mesh, and the notch; false: no memory. */
+bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
+                     const weft_allocator *memory);
+
+/* Whether an edge and a triangle have primitives that are. */
+bool weft__at_lips(const weft__skin *skin, size_t edge, size_t triangle);
 
 /* ---- crossing.c: where a cloth passes through itself -------------------------------
  */
@@ -244,7 +282,8 @@ typedef struct weft__crossings {
     weft__meeting how;       /* of the first */
 } weft__crossings;
 
-/* Particle `loose` counts as free; SIZE_MAX: none does. */
+/* Particle `loose` counts as free; SIZE_MAX: none does. The own of the tree must have a
+ * skin unless it is of a grid. */
 weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
 
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with

@@ -2,12 +2,14 @@
 /* self_bounds.c -- what self-contact adds to the stiffness and damping of particles: a
  * pair's K = S n n^T and C = D n n^T + T (I - n n^T) between its feet, at most 2 |b_i|
  * of them at each particle (docs/physics.md, "Self-contact"). */
-#include "forces/self/self.h"
+#include "forces/self/self_list.h"
 
 /* Two layers push a particle as one pair would that had this part of the law; a shape
- * has 1. Layers that meet at stopping_speed come to phi = 0.39; docs/physics.md. */
-#define LAYERS_SHARE 2.6
-#define LAYERS_PHI   0.39
+ * has 1. Layers that meet at stopping_speed come to this phi; docs/physics.md. */
+#define LAYERS_SHARE  2.6
+#define LAYERS_PHI    0.39
+#define REDUCED_SHARE 2.0
+#define REDUCED_PHI   0.5
 
 /* Of a pair: S, D, T, n and b_i. */
 typedef struct matrices {
@@ -18,6 +20,7 @@ typedef struct matrices {
 
 typedef struct pair_sums {
     const weft__self *own;
+    weft__self_list *list; /* NULL: pairs are sought */
     void (*add)(struct pair_sums *self, const weft__pair *pair, const matrices *of);
     weft__self_law law;
     const double *y;
@@ -53,7 +56,9 @@ static bool seek(pair_sums *self)
 {
     self->law = weft__self_law_of(self->own);
     return self->own->law.self && self->y != NULL
-           && weft__self_seek(self->own, self->y, visit, self);
+           && (self->list != NULL
+                   ? weft__self_list_seek(self->list, self->y, visit, self)
+                   : weft__self_seek(self->own, self->y, visit, self));
 }
 
 static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
@@ -78,7 +83,8 @@ static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grip
 {
     const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->law.friction };
     weft__grip most = { .stiff = 0.0 };
-    weft__grip_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
+    weft__grip_most(&own->law, &pose, own->skin != NULL ? REDUCED_SHARE : LAYERS_SHARE,
+                    own->skin != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
     for (size_t i = 0; i < count; ++i) {
         for (size_t j = 0; j < 6; ++j) {
             grips[i].press[j] += most.press[j];
@@ -109,15 +115,19 @@ static void multiply_pair(pair_sums *self, const weft__pair *pair, const matrice
     const size_t n = self->own->mesh->particles, count = weft__pair_particles(pair);
     double feet[3] = { 0.0 };
     for (size_t k = 0; k < 3 * count; ++k) {
-        feet[k % 3] += of->arm[k / 3] * self->x[k % 3 * n + pair->particle[k / 3]];
+        if (pair->particle[k / 3] < n) {
+            feet[k % 3] += of->arm[k / 3] * self->x[k % 3 * n + pair->particle[k / 3]];
+        }
     }
     const double in = weft__dot(feet, of->normal);
     const double along = self->a * of->stiffness + self->b * (of->damping - of->drag);
     for (size_t k = 0; k < 3 * count; ++k) {
         const size_t j = k % 3;
-        self->out[j * n + pair->particle[k / 3]]
-            += of->arm[k / 3]
-               * (along * in * of->normal[j] + self->b * of->drag * feet[j]);
+        if (pair->particle[k / 3] < n) {
+            self->out[j * n + pair->particle[k / 3]]
+                += of->arm[k / 3]
+                   * (along * in * of->normal[j] + self->b * of->drag * feet[j]);
+        }
     }
 }
 
@@ -135,7 +145,10 @@ static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *
     const size_t n = self->own->mesh->particles;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
-        const double by = self->own->mesh->pin[i] == 0 ? 2.0 * fabs(of->arm[k]) : 0.0;
+        if (i >= n) {
+            continue;
+        }
+        const double by = weft__self_held(self->own, i) ? 0.0 : 2.0 * fabs(of->arm[k]);
         double *to = self->blocks + i;
         for (size_t j = 0; j < 9; ++j, to += n) {
             *to += by * of->stiffness * (of->normal[j / 3] * of->normal[j % 3]);
@@ -154,9 +167,11 @@ static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *
     }
 }
 
-int weft__self_blocks(const void *own, const weft__state *at, double *blocks)
+int weft__self_blocks(const void *own, void *space, const weft__state *at,
+                      double *blocks)
 {
     const weft__self *of = own;
     pair_sums self = { .own = own, .add = block_pair, .y = at->y, .blocks = blocks };
+    self.list = space;
     return !of->law.self || (seek(&self) && self.bad == 0.0) ? 0 : 1;
 }

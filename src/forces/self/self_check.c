@@ -44,7 +44,7 @@ static double reach(const weft__stride *of, const double extent[EXTENTS])
  * set. */
 static bool proves(weft__self_list *list, const weft__stride *of)
 {
-    const size_t velocities = 3 * list->own->mesh->particles;
+    const size_t velocities = 3 * list->own->points;
     const size_t count = of->h > 0.0 ? EXTENTS : 3; /* else without velocities */
     const double *from[EXTENTS] = { list->place, list->place, of->y0 };
     const double *to[EXTENTS]
@@ -103,14 +103,14 @@ static void look(weft__self_list *list, stride_search *of)
         }
         return;
     }
-    const size_t velocities = 3 * list->own->mesh->particles;
+    const size_t velocities = 3 * list->own->points;
     const double moved = weft__extent(list->own, stride->y0, stride->y1);
     double extent[EXTENTS] = { moved, 0.0, moved };
     for (size_t k = 3; k < EXTENTS && stride->h > 0.0; ++k) {
         extent[k] = weft__extent(list->own, NULL,
                                  (k == 3 ? stride->y0 : stride->y1) + velocities);
     }
-    weft__quadtree tree = weft__tree_of(list->own->mesh, stride->y0);
+    weft__quadtree tree = weft__tree_of(list->own, stride->y0);
     weft__tree_fill(&tree, list->knots);
     (void)weft__each_pair(&tree, reach(stride, extent), look_at, of);
 }
@@ -129,7 +129,7 @@ bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
 
 void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
 {
-    const size_t n = list->own->mesh->particles;
+    const size_t n = list->own->points;
     const weft__stride stride = { list->own, y0, y1, 0.0 };
     for (int tries = 0; tries <= HALVINGS; ++tries) {
         stride_search of = { .stride = &stride, .marks = list->marks };

@@ -15,13 +15,15 @@ static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pai
     const size_t all = room + WEFT__BLOCK;
     weft__near *near = &of->near;
     free_pairs(memory, of);
-    near->particle[0] = weft__zeroed(memory, 4 * all, sizeof(int32_t));
+    near->particle[0] = weft__zeroed(memory, WEFT__NEAR_PLANES * all, sizeof(int32_t));
     near->waits = weft__zeroed(memory, 4 * all, sizeof(double));
     if (near->particle[0] == NULL || near->waits == NULL) {
         return false;
     }
-    for (size_t k = 0; k < 4; ++k) {
+    for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
         near->particle[k] = near->particle[0] + k * all;
+    }
+    for (size_t k = 0; k < 4; ++k) {
         of->numbers[k] = near->waits + k * all;
     }
     near->mass = of->numbers[1], near->rest = of->numbers[2];
@@ -86,9 +88,11 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
             of->full = true;
             return;
         }
-        for (size_t k = 0; k < 4; ++k) {
+        for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
             memcpy(to->near.particle[k] + to->count, from->near.particle[k] + first,
                    count * sizeof(int32_t));
+        }
+        for (size_t k = 0; k < 4; ++k) {
             memcpy(to->numbers[k] + to->count, from->numbers[k] + first,
                    count * sizeof(double));
         }
@@ -104,6 +108,8 @@ bool weft__self_chunk_keep(void *ctx, const weft__pair *pair)
         for (size_t k = 0; k < 4; ++k) {
             of->near.particle[k][of->count] = (int32_t)pair->particle[k];
         }
+        of->near.particle[4][of->count] = (int32_t)pair->item[0];
+        of->near.particle[5][of->count] = (int32_t)pair->item[1];
     }
     ++of->count;
     return true;

@@ -84,7 +84,7 @@ INLINE void find(work *of, weft__pair_kind kind, size_t i)
     int32_t at[4][LANES];
     vec x[4][3];
     particles_of(of->near, kind, pairs, at);
-    gather_points(of->y, own->mesh->particles, kind, at, x);
+    gather_points(of->y, own->points, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
     const mask pushes = law_pushes(kind, &gram, own->law.thickness);
     if (any(pushes)) {
@@ -104,16 +104,38 @@ INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
     store(&to->heat[l], push->heat), store(&to->friction[l], push->friction);
 }
 
+/* 1 / x0 as law_weigh takes it. */
+INLINE void find_windows(const work *of, weft__pair_kind kind,
+                         const uint32_t pairs[LANES], vec window[3])
+{
+    const weft__skin *skin = of->law->own->skin;
+    int32_t item[LANES];
+    for (size_t k = 0; k < 3; ++k) {
+        window[k] = splat(of->law->window);
+        if (skin == NULL || kind == WEFT__VERTICES
+            || k >= (kind == WEFT__EDGES         ? 2
+                     : kind == WEFT__VERTEX_EDGE ? 1
+                                                 : 3)) {
+            continue;
+        }
+        pick(of->near->particle[kind == WEFT__EDGES && k == 0 ? 4 : 5], pairs, item);
+        window[k] = gather(kind == WEFT__VERTEX_TRIANGLE
+                               ? skin->triangle_window + k * skin->triangles
+                               : skin->edge_window,
+                           item);
+    }
+}
+
 /* LANES pairs of `found` are the next pushes. */
 INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
 {
     const weft__self *own = of->law->own;
     const weft_contact_def contact = own->law;
     const uint32_t *pairs = of->found.at + i;
-    const size_t n = own->mesh->particles, first = of->done + i;
+    const size_t n = own->points, first = of->done + i;
     weft__pushes *to = &of->out[first / WEFT__BLOCK];
     int32_t at[4][LANES];
-    vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0);
+    vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0), window[3];
     law_push out;
     particles_of(of->near, kind, pairs, at);
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
@@ -127,8 +149,9 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
     gather_points(of->y + 3 * n, n, kind, at, v);
     const law_gram gram = law_gram_of(kind, x);
     law_feet feet = law_feet_of(kind, &gram);
-    law_weigh(kind, of->law, rest, &feet);
-    law_push_of(kind, &contact, &feet, mass, v, &out);
+    find_windows(of, kind, pairs, window);
+    law_weigh(kind, of->law, rest, window, &feet);
+    law_push_of(kind, &contact, of->law->share, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;
@@ -230,7 +253,7 @@ INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
             pairs[l] = (uint32_t)(i + l < of->end ? i + l : of->end - 1);
         }
         particles_of(of->near, kind, pairs, at);
-        gather_points(of->y, of->own->mesh->particles, kind, at, x);
+        gather_points(of->y, of->own->points, kind, at, x);
         const vec distance = law_distance(kind, x);
         const vec wait = law_wait(kind, x, distance, of->own->law.thickness, of->most);
         for (size_t l = 0; l < LANES && i + l < of->end; ++l) {
@@ -287,10 +310,46 @@ INLINE void narrow(const run_bounds of[3], weft__drift *to)
     }
 }
 
+/* Of a tile of a skin, or of all points. */
+INLINE void drift_points(const weft__self *own, const double *from, const double *to,
+                         size_t level, size_t tile, weft__drift *patch)
+{
+    const size_t n = own->points;
+    vec trouble = splat(0.0);
+    run_bounds of[3];
+    size_t run[2], more[2];
+    weft__tile_points(own->skin, level, tile, run, more);
+    if (run[1] < LANES) {
+        weft__drift_loops(own, from, to, level, tile, tile + 1, patch - tile);
+        return;
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double *a = from != NULL ? from + k * n : NULL, *b = to + k * n;
+        of[k] = (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
+        add_run(a, b, run[0], run[1], &of[k], &trouble);
+        for (size_t j = more[0]; j < more[1]; j += LANES) {
+            const int32_t *at = own->skin->tile_point + j;
+            const vec d = a != NULL ? gather(b, at) - gather(a, at) : gather(b, at);
+            of[k].low = least(of[k].low, d), of[k].high = most(of[k].high, d);
+            trouble += d * 0.0;
+        }
+    }
+    narrow(of, patch);
+    if (any(trouble != 0.0)) {
+        patch->high[0] = (double)INFINITY;
+    }
+}
+
 void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double *to,
                         size_t level, size_t first, size_t end, weft__drift *patches)
 {
-    const size_t n = own->mesh->particles, cols = own->mesh->cols;
+    const size_t n = own->points, cols = own->mesh->cols;
+    if (own->skin != NULL) {
+        for (size_t i = first; i < end; ++i) {
+            drift_points(own, from, to, level, i, &patches[i]);
+        }
+        return;
+    }
     if (cols < LANES) {
         weft__drift_loops(own, from, to, level, first, end, patches);
         return;

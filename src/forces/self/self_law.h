@@ -6,8 +6,6 @@
 #include "forces/contact/contact_law.h"
 #include "forces/self/self.h"
 
-/* The share of each pair: a particle between two layers has some four. */
-#define WEFT__SELF_SHARE 0.25
 /* x0 of z, and the smallest sine^2 of edges that are not parallel. */
 #define SOFT_ANGLE 0.25
 #define PARALLEL   1e-12
@@ -179,12 +177,13 @@ LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_fee
     }
 }
 
-/* inverse_rest: 1 / (product of the squares of both edges' rest lengths) */
+/* inverse_rest: 1 / (product of the squares of both edges' rest lengths); window: 1 /
+ * x0 of the edge, of both, or of the triangle's corners */
 LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_rest,
-                   law_feet *at)
+                   const num window[3], law_feet *at)
 {
     const num part = law->own->law.thickness / (NARROWING * at->d);
-    const num q2 = 1.0 + part * part, inverse = ROOT(q2) * (1.0 / law->soft);
+    const num q2 = 1.0 + part * part, q = ROOT(q2);
     const num narrows = part * part / (q2 * at->d); /* -d log(inverse) / dd */
     num by_u, by_v, by_z, grows_u, grows_v;
     if (kind == WEFT__VERTICES) {
@@ -194,16 +193,16 @@ LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_
     }
     if (kind == WEFT__VERTEX_EDGE) {
         at->arm[0] = NUM(1.0), at->arm[1] = at->u - 1.0, at->arm[2] = -at->u;
-        at->weight = law_both_ends(at->u, inverse, &by_u, &grows_u);
+        at->weight = law_both_ends(at->u, q * window[0], &by_u, &grows_u);
         at->pull = narrows * grows_u;
         law_lean(kind, by_u, by_u, by_u, at);
         return;
     }
     if (kind == WEFT__VERTEX_TRIANGLE) {
         const num z = 1.0 - at->u - at->v;
-        const num su = law_step(at->u, inverse, &by_u);
-        const num sv = law_step(at->v, inverse, &by_v);
-        const num sz = law_step(z, inverse, &by_z);
+        const num su = law_step(at->u, q * window[1], &by_u);
+        const num sv = law_step(at->v, q * window[2], &by_v);
+        const num sz = law_step(z, q * window[0], &by_z);
         by_u = by_u * sv * sz, by_v = su * by_v * sz, by_z = su * sv * by_z;
         at->arm[0] = NUM(1.0), at->arm[1] = -z, at->arm[2] = -at->u;
         at->arm[3] = -at->v;
@@ -212,8 +211,8 @@ LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_
         law_lean(kind, by_u - by_z, by_v - by_z, by_z, at);
         return;
     }
-    const num su = law_both_ends(at->u, inverse, &by_u, &grows_u);
-    const num sv = law_both_ends(at->v, inverse, &by_v, &grows_v);
+    const num su = law_both_ends(at->u, q * window[0], &by_u, &grows_u);
+    const num sv = law_both_ends(at->v, q * window[1], &by_v, &grows_v);
     const num z = law_area(&at->of) * inverse_rest;
     const num sz = law_step(z, q2 * (1.0 / SOFT_ANGLE), &by_z);
     at->arm[0] = 1.0 - at->u, at->arm[1] = at->u;
@@ -384,16 +383,16 @@ LAW num law_slip(weft__pair_kind kind, const law_feet *at, num v[4][3], num n[3]
 }
 
 /* Of a pair that pushes, by mass M. */
-LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law,
+LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, double share,
                      const law_feet *at, num mass, num v[4][3], law_push *out)
 {
     const size_t count = weft__kind_particles(kind);
     num n[3], slip[3];
     const num speed = law_slip(kind, at, v, n, slip);
     const num slip2 = law_dot(slip, slip), one = NUM(1.0);
-    const law_touch touch = law_press(law, law->friction, at->d,
-                                      WEFT__SELF_SHARE * at->weight, speed, slip2, one);
-    const num energy = mass * (WEFT__SELF_SHARE * touch.energy);
+    const law_touch touch
+        = law_press(law, law->friction, at->d, share * at->weight, speed, slip2, one);
+    const num energy = mass * (share * touch.energy);
     const num force = mass * touch.push * touch.factor,
               friction = law_drag(law, law->friction, touch.most, touch.under);
     const num drag = mass * friction;

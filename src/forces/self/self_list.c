@@ -31,7 +31,8 @@ enum { SHELVES = 64 };
  * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
 static double skin_of(const weft__self *own)
 {
-    const double a = weft__shortest_edge(own->mesh);
+    const double a
+        = own->skin != NULL ? own->skin->spacing : weft__shortest_edge(own->mesh);
     return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - own->law.thickness));
 }
 
@@ -65,7 +66,7 @@ static bool keep_tiles(void *ctx, size_t a, size_t b)
 
 static bool make_chunks(weft__self_list *list)
 {
-    const size_t each = weft__tile_count(list->own->mesh) / 4 + 1;
+    const size_t each = weft__tile_count(list->own) / 4 + 1;
     const size_t count = each < SHELVES ? each : SHELVES;
     list->chunks = weft__zeroed(&list->memory, count, sizeof *list->chunks);
     for (size_t i = 0; i < count && list->chunks != NULL; ++i) {
@@ -82,8 +83,9 @@ static bool make_chunks(weft__self_list *list)
 weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
                                         const weft_allocator *memory)
 {
-    const size_t n = own->mesh->particles, tiles = weft__tile_count(own->mesh);
+    const size_t n = own->points, tiles = weft__tile_count(own);
     const size_t most = tiles * (tiles + 1) / 2;
+    const weft__quadtree tree = weft__tree_of(own, NULL);
     weft__self_list *list = weft__zeroed(memory, 1, sizeof *list);
     if (list == NULL) {
         return NULL;
@@ -92,7 +94,7 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
         .own = own,
         .pool = pool,
         .memory = *memory,
-        .knots = weft__alloc(memory, weft__tree_size(own->mesh), sizeof *list->knots),
+        .knots = weft__alloc(memory, weft__tree_size(&tree), sizeof *list->knots),
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
         .marks = weft__alloc(memory, n, 1),
         .tiles = { weft__alloc(memory, tiles, 5 * sizeof(weft__drift)) },
@@ -105,7 +107,7 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
         || list->tiles[0] == NULL || list->between == NULL || list->clear == NULL
-        || !weft__tile_pairs(own->mesh, keep_tiles, list) || !make_chunks(list)) {
+        || !weft__tile_pairs(own, keep_tiles, list) || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
     }
@@ -138,9 +140,10 @@ typedef struct drifting {
 static void drift_part(void *ctx, size_t part)
 {
     const drifting *of = ctx;
-    const size_t tiles = weft__tile_count(of->own->mesh), first = part * DRIFT_PART;
-    of->own->drift(of->own, of->from, of->to, weft__tile_level(of->own->mesh), first,
-                   first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles, of->tiles);
+    const size_t tiles = weft__tile_count(of->own), first = part * DRIFT_PART;
+    of->own->drift(of->own, of->from, of->to, weft__tile_level(weft__nodes_of(of->own)),
+                   first, first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles,
+                   of->tiles);
 }
 
 /* [m] The extent of a displacement, and the bounds k of tiles; infinite if a number is
@@ -148,7 +151,7 @@ static void drift_part(void *ctx, size_t part)
 static double drift_tiles(weft__self_list *list, const double *from, const double *to,
                           size_t k)
 {
-    const size_t tiles = weft__tile_count(list->own->mesh);
+    const size_t tiles = weft__tile_count(list->own);
     drifting of = { list->own, from, to, list->tiles[k] };
     weft__drift all;
     weft__pool_run(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
@@ -203,14 +206,17 @@ static void age_part(void *ctx, size_t part)
 /* Those in the rectangle about two tiles, where the search looks for flat patches. */
 static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
 {
-    const weft__self *own = list->own;
-    const size_t cols = weft__patches(own->mesh->cols, weft__tile_level(own->mesh));
+    const weft__nodes nodes = weft__nodes_of(list->own);
+    const size_t cols = nodes.fold > 1
+                            ? SIZE_MAX
+                            : weft__patches(nodes.cols, weft__tile_level(nodes));
     const size_t r[2] = { tiles[0] / cols, tiles[1] / cols };
     const size_t c[2] = { tiles[0] % cols, tiles[1] % cols };
     const size_t top = r[0] < r[1] ? r[0] : r[1], left = c[0] < c[1] ? c[0] : c[1];
     const size_t high = r[0] + r[1] - 2 * top + 1, wide = c[0] + c[1] - 2 * left + 1;
     list->marks[tiles[0]] = list->marks[tiles[1]] = 1;
-    for (size_t i = 0; high <= 3 && wide <= 3 && i < high * wide; ++i) {
+    for (size_t i = 0; nodes.fold == 1 && high <= 3 && wide <= 3 && i < high * wide;
+         ++i) {
         list->marks[(top + i / wide) * cols + left + i % wide] = 1;
     }
 }
@@ -218,7 +224,7 @@ static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
 static void fill_part(void *ctx, size_t part)
 {
     weft__self_list *list = ctx;
-    const size_t tiles = weft__tile_count(list->own->mesh);
+    const size_t tiles = weft__tile_count(list->own);
     for (size_t i = part; i < tiles; i += list->chunk_count) {
         if (list->marks[i] != 0) {
             weft__tree_fill_tile(&list->tree, i);
@@ -243,8 +249,10 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
             continue;
         }
         const size_t at = in->count++;
-        for (size_t k = 0; i != at && k < 4; ++k) {
+        for (size_t k = 0; i != at && k < WEFT__NEAR_PLANES; ++k) {
             in->near.particle[k][at] = in->near.particle[k][i];
+        }
+        for (size_t k = 0; i != at && k < 4; ++k) {
             in->numbers[k][at] = in->numbers[k][i];
         }
         if (new) {
@@ -368,7 +376,7 @@ static void make(weft__self_list *list, const double *y)
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, 1);
     weft__pool_run(list->pool, age_part, list, list->chunk_count);
-    memset(list->marks, 0, weft__tile_count(own->mesh));
+    memset(list->marks, 0, weft__tile_count(own));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
             mark_tiles(list, list->between[i]);
@@ -376,12 +384,12 @@ static void make(weft__self_list *list, const double *y)
         }
     }
     if (seek) {
-        list->tree = weft__tree_of(own->mesh, y);
+        list->tree = weft__tree_of(own, y);
         weft__tree_begin(&list->tree, list->knots);
         weft__pool_run(list->pool, fill_part, list, list->chunk_count);
     }
     weft__pool_run(list->pool, make_part, list, list->chunk_count);
-    memcpy(list->place, y, 3 * own->mesh->particles * sizeof *y);
+    memcpy(list->place, y, 3 * own->points * sizeof *y);
     list->pin_changes = own->mesh->pin_changes;
     end_making(list);
 }
@@ -513,4 +521,28 @@ void weft__self_list_measure(weft__self_list *list, const weft__state *at,
                                  in->pushing, at->y, sum);
         }
     }
+}
+
+bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
+                          void *ctx)
+{
+    const readiness is = prepare(list, y);
+    bool goes_on = is == READY;
+    if (is == WITHOUT_LIST) {
+        return weft__self_seek(list->own, y, visit, ctx);
+    }
+    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count; ++j) {
+        const size_t kind = j / list->chunk_count;
+        const weft__self_chunk *in = &list->chunks[j % list->chunk_count];
+        const weft__near *near = &in->bins[kind].now.near;
+        for (size_t g = 0, i = 0; g < in->now.count; ++g) {
+            for (; i < in->now.spans[g].end[kind]; ++i) {
+                const weft__pair pair = weft__near_pair((weft__pair_kind)kind, near, i);
+                goes_on
+                    = goes_on
+                      && (near->waits[i] > in->now.spans[g].moved || visit(ctx, &pair));
+            }
+        }
+    }
+    return goes_on;
 }

@@ -25,6 +25,10 @@ int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to
 void weft__self_list_measure(weft__self_list *list, const weft__state *at,
                              weft_measures *sum);
 
+/* As weft__self_seek. */
+bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
+                          void *ctx);
+
 /* Whether all pairs are clear in a step or displacement, else the first that is not and
  * its gap [m] at the end. */
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,

@@ -17,15 +17,17 @@ void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
 
 /* A primitive in its box. */
 typedef struct boxed {
-    uint32_t particle[3];
+    uint32_t particle[3], item;
     double box[2][3]; /* [m] low, high */
 } boxed;
 
-/* What a node owns. */
+/* What a node owns, or of many edges and triangles some. */
+enum { OWNED = 12 };
 typedef struct owned {
-    size_t node;
-    boxed vertex, edges[3], triangles[2];
+    size_t node, slice;
+    boxed vertex, edges[OWNED], triangles[OWNED];
     size_t edge_count, triangle_count;
+    bool more; /* in the next slice */
 } owned;
 
 /* The box of particles i and j, which are at a and b; and one more. */
@@ -48,10 +50,54 @@ static inline void add_particle(uint32_t i, const double a[3], boxed *to)
     }
 }
 
+static void box_of(const weft__quadtree *tree, const uint32_t *points, size_t count,
+                   size_t item, boxed *to)
+{
+    const size_t n = tree->own->points;
+    double x[3][3];
+    for (size_t j = 0; j < 3 * count; ++j) {
+        x[j / 3][j % 3] = tree->y[j % 3 * n + points[j / 3]];
+    }
+    to->item = (uint32_t)item;
+    make_box(points[0], points[count > 1], x[0], x[count > 1], to);
+    if (count > 2) {
+        add_particle(points[2], x[2], to);
+    }
+}
+
+/* Sets [from, end) to slice `slice` of [from, end). */
+static bool cut(size_t slice, size_t *from, size_t *end)
+{
+    const size_t all = *end;
+    *from = *from + OWNED * slice < all ? *from + OWNED * slice : all;
+    *end = *from + OWNED < all ? *from + OWNED : all;
+    return *end < all;
+}
+
+static void find_owned_of_skin(const weft__quadtree *tree, size_t node, size_t slice,
+                               owned *out)
+{
+    const weft__skin *skin = tree->own->skin;
+    const uint32_t point = (uint32_t)node;
+    size_t e = skin->edge_first[node], t = skin->triangle_first[node];
+    size_t edges = skin->edge_first[node + 1],
+           triangles = skin->triangle_first[node + 1];
+    out->more = cut(slice, &e, &edges);
+    out->more = cut(slice, &t, &triangles) || out->more;
+    out->edge_count = edges - e, out->triangle_count = triangles - t;
+    box_of(tree, &point, 1, node, &out->vertex);
+    for (size_t k = 0; k < out->edge_count; ++k) {
+        box_of(tree, skin->edge[e + k], 2, e + k, &out->edges[k]);
+    }
+    for (size_t k = 0; k < out->triangle_count; ++k) {
+        box_of(tree, skin->triangle[t + k], 3, t + k, &out->triangles[k]);
+    }
+}
+
 /* As weft__edges_of and weft__triangles_of. */
 static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
 {
-    const size_t cols = tree->mesh->cols, n = tree->mesh->particles;
+    const size_t cols = tree->own->mesh->cols, n = tree->own->mesh->particles;
     const bool right = node % cols + 1 < cols, down = node + cols < n;
     const uint32_t i[4] = { (uint32_t)node, (uint32_t)(right ? node + 1 : node),
                             (uint32_t)(down ? node + cols : node),
@@ -62,7 +108,6 @@ static void find_owned(const weft__quadtree *tree, size_t node, owned *out)
             x[j][k] = tree->y[k * n + i[j]];
         }
     }
-    out->node = node;
     out->edge_count = out->triangle_count = 0;
     make_box(i[0], i[0], x[0], x[0], &out->vertex);
     if (right) {
@@ -114,6 +159,15 @@ static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const b
             pair.particle[first + j] = b->particle[j];
         }
     }
+    pair.item[0] = a->item, pair.item[1] = b->item;
+    const weft__skin *skin = of->tree->own->skin;
+    uint64_t key[2];
+    if (skin != NULL && skin->lip_count > 0) {
+        weft__pair_key(&pair, key);
+        if (weft__is_lip(skin, key)) {
+            return true;
+        }
+    }
     return of->visit(of->ctx, &pair);
 }
 
@@ -146,10 +200,16 @@ static bool try_edges(const pair_search *of, const owned *a, const owned *b)
 }
 
 /* A search comes to four nodes in turns. */
-static const owned *owned_by(const pair_search *of, size_t node, owned *last)
+static const owned *owned_by(const pair_search *of, size_t node, size_t slice,
+                             owned *last)
 {
-    if (last->node != node) {
-        find_owned(of->tree, node, last);
+    if (last->node != node || last->slice != slice) {
+        last->node = node, last->slice = slice;
+        if (of->tree->own->skin != NULL) {
+            find_owned_of_skin(of->tree, node, slice, last);
+        } else {
+            find_owned(of->tree, node, last);
+        }
     }
     return last;
 }
@@ -158,9 +218,9 @@ static const owned *owned_by(const pair_search *of, size_t node, owned *last)
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
-    const size_t r = j / of->tree->mesh->cols, c = j - r * of->tree->mesh->cols;
-    const owned *a = owned_by(of, i, &of->first);
-    const owned *b = owned_by(of, j, &of->others[r % 2][c % 2]);
+    const size_t cols = of->tree->own->mesh->cols, r = j / cols, c = j - r * cols;
+    const owned *a = owned_by(of, i, 0, &of->first);
+    const owned *b = owned_by(of, j, 0, &of->others[r % 2][c % 2]);
     if (i == j) {
         return try_vertex(of, &a->vertex, a);
     }
@@ -170,14 +230,35 @@ static bool visit_nodes(void *ctx, size_t i, size_t j)
            && try_edges(of, a, b);
 }
 
+/* Slice by slice; all that a point owns has it in common. */
+static bool visit_points(void *ctx, size_t i, size_t j)
+{
+    pair_search *of = ctx;
+    const owned *a = NULL, *b = NULL;
+    bool goes_on = true;
+    for (size_t k = 0; i != j && goes_on && (k == 0 || a->more); ++k) {
+        a = owned_by(of, i, k, &of->first);
+        for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
+            b = owned_by(of, j, l, &of->others[0][j % 2]);
+            goes_on = (k > 0 || try_vertex(of, &a->vertex, b))
+                      && (l > 0 || try_vertex(of, &b->vertex, a))
+                      && (k + l > 0 || !seeks(of, WEFT__VERTICES)
+                          || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b->vertex, 1))
+                      && try_edges(of, a, b);
+        }
+    }
+    return goes_on;
+}
+
 static bool seek(const weft__quadtree *tree, const uint32_t *tiles, double range,
                  unsigned kinds, weft__pair_fn *visit, void *ctx)
 {
     const owned none = { .node = SIZE_MAX };
     pair_search of
         = { tree, range, visit, ctx, kinds, none, { { none, none }, { none, none } } };
-    return tiles == NULL ? weft__tree_pairs(tree, range, visit_nodes, &of)
-                         : weft__tree_between(tree, tiles, range, visit_nodes, &of);
+    weft__visit_fn *nodes = tree->own->skin != NULL ? visit_points : visit_nodes;
+    return tiles == NULL ? weft__tree_pairs(tree, range, nodes, &of)
+                         : weft__tree_between(tree, tiles, range, nodes, &of);
 }
 
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
@@ -201,7 +282,7 @@ bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2]
 /* [m^2] The square of the longest way of two particles against each other. */
 static double difference(const weft__stride *of, size_t a, size_t b)
 {
-    const size_t n = of->own->mesh->particles;
+    const size_t n = of->own->points;
     double squares[3] = { 0.0, 0.0, 0.0 };
     for (size_t i = a, j = b; i < 3 * n; i += n, j += n) {
         const double d = (of->y1[i] - of->y0[i]) - (of->y1[j] - of->y0[j]);
@@ -227,18 +308,45 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
         }
     }
     const double path = sqrt(most);
-    *gap = weft__pair_distance(pair, of->y1, of->own->mesh->particles);
+    *gap = weft__pair_distance(pair, of->y1, of->own->points);
     return path == 0.0
            || (*gap > 0.0
-               && path < weft__pair_distance(pair, of->y0, of->own->mesh->particles)
-                             + *gap);
+               && path < weft__pair_distance(pair, of->y0, of->own->points) + *gap);
+}
+
+/* Of a tile of a skin, or of all points. */
+static void drift_points(const weft__self *own, const double *from, const double *to,
+                         size_t level, size_t tile, weft__drift *of)
+{
+    const weft__skin *skin = own->skin;
+    size_t run[2], more[2];
+    weft__tile_points(skin, level, tile, run, more);
+    for (size_t k = 0; k < 3; ++k) {
+        double low = INFINITY, high = -INFINITY, bad = 0.0;
+        const size_t count = run[1] - run[0];
+        for (size_t i = 0; i < count + (more[1] - more[0]); ++i) {
+            const size_t j
+                = k * skin->points
+                  + (i < count ? run[0] + i
+                               : (size_t)skin->tile_point[more[0] + i - count]);
+            const double d = from != NULL ? to[j] - from[j] : to[j];
+            low = d < low ? d : low;
+            high = d > high ? d : high;
+            bad += d * 0.0;
+        }
+        of->low[k] = low;
+        of->high[k] = bad == 0.0 ? high : (double)INFINITY;
+    }
 }
 
 void weft__drift_loops(const weft__self *own, const double *from, const double *to,
                        size_t level, size_t first, size_t end, weft__drift *of)
 {
-    const size_t n = own->mesh->particles;
-    for (size_t i = first; i < end; ++i) {
+    const size_t n = own->points;
+    for (size_t i = first; own->skin != NULL && i < end; ++i) {
+        drift_points(own, from, to, level, i, &of[i]);
+    }
+    for (size_t i = first; own->skin == NULL && i < end; ++i) {
         size_t in[4];
         weft__patch_range(own->mesh, level, i, in);
         for (size_t k = 0; k < 3; ++k) {

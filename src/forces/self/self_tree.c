@@ -3,7 +3,7 @@
  * orthonormal directions by E < 1, in the Frobenius norm, has points (1 - E) times as
  * far apart as at rest or more (docs/physics.md), where primitives without a common
  * particle are a b / sqrt(a^2 + b^2) or more apart. */
-#include "forces/self/self_tree.h"
+#include "forces/self/self.h"
 
 #include <string.h>
 
@@ -14,28 +14,53 @@ typedef struct tree_patch {
     size_t r, c;
 } tree_patch;
 
-static size_t levels_of(const weft__mesh *mesh)
+weft__nodes weft__nodes_of(const weft__self *own)
 {
-    size_t levels = 1;
-    while (weft__patches(mesh->rows, levels - 1) > 1
-           || weft__patches(mesh->cols, levels - 1) > 1) {
-        ++levels;
-    }
-    return levels;
+    return own->skin != NULL ? (weft__nodes){ 1, own->points, 2 }
+                             : (weft__nodes){ own->mesh->rows, own->mesh->cols, 1 };
 }
 
-weft__quadtree weft__tree_of(const weft__mesh *mesh, const double *y)
+static inline size_t across(const weft__nodes *of, size_t level)
 {
-    return (weft__quadtree){ .mesh = mesh, .y = y, .levels = levels_of(mesh) };
+    return weft__patches(of->cols, of->fold * level);
 }
 
-size_t weft__tree_size(const weft__mesh *mesh)
+static size_t count_of(const weft__nodes *of, size_t level)
+{
+    return weft__patches(of->rows, level) * across(of, level);
+}
+
+weft__quadtree weft__tree_of(const weft__self *own, const double *y)
+{
+    weft__quadtree tree = { .own = own, .nodes = weft__nodes_of(own), .y = y };
+    do {
+        ++tree.levels;
+    } while (count_of(&tree.nodes, tree.levels - 1) > 1);
+    return tree;
+}
+
+size_t weft__tree_size(const weft__quadtree *tree)
 {
     size_t size = 0;
-    for (size_t k = 0; k < levels_of(mesh); ++k) {
-        size += weft__patches(mesh->rows, k) * weft__patches(mesh->cols, k);
+    for (size_t k = 0; k < tree->levels; ++k) {
+        size += count_of(&tree->nodes, k);
     }
     return size;
+}
+
+size_t weft__tile_level(weft__nodes of)
+{
+    size_t level = WEFT__TILE_LEVEL;
+    while (count_of(&of, level) > WEFT__TILES_MOST) {
+        ++level;
+    }
+    return level;
+}
+
+size_t weft__tile_count(const weft__self *own)
+{
+    const weft__nodes nodes = weft__nodes_of(own);
+    return count_of(&nodes, weft__tile_level(nodes));
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */
@@ -68,10 +93,28 @@ static inline void bound_slopes(const double a[3], const double b[3], const doub
     }
 }
 
+/* Of a skin: what it owns has one point, or ends of its edges. */
+static void bound_point(const weft__quadtree *tree, size_t i, weft__knot *to)
+{
+    const weft__skin *skin = tree->own->skin;
+    const uint32_t *ends = skin->edge[skin->edge_first[i]];
+    const size_t count = 2 * (skin->edge_first[i + 1] - skin->edge_first[i]);
+    *to = nothing;
+    for (size_t k = 0; k < 3; ++k) {
+        const double *y = tree->y + k * skin->points;
+        double low = y[i], high = low;
+        for (size_t j = 1; j < count; j += 2) {
+            const double x = y[ends[j]];
+            low = x < low ? x : low, high = x > high ? x : high;
+        }
+        to->place[0][k] = low, to->place[1][k] = high;
+    }
+}
+
 /* Sets *to for node (r, c), which is its own neighbour where the grid ends. */
 static void bound_node(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
 {
-    const weft__mesh *mesh = tree->mesh;
+    const weft__mesh *mesh = tree->own->mesh;
     const bool down = r + 1 < mesh->rows, right = c + 1 < mesh->cols;
     const double *y = tree->y + r * mesh->cols + c;
     const size_t i[4]
@@ -100,10 +143,22 @@ static void add_slopes(const weft__knot *from, weft__knot *to)
     join(from->slope[1], to->slope[1]);
 }
 
-static void add_knot(const weft__knot *from, weft__knot *to)
+static inline void add_knot(const weft__quadtree *tree, const weft__knot *from,
+                            weft__knot *to)
 {
     join(from->place, to->place);
-    add_slopes(from, to);
+    if (tree->nodes.fold == 1) {
+        add_slopes(from, to);
+    }
+}
+
+static inline void bound(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
+{
+    if (tree->nodes.fold == 1) {
+        bound_node(tree, r, c, to);
+    } else {
+        bound_point(tree, c, to);
+    }
 }
 
 static size_t end_of(size_t at, size_t level, size_t count)
@@ -115,44 +170,49 @@ static size_t end_of(size_t at, size_t level, size_t count)
 static void add_patch(const weft__quadtree *tree, size_t level, tree_patch at,
                       weft__knot *to)
 {
-    const weft__mesh *mesh = tree->mesh;
-    for (size_t r = at.r << level; r < end_of(at.r, level, mesh->rows); ++r) {
-        for (size_t c = at.c << level; c < end_of(at.c, level, mesh->cols); ++c) {
+    const weft__nodes *of = &tree->nodes;
+    const size_t shift = of->fold * level;
+    for (size_t r = at.r << level; r < end_of(at.r, level, of->rows); ++r) {
+        for (size_t c = at.c << shift; c < end_of(at.c, shift, of->cols); ++c) {
             weft__knot node;
-            bound_node(tree, r, c, &node);
-            add_knot(&node, to);
+            bound(tree, r, c, &node);
+            add_knot(tree, &node, to);
         }
     }
 }
 
 void weft__tree_begin(weft__quadtree *tree, weft__knot *knots)
 {
-    const weft__mesh *mesh = tree->mesh;
     tree->knots = knots;
     for (size_t level = 1; level < tree->levels; ++level) {
-        tree->first[level] = tree->first[level - 1]
-                             + weft__patches(mesh->rows, level - 1)
-                                   * weft__patches(mesh->cols, level - 1);
+        tree->first[level] = tree->first[level - 1] + count_of(&tree->nodes, level - 1);
     }
+}
+
+/* Quarter j of a patch. */
+static inline tree_patch part(const weft__nodes *of, tree_patch at, size_t j)
+{
+    return of->fold == 1 ? (tree_patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 }
+                         : (tree_patch){ at.r, 4 * at.c + j };
 }
 
 /* From the level below. */
 static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
 {
-    const weft__mesh *mesh = tree->mesh;
-    weft__knot *knots = tree->knots + tree->first[level];
-    weft__knot *to = &knots[at.r * weft__patches(mesh->cols, level) + at.c];
+    const weft__nodes *of = &tree->nodes;
+    weft__knot *to = &tree->knots[tree->first[level] + at.r * across(of, level) + at.c];
     if (level == 0) {
-        bound_node(tree, at.r, at.c, to);
+        bound(tree, at.r, at.c, to);
         return;
     }
     *to = nothing;
-    const size_t rows = weft__patches(mesh->rows, level - 1);
-    const size_t cols = weft__patches(mesh->cols, level - 1);
+    const size_t rows = weft__patches(of->rows, level - 1);
+    const size_t cols = across(of, level - 1);
     for (size_t j = 0; j < 4; ++j) {
-        const size_t r = 2 * at.r + j / 2, c = 2 * at.c + j % 2;
-        if (r < rows && c < cols) {
-            add_knot(&tree->knots[tree->first[level - 1] + r * cols + c], to);
+        const tree_patch in = part(of, at, j);
+        if (in.r < rows && in.c < cols) {
+            add_knot(tree, &tree->knots[tree->first[level - 1] + in.r * cols + in.c],
+                     to);
         }
     }
 }
@@ -160,13 +220,12 @@ static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
 /* All that is in a patch, level by level. */
 static void fill_patch(weft__quadtree *tree, size_t top, tree_patch at)
 {
-    const weft__mesh *mesh = tree->mesh;
+    const weft__nodes *of = &tree->nodes;
     for (size_t level = 0; level <= top; ++level) {
-        const size_t rows = weft__patches(mesh->rows, level);
-        const size_t cols = weft__patches(mesh->cols, level);
-        const size_t by = top - level;
+        const size_t rows = weft__patches(of->rows, level), cols = across(of, level);
+        const size_t by = top - level, shift = of->fold * by;
         for (size_t r = at.r << by; r < end_of(at.r, by, rows); ++r) {
-            for (size_t c = at.c << by; c < end_of(at.c, by, cols); ++c) {
+            for (size_t c = at.c << shift; c < end_of(at.c, shift, cols); ++c) {
                 fill_knot(tree, level, (tree_patch){ r, c });
             }
         }
@@ -179,23 +238,23 @@ void weft__tree_fill(weft__quadtree *tree, weft__knot *knots)
     fill_patch(tree, tree->levels - 1, (tree_patch){ 0, 0 });
 }
 
-static tree_patch patch_of(const weft__mesh *mesh, size_t level, size_t i)
+static tree_patch patch_of(const weft__quadtree *tree, size_t level, size_t i)
 {
-    const size_t cols = weft__patches(mesh->cols, level);
+    const size_t cols = across(&tree->nodes, level);
     return (tree_patch){ i / cols, i % cols };
 }
 
-/* A small grid has fewer levels than its tiles. */
+/* A small cloth has fewer levels than its tiles. */
 static size_t tile_level(const weft__quadtree *tree)
 {
-    const size_t level = weft__tile_level(tree->mesh);
+    const size_t level = weft__tile_level(tree->nodes);
     return level < tree->levels ? level : tree->levels - 1;
 }
 
 void weft__tree_fill_tile(weft__quadtree *tree, size_t tile)
 {
     const size_t level = tile_level(tree);
-    fill_patch(tree, level, patch_of(tree->mesh, level, tile));
+    fill_patch(tree, level, patch_of(tree, level, tile));
 }
 
 /* ---- the search ------------------------------------------------------------------ */
@@ -283,7 +342,7 @@ static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
                                  tree_patch at, weft__knot *room)
 {
     if (tree->knots != NULL) {
-        const size_t cols = weft__patches(tree->mesh->cols, level);
+        const size_t cols = across(&tree->nodes, level);
         return &tree->knots[tree->first[level] + at.r * cols + at.c];
     }
     *room = nothing;
@@ -297,7 +356,7 @@ static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_p
     enum { MOST = 3 };
     const tree_patch low = { a.r < b.r ? a.r : b.r, a.c < b.c ? a.c : b.c };
     const tree_patch high = { a.r < b.r ? b.r : a.r, a.c < b.c ? b.c : a.c };
-    if (high.r - low.r >= MOST || high.c - low.c >= MOST
+    if (!(of->flat > 0.0) || high.r - low.r >= MOST || high.c - low.c >= MOST
         || (of->tree->knots == NULL && level > 0)) {
         return false;
     }
@@ -320,12 +379,7 @@ static inline bool apart(const tree_search *of, const weft__knot *a,
     return weft__boxes_apart(a->place, b->place, of->range);
 }
 
-static inline tree_patch part(tree_patch at, size_t j)
-{
-    return (tree_patch){ 2 * at.r + j / 2, 2 * at.c + j % 2 };
-}
-
-/* The quarters of a patch that the grid has, and their bounds. */
+/* The quarters of a patch that the cloth has, and their bounds. */
 typedef struct quarters {
     size_t count;
     tree_patch at[4];
@@ -336,12 +390,11 @@ typedef struct quarters {
 static void find_quarters(const tree_search *of, size_t level, tree_patch at,
                           quarters *out)
 {
-    const weft__mesh *mesh = of->tree->mesh;
-    const size_t rows = weft__patches(mesh->rows, level);
-    const size_t cols = weft__patches(mesh->cols, level);
+    const weft__nodes *nodes = &of->tree->nodes;
+    const size_t rows = weft__patches(nodes->rows, level), cols = across(nodes, level);
     out->count = 0;
     for (size_t j = 0; j < 4; ++j) {
-        const tree_patch in = part(at, j);
+        const tree_patch in = part(nodes, at, j);
         if (in.r < rows && in.c < cols) {
             const size_t i = out->count++;
             out->at[i] = in;
@@ -353,15 +406,23 @@ static void find_quarters(const tree_search *of, size_t level, tree_patch at,
 
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
-    const size_t cols = weft__patches(of->tree->mesh->cols, of->floor);
+    const size_t cols = across(&of->tree->nodes, of->floor);
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
+}
+
+/* Whether all nodes of a patch are points of bodies. */
+static inline bool of_bodies(const tree_search *of, size_t level, tree_patch at)
+{
+    const weft__nodes *nodes = &of->tree->nodes;
+    return nodes->fold > 1 && at.c << 2 * level >= of->tree->own->mesh->particles;
 }
 
 /* Of patches that are not apart. */
 static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
                           tree_patch b)
 {
-    if (!of->all && flat_about(of, level, a, b)) {
+    if ((!of->all && flat_about(of, level, a, b))
+        || (of_bodies(of, level, a) && of_bodies(of, level, b))) {
         return true;
     }
     if (level == of->floor) {
@@ -383,7 +444,8 @@ static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
 static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
 {
     weft__knot room;
-    if (!of->all && flat(of, knot_of(of->tree, level, at, &room))) {
+    if ((!of->all && flat(of, knot_of(of->tree, level, at, &room)))
+        || of_bodies(of, level, at)) {
         return true;
     }
     if (level == of->floor) {
@@ -407,13 +469,15 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
 static tree_search search_of(const weft__quadtree *tree, double range,
                              weft__visit_fn *visit, void *ctx)
 {
-    const double a = tree->mesh->spacing[0], b = tree->mesh->spacing[1];
-    const double rest = tree->mesh->rows == 1   ? b
-                        : tree->mesh->cols == 1 ? a
-                                                : a / sqrt(1.0 + a * a / (b * b));
+    const weft__mesh *mesh = tree->own->mesh;
+    const double a = mesh->spacing[0], b = mesh->spacing[1];
+    const double rest = mesh->rows == 1   ? b
+                        : mesh->cols == 1 ? a
+                                          : a / sqrt(1.0 + a * a / (b * b));
     return (tree_search){ .tree = tree,
                           .range = range * (1.0 + ROUNDOFF),
-                          .flat = 1.0 - range / rest - ROUNDOFF,
+                          .flat
+                          = tree->nodes.fold > 1 ? 0.0 : 1.0 - range / rest - ROUNDOFF,
                           .visit = visit,
                           .ctx = ctx };
 }
@@ -425,9 +489,9 @@ bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *
     return pairs_within(&of, tree->levels - 1, (tree_patch){ 0, 0 });
 }
 
-bool weft__tile_pairs(const weft__mesh *mesh, weft__visit_fn *visit, void *ctx)
+bool weft__tile_pairs(const weft__self *own, weft__visit_fn *visit, void *ctx)
 {
-    const weft__quadtree tree = weft__tree_of(mesh, NULL);
+    const weft__quadtree tree = weft__tree_of(own, NULL);
     tree_search of = search_of(&tree, 0.0, visit, ctx);
     of.all = true;
     of.floor = tile_level(&tree);
@@ -439,8 +503,8 @@ bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
 {
     const tree_search of = search_of(tree, range, visit, ctx);
     const size_t level = tile_level(tree);
-    const tree_patch a = patch_of(tree->mesh, level, tiles[0]);
-    const tree_patch b = patch_of(tree->mesh, level, tiles[1]);
+    const tree_patch a = patch_of(tree, level, tiles[0]);
+    const tree_patch b = patch_of(tree, level, tiles[1]);
     weft__knot room[2];
     return tiles[0] == tiles[1] ? pairs_within(&of, level, a)
                                 : apart(&of, knot_of(tree, level, a, &room[0]),

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_tree.h -- pairs of nodes of a cloth in a state that may be near each other, by a
- * quadtree over the grid. */
+ * quadtree over the grid, or over the points of a skin in their order. */
 #pragma once
 
 #include "forces/force.h"
+#include "forces/self/skin.h"
+
+typedef struct weft__self weft__self;
 
 enum { WEFT__LEVELS = 33, WEFT__TILE_LEVEL = 3, WEFT__TILES_MOST = 1024 };
 
@@ -35,19 +38,27 @@ typedef struct weft__knot {
     double slope[2][2][3]; /* of its edges down, then right, by the spacing */
 } weft__knot;
 
-/* Level 0 has the nodes, level k patches of 2^k x 2^k of them. */
+/* Nodes in rows and columns, of which level k has patches of 2^k x 2^k, or those of a
+ * skin in one row, by 4^k. */
+typedef struct weft__nodes {
+    size_t rows, cols;
+    unsigned fold; /* 1; of a skin 2 */
+} weft__nodes;
+
+/* Level 0 has the nodes, level k patches of them. */
 typedef struct weft__quadtree {
-    const weft__mesh *mesh;
+    const weft__self *own;
+    weft__nodes nodes;
     const double *y;
     weft__knot *knots;          /* of all levels; NULL: computed where needed */
     size_t first[WEFT__LEVELS]; /* of a level in knots */
     size_t levels;
 } weft__quadtree;
 
-weft__quadtree weft__tree_of(const weft__mesh *mesh, const double *y);
+weft__quadtree weft__tree_of(const weft__self *own, const double *y);
 
-/* The knots that a cloth needs. */
-size_t weft__tree_size(const weft__mesh *mesh);
+/* The knots that it needs. */
+size_t weft__tree_size(const weft__quadtree *tree);
 
 /* Fills knots[weft__tree_size], which the tree uses from then on. */
 void weft__tree_fill(weft__quadtree *tree, weft__knot *knots);
@@ -57,38 +68,26 @@ typedef bool weft__visit_fn(void *ctx, size_t i, size_t j);
 
 /* Visits all pairs of nodes that own two primitives without a common particle within
  * `range` [m] of each other, and some others, each once and in an order that depends on
- * the grid alone. Returns false if a visit did. The state must be finite. Where patches
- * are nearly flat their inside is passed over: nothing there is near itself. */
+ * the cloth alone. Returns false if a visit did. The state must be finite. Where
+ * patches are nearly flat their inside is passed over: nothing there is near itself. */
 bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *visit,
                       void *ctx);
 
 /* ---- tiles ----------------------------------------------------------------------- */
 
-/* Patches of one level, row by row: 8 x 8 nodes, or so many that they are not more than
- * WEFT__TILES_MOST; 2^level nodes wide. */
+/* Patches of one level, row by row: 64 nodes, or so many that they are not more than
+ * WEFT__TILES_MOST. */
 static inline size_t weft__patches(size_t nodes, size_t level)
 {
     return ((nodes - 1) >> level) + 1;
 }
 
-static inline size_t weft__tile_level(const weft__mesh *of)
-{
-    size_t level = WEFT__TILE_LEVEL;
-    while (weft__patches(of->rows, level) * weft__patches(of->cols, level)
-           > WEFT__TILES_MOST) {
-        ++level;
-    }
-    return level;
-}
+weft__nodes weft__nodes_of(const weft__self *own);
+size_t weft__tile_level(weft__nodes of);
+size_t weft__tile_count(const weft__self *own);
 
-static inline size_t weft__tile_count(const weft__mesh *of)
-{
-    const size_t level = weft__tile_level(of);
-    return weft__patches(of->rows, level) * weft__patches(of->cols, level);
-}
-
-/* The rows and columns of particles in patch i of a level, with those to the right and
- * below: first, end, first, end. */
+/* Of a grid: the rows and columns of particles in patch i of a level, with those to the
+ * right and below: first, end, first, end. */
 static inline void weft__patch_range(const weft__mesh *of, size_t level, size_t i,
                                      size_t range[4])
 {
@@ -99,7 +98,7 @@ static inline void weft__patch_range(const weft__mesh *of, size_t level, size_t 
 }
 
 /* Visits all pairs of tiles in the order in which weft__tree_pairs comes to them. */
-bool weft__tile_pairs(const weft__mesh *mesh, weft__visit_fn *visit, void *ctx);
+bool weft__tile_pairs(const weft__self *own, weft__visit_fn *visit, void *ctx);
 
 /* Begins to fill a tree tile by tile; weft__tree_between needs those of both tiles and
  * of the rectangle about them. Different threads may fill different tiles. */

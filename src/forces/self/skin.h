@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* skin.h -- the primitives that may touch, of a cloth of triangles, or of a grid as
+ * triangles, and of bodies: points, which are the particles of the cloth and then the
+ * vertices of bodies, edges and triangles. A point owns itself and the edges and
+ * triangles of which it is the lowest point, so that each pair of primitives belongs to
+ * one pair of points. */
+#pragma once
+
+#include "base/memory.h"
+#include "mesh/triangles.h"
+
+enum { WEFT__SKIN_RUN = 8 }; /* further points of a tile come by so many */
+
+typedef struct weft__skin {
+    size_t points, particles, edges, triangles;
+    uint32_t (*edge)[2], (*triangle)[3];   /* the lowest point first; in its order */
+    uint32_t *edge_first, *triangle_first; /* of a point, and their number */
+    /* [m^2] at rest, each as large as that of a point on a regular mesh: a third of a
+     * point's triangles, all of an edge's, twice a triangle's */
+    double *area, *edge_area, *triangle_area;
+    double *density;         /* [kg/m^2] of a point */
+    double *square;          /* [m^2] of an edge at rest */
+    double *edge_window;     /* 1 / x0 of its ends */
+    double *triangle_window; /* of corner k of triangle t: [k triangles + t] */
+    double spacing;          /* [m] between particles, on average */
+    /* Further points of the primitives of each tile (self_tree.h); one of its own fills
+     * the last run. */
+    size_t *tile_first;
+    int32_t *tile_point;
+    /* Pairs of lips, which never act (skin_lips.c), in order; and the nearest other
+     * pair of the flat rest shape, if it is nearer than two thicknesses. */
+    uint64_t (*lips)[2];
+    size_t lip_count;
+    bool *at_lip; /* of a point */
+    weft_primitive notch[2];
+    double notch_width; /* [m] INFINITY: none */
+} weft__skin;
+
+/* What a skin is made of: triangles with the squares [m^2] of their sides at rest,
+ * [k] opposite corner k, and what is known of each point. */
+typedef struct weft__skin_draft {
+    size_t points, particles, triangles;
+    uint32_t (*corner)[3];
+    double (*side)[3];
+    double *density;
+    size_t tile_level; /* of weft__tile_level */
+    double thickness;  /* [m] */
+    double chain;      /* [m] between particles of a grid without triangles; 0 */
+} weft__skin_draft;
+
+/* Room for so many; false: no memory. */
+bool weft__skin_draft_create(weft__skin_draft *out, size_t points, size_t triangles,
+                             const weft_allocator *memory);
+void weft__skin_draft_destroy(weft__skin_draft *of, const weft_allocator *memory);
+
+/* Write the triangles of a cloth, first of all. density: [kg/m^2] of a grid's def */
+void weft__skin_draft_mesh(weft__skin_draft *to, const weft__triangles *of);
+void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
+                           const weft_cloth_def *def);
+
+/* NULL: no memory. */
+weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *memory);
+void weft__skin_destroy(weft__skin *skin, const weft_allocator *memory);
+size_t weft__skin_bytes(const weft__skin *skin);
+
+/* The points of a tile, and where its further ones begin and end in tile_point; of
+ * another level all points. */
+static inline void weft__tile_points(const weft__skin *skin, size_t level, size_t tile,
+                                     size_t run[2], size_t more[2])
+{
+    const size_t wide = level < 32 ? (size_t)1 << 2 * level : SIZE_MAX;
+    const bool whole = wide >= skin->points;
+    run[0] = whole ? 0 : tile * wide;
+    run[1] = whole || run[0] + wide > skin->points ? skin->points : run[0] + wide;
+    more[0] = whole ? 0 : skin->tile_first[tile];
+    more[1] = whole ? 0 : skin->tile_first[tile + 1];
+}
+
+/* The edge between two points, and the triangle of three in this turn; they must exist.
+ */
+static inline uint32_t weft__skin_edge(const weft__skin *skin, uint32_t a, uint32_t b)
+{
+    uint32_t e = skin->edge_first[a < b ? a : b];
+    while (skin->edge[e][1] != (a < b ? b : a)) {
+        ++e;
+    }
+    return e;
+}
+
+static inline uint32_t weft__skin_triangle(const weft__skin *skin, const uint32_t c[3])
+{
+    const size_t k = c[0] < c[1] && c[0] < c[2] ? 0 : c[1] < c[2] ? 1 : 2;
+    uint32_t t = skin->triangle_first[c[k]];
+    while (skin->triangle[t][1] != c[(k + 1) % 3]
+           || skin->triangle[t][2] != c[(k + 2) % 3]) {
+        ++t;
+    }
+    return t;
+}
+
+/* Whether a pair that has a key never acts. */
+bool weft__is_lip(const weft__skin *skin, const uint64_t key[2]);
