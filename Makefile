@@ -526,7 +526,11 @@ clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
-.PHONY: sbom tag
+# Packages of Debian 13, built, installed, tested and removed in clean systems; needs root and debootstrap.
+.PHONY: check-deb sbom tag
+check-deb:
+	@tools/check-deb $(BUILD)
+
 # A bill of materials beside the artefacts.
 sbom:
 	@tools/sbom $(BUILD)
@@ -572,6 +576,7 @@ nightly: all
 	$(MAKE) check-aarch64
 	$(MAKE) check-sundials7 WHOLE=1
 	$(MAKE) check-compilers
+	$(MAKE) check-deb
 
 # Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
 check-aarch64: all
@@ -593,7 +598,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
