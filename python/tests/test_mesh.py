@@ -158,9 +158,11 @@ def test_contact_with_shapes_is_allowed_and_sees_the_mesh():
         scene["contact"]["shapes"][0]["at"] = [0.04, -0.08, 0]
         with pytest.raises(weft.Error, match=r"vertex \d+ .*shapes\[0\]"):
             weft.load(scene)
-    scene["contact"] = {"self": True}
-    with pytest.raises(weft.SceneError, match="needs a grid"):
+    scene["contact"] = {"self": True, "thickness": 0.05}
+    with pytest.raises(weft.SceneError, match="half the smallest height"):
         weft.load(scene)
+    scene["contact"]["thickness"] = 1e-3
+    weft.load(scene)
 
 
 def test_a_cut_is_meshed_by_the_program():
