@@ -4,17 +4,17 @@
 
 WASM := $(BUILD)/wasm
 WASM_CC ?= clang-14
-WASM_YAML := $(WASM)/sources/libyaml-0.2.5
-WASM_SUNDIALS := $(WASM)/sources/sundials-6.4.1
+WASM_YAML := $(WASM)/sources/libyaml
+WASM_SUNDIALS := $(WASM)/sources/sundials
 WASM_COMPILE = $(WASM_CC) --target=wasm32-wasi -O2 -msimd128 -fno-math-errno -ffp-contract=off -fvisibility=hidden \
     -Iwasm -I$(WASM_YAML)/include -I$(WASM_SUNDIALS)/include -MMD -MP
-# One thread, and nothing is loaded: wasm/platform.c stands for both.
+# One thread, wasm/platform.c, and nothing is loaded, wasm/built_in.c.
 WASM_SRC := $(filter-out src/base/thread_pool.c src/plugin/loading.c,$(LIB_SRC)) $(if $(KERNELS),$(FAST)) \
-    $(wildcard $(patsubst %,plugins/%/*.c,verlet stiff arkode sundials linear stabilised)) wasm/platform.c
+    $(wildcard $(patsubst %,plugins/%/*.c,verlet stiff arkode sundials linear stabilised)) wasm/platform.c wasm/built_in.c
 WASM_YAML_SRC := $(addprefix src/,api reader scanner parser loader writer emitter dumper)
 WASM_SUNDIALS_SRC := $(addprefix src/,$(addprefix arkode/arkode,$(addprefix _,adapt arkstep arkstep_io arkstep_nls butcher \
-    butcher_dirk butcher_erk erkstep erkstep_io interp io ls root)) arkode/arkode $(addprefix sundials/sundials_,band \
-    context dense direct futils iterative linearsolver logger math matrix memory nonlinearsolver nvector version) \
+    butcher_dirk butcher_erk erkstep erkstep_io interp io ls mri_tables mristep mristep_io mristep_nls root)) arkode/arkode $(addprefix sundials/sundials_,band \
+    context dense direct futils iterative linearsolver logger math matrix memory nonlinearsolver nvector nvector_senswrapper version) \
     nvector/serial/nvector_serial sunlinsol/spgmr/sunlinsol_spgmr sunnonlinsol/newton/sunnonlinsol_newton \
     sunmatrix/band/sunmatrix_band sunmatrix/dense/sunmatrix_dense)
 WASM_OBJ := $(patsubst %.c,$(WASM)/%.o,$(WASM_SRC)) $(WASM_YAML_SRC:%=$(WASM)/yaml/%.o) \
@@ -24,8 +24,10 @@ WASM_FETCHED := $(WASM)/sources/.fetched
 .PHONY: wasm check-wasm playground
 wasm: $(WASM)/libweft.a $(WASM)/hashes.wasm $(WASM)/page.wasm
 
-$(WASM_FETCHED): tools/wasm-sources
-	$(call say,GET)WASM_CC='$(WASM_CC)' tools/wasm-sources $(@D) && touch $@
+$(WASM_FETCHED): tools/sources
+	@echo 'int main(void) { return 0; }' | $(WASM_CC) --target=wasm32-wasi -x c - -o /dev/null 2>/dev/null || { \
+	    echo "make wasm needs Debian's packages clang-14 lld-14 wasi-libc libclang-rt-14-dev-wasm32" >&2; exit 1; }
+	$(call say,GET)tools/sources $(@D) libyaml sundials && touch $@
 $(WASM)/sources/%: $(WASM_FETCHED) ;
 
 $(WASM)/%.o: %.c $(WASM_FETCHED)
