@@ -577,6 +577,7 @@ nightly: all
 	$(MAKE) check-sundials7 WHOLE=1
 	$(MAKE) check-compilers
 	$(MAKE) check-deb
+	$(MAKE) check-dist
 
 # Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
 check-aarch64: all
@@ -599,6 +600,6 @@ clean:
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
 	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
-	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | check-abi | renew-abi | doxygen"
+	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

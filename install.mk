@@ -84,6 +84,13 @@ bundle: $(BUNDLED)
 check-install: all $(EXAMPLES)
 	@tools/check-install $(BUILD)
 
+# What a release consists of, in $(BUILD)/dist (docs/installation.md); DIST=TARGET...: of these targets alone.
+.PHONY: dist check-dist
+dist: all
+	@tools/dist $(BUILD) $(BUILD)/dist $(BUILD)/dist-work $(DIST)
+check-dist: dist hashes $(BUILD)/examples/minimal
+	@DIST='$(DIST)' tools/check-dist $(BUILD)
+
 # Runs the commands of the pages.
 check-docs: all $(EXAMPLES)
 	@tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
