@@ -433,7 +433,7 @@ START_TEST(wrong_shapes_are_refused)
         weft_shape shape;
         const char *words;
     } cases[] = {
-        { { .kind = WEFT_SHAPES }, "kind 4 is unknown" },
+        { { .kind = WEFT_SHAPES }, "kind 5 is unknown" },
         { { .kind = WEFT_PLANE, .at = { NAN } }, "at nan, 0, 0 m: must be finite" },
         { { .kind = WEFT_PLANE }, "normal must be finite and not zero" },
         { { .kind = WEFT_PLANE, .normal = { 0, 1, 0 }, .spin = { 1, 1, 0 } },
@@ -624,13 +624,13 @@ TEST_SUITE(contact)
     tcase_add_loop_test(tcase, a_number_that_the_kind_does_not_read_changes_no_bit, 0,
                         4);
     tcase_add_loop_test(tcase, gaps_are_distances, 0, 8);
-    tcase_add_loop_test(tcase, gaps_grow_no_faster_than_distances, 0, WEFT_SHAPES);
+    tcase_add_loop_test(tcase, gaps_grow_no_faster_than_distances, 0, WEFT_MESH);
     tcase_add_test(tcase, poses_follow_the_motion);
     tcase_add_test(tcase, without_shapes_gaps_are_infinite);
     tcase_add_test(tcase, touching_counts_particles);
-    tcase_add_loop_test(tcase, loads_balance_forces_and_work, 0, WEFT_SHAPES);
+    tcase_add_loop_test(tcase, loads_balance_forces_and_work, 0, WEFT_MESH);
     tcase_add_loop_test(tcase, a_free_particle_inside_or_nowhere_is_refused, 0,
-                        WEFT_SHAPES);
+                        WEFT_MESH);
     tcase_add_test(tcase, wrong_shapes_are_refused);
     tcase_add_test(tcase, wrong_contact_is_refused);
     tcase_add_test(tcase, a_start_inside_a_shape_is_refused_with_its_place);

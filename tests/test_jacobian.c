@@ -16,7 +16,7 @@ enum {
     ROWS = 6,
     COLS = 7,
     N = ROWS * COLS,
-    KINDS = WEFT_SHAPES + 1,
+    KINDS = WEFT_MESH + 1,
     CASES = 8 * KINDS
 };
 
@@ -57,7 +57,7 @@ static weft_cloth *make(size_t number)
     static const weft_pin pins[]
         = { { .rows = { 0, 0 }, .cols = { 0, 0 }, .velocity = { 1.0, 0.0, 2.0 } },
             { .rows = { 0, 0 }, .cols = { -1, -1 } } };
-    const weft_shape shape = shape_below((weft_shape_kind)(number % WEFT_SHAPES));
+    const weft_shape shape = shape_below((weft_shape_kind)(number % WEFT_MESH));
     const size_t choice = number / KINDS;
     weft_cloth_def def = weft_cloth_def_default();
     def.rows = ROWS, def.cols = COLS;
@@ -85,7 +85,7 @@ static weft_cloth *make(size_t number)
     def.contact.thickness = 0.1;
     def.contact.slip = 0.5;
     def.contact.shapes = &shape;
-    def.contact.shape_count = number % KINDS < WEFT_SHAPES ? 1 : 0;
+    def.contact.shape_count = number % KINDS < WEFT_MESH ? 1 : 0;
     return test_cloth(&def);
 }
 
@@ -460,7 +460,7 @@ END_TEST
 START_TEST(springs_of_no_length_are_zeros)
 {
     double y[6 * N], dy[6 * N], out[6 * N];
-    weft_cloth *cloth = make(WEFT_SHAPES);
+    weft_cloth *cloth = make(WEFT_MESH);
     weft_sim *sim = simulate(cloth);
     const weft_structure *of = seen.structure;
     double *planes = room(of);
@@ -497,7 +497,7 @@ static void masses_match(const weft_sim *sim)
 START_TEST(structure_follows_pins_and_shapes)
 {
     const weft_shape ball = { .kind = WEFT_SPHERE, .at = { 0, 0, -3 }, .radius = 1 };
-    weft_cloth *cloth = make(WEFT_SHAPES);
+    weft_cloth *cloth = make(WEFT_MESH);
     weft_sim *sim = simulate(cloth);
     const weft_structure *of = seen.structure;
     const double *mass = of->mass;

@@ -73,8 +73,8 @@ static void check_values(const weft_contact_def *contact)
                                    .law = WEFT_FRICTION_COULOMB,
                                    .slip = 0.01 };
     check_same(contact, &law);
-    ck_assert_uint_eq(contact->shape_count, WEFT_SHAPES);
-    for (size_t k = 0; k < WEFT_SHAPES; ++k) {
+    ck_assert_uint_eq(contact->shape_count, WEFT_MESH);
+    for (size_t k = 0; k < WEFT_MESH; ++k) {
         ck_assert_uint_eq(shapes[k].kind, k);
     }
     check_vector(shapes[0].at, 1.0, -4.0, 2.0);

@@ -93,10 +93,11 @@ typedef enum weft_shape_kind {
     WEFT_CAPSULE, /* all within `radius` of the line from `at` to `to`; its ends are
                      joined by a 4-norm */
     WEFT_BOX,     /* along the axes, about `at`; its edges are rounded by a 4-norm */
+    WEFT_MESH,    /* the triangles of `body`, which have two sides each */
     WEFT_SHAPES   /* their number */
 } weft_shape_kind;
 
-/* "plane", "sphere", "capsule" or "box"; never NULL. */
+/* "plane", "sphere", "capsule", "box" or "mesh"; never NULL. */
 WEFT_API const char *weft_shape_name(weft_shape_kind kind);
 
 /* A turn by the angle rate t + amplitude sin(2 pi frequency t) [rad] about an axis.
@@ -108,6 +109,17 @@ typedef struct weft_turn {
     double amplitude; /* [rad] */
     double frequency; /* [Hz] >= 0 */
 } weft_turn;
+
+/* Triangles of a shape, open or closed, in any orientation; docs/contact.md. With
+ * several keys its vertices move: key i has their places at time i / fps, in between
+ * they follow the law of a weft_track, after the last they rest. Arrays are copied by
+ * weft_cloth_create. Fixed for ever. */
+typedef struct weft_body {
+    size_t vertices, triangles, keys; /* >= 3, >= 1, >= 1 */
+    const double *places;             /* [m] from `at`: x y z of each vertex, by keys */
+    const uint32_t *corners;          /* vertices, 3 of each triangle */
+    double fps;                       /* [1/s] > 0 with several keys */
+} weft_body;
 
 /* A rigid shape. It turns as `turn` says, and then all of it, the axis of the turn too,
  * moves as a pin does, by velocity t + amplitude sin(2 pi frequency t). */
@@ -122,17 +134,27 @@ typedef struct weft_shape {
     double velocity[3];  /* [m/s] */
     double amplitude[3]; /* [m] */
     double frequency;    /* [Hz] >= 0 */
-    double spin[3];  /* [rad/s] of the surface about `at`: along the normal of a plane
-                        and the axis of a capsule, none of a box; turns with it */
+    double
+        spin[3];     /* [rad/s] of the surface about `at`: along the normal of a plane
+                        and the axis of a capsule, none of a box or a mesh; turns with it */
     double friction; /* >= 0; negative: the contact's */
     weft_turn turn;
-    double orientation[4]; /* box: a rotation before its turn, as x y z w of a
-                              quaternion; create normalises it; 0 0 0 0: none */
+    double orientation[4]; /* box, mesh: a rotation before its turn, as x y z w of
+                              a quaternion; create normalises it; 0 0 0 0: none */
+    const weft_body *body; /* mesh; of weft_cloth_shape: the cloth's own copy */
 } weft_shape;
 
 /* A plane y >= 0, a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m
  * rounded by 1 cm; at rest, with the contact's friction. */
 WEFT_RESULT(weft_shape, weft_shape_default, (weft_shape_kind kind), (kind))
+
+/* Where the vertices of a shape that is a mesh are at time t [s]: x y z of each [m]. */
+WEFT_API void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
+                                        double *xyz);
+static inline void weft_shape_vertices(const weft_shape *shape, double t, double *xyz)
+{
+    weft_shape_vertices_sized(shape, sizeof *shape, t, xyz);
+}
 
 typedef enum weft_friction_law {
     WEFT_FRICTION_SMOOTH, /* analytic, no stiffer than 10 times the contact */
@@ -485,8 +507,8 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
  * for free particles and 0 for pinned ones, whose motion does not depend on the state.
- * F is all forces but contact of the cloth with itself: springs, bending, drag, wind,
- * contact and friction of shapes. Exact; a spring of
+ * F is all forces but contact of the cloth with itself and with meshes: springs,
+ * bending, drag, wind, contact and friction of other shapes. Exact; a spring of
  * length 0, where F has no derivative, adds nothing. y, dy and out are planes as a
  * state, and out must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
  * Allocates nothing; the bits are the same on every machine. It costs two
@@ -578,7 +600,8 @@ WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
 WEFT_API double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
                                size_t *particle, size_t *shape);
 
-/* Free particles with a gap below the thickness to some shape. */
+/* Free particles with a gap below the thickness to some shape; with meshes, those of
+ * edges and triangles that have it, too. */
 WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y);
 
 /* [m] The smallest distance of two primitives that push each other apart, and which:

@@ -149,6 +149,12 @@ WEFT_API const char *weft_scene_mesh_text(const weft_scene *scene);
 WEFT_API const char *weft_scene_part_file(const weft_scene *scene, size_t k);
 WEFT_API const char *weft_scene_part_text(const weft_scene *scene, size_t k);
 
+/* File i = 0, 1, ... of all that triangles of shapes were read from, and to copy[size]
+ * the name of its copy: a scene.yaml that has copies beside it reads these. NULL: there
+ * are no more. */
+WEFT_API const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
+                                          size_t size);
+
 /* What weft_sim_create said of the scene's method, at its place in the scene. */
 WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
                                  weft_diagnostic *out);

@@ -389,9 +389,10 @@ WEFT_API weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3],
  * WEFT_NO_MEMORY; then nothing changes. weft_cloth_shape_pose of weft_sim_cloth returns
  * the present places. */
 
-/* Adds a shape, as the last; *k (unless NULL) is its number. From the present time on
- * it moves as defined, except that its velocity and the rate of its turn count from
- * now: at + velocity (t - now) + amplitude sin(2 pi frequency t). */
+/* Adds a shape, as the last; *k (unless NULL) is its number. It is not a mesh
+ * (WEFT_UNSUPPORTED): these belong to the definition, and are not removed either. From
+ * the present time on it moves as defined, except that its velocity and the rate of its
+ * turn count from now: at + velocity (t - now) + amplitude sin(2 pi frequency t). */
 WEFT_API weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *shape,
                                               size_t size, size_t *k, weft_error *err);
 static inline weft_status weft_sim_add_shape(weft_sim *sim, const weft_shape *shape,

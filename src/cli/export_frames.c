@@ -373,8 +373,9 @@ static int make_surface(export_job *job)
     const record_frames *frames = job->frames;
     job->n = job->surface.faces.particles;
     job->values = malloc(7 * job->n * sizeof *job->values);
-    job->shape_position
-        = malloc(RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS * sizeof(double[3]));
+    const size_t points
+        = job->scene == NULL ? 0 : record_shape_points(weft_scene_cloth(job->scene));
+    job->shape_position = malloc((points + 1) * sizeof(double[3]));
     if (job->values == NULL || job->shape_position == NULL) {
         return report_status(WEFT_NO_MEMORY, "no memory for a frame");
     }

@@ -65,9 +65,18 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
+weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
+                                  size_t loose, const char *where, weft_error *err)
+{
+    const weft_status status = weft__crossing_error(&cloth->self, y, loose, where, err);
+    return status == WEFT_OK
+               ? weft__bodies_error(&cloth->bodies, t, y, loose, where, err)
+               : status;
+}
+
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
 {
-    if (!cloth->self.law.self) {
+    if (!cloth->self.law.self && !cloth->bodies.pairs.law.self) {
         return WEFT_OK;
     }
     if (weft__notch_error(&cloth->self, err) != WEFT_OK) {
@@ -78,7 +87,7 @@ weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(cloth, y);
-    const weft_status status = weft__crossing_error(&cloth->self, y, SIZE_MAX, "", err);
+    const weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, "", err);
     weft__free(&cloth->memory, y);
     return status;
 }
@@ -88,6 +97,7 @@ static void attach(weft_cloth *cloth)
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         *(const weft__mesh **)weft__own_of(cloth, k) = &cloth->mesh;
     }
+    cloth->bodies.contact = &cloth->contact;
 }
 
 void weft__cloth_choose(weft_cloth *cloth, weft__isa isa)

@@ -54,6 +54,9 @@ void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y, s
 {
     const weft__state at = { .t = t, .y = y };
     double load[WEFT__LOAD] = { 0.0 }, block[WEFT__LOAD];
+    if (cloth->contact.shapes[k].def.body != NULL) {
+        weft__bodies_load(&cloth->bodies, NULL, &at, k, load);
+    }
     for (size_t b = 0; b < cloth->mesh.band.own; ++b) {
         weft__block_load(&cloth->contact, &at, cloth->mesh.band.above + b, k, block);
         for (size_t j = 0; j < WEFT__LOAD; ++j) {
@@ -73,6 +76,9 @@ static weft_measures gap(const weft_cloth *cloth, double t, const double *y)
         weft_measures block = weft__block_start;
         weft__block_gap(&cloth->contact, &at, b, &block);
         weft__measures_add(&sum, &block);
+    }
+    if (cloth->bodies.pairs.law.self) {
+        weft__bodies_force.measure_all(&cloth->bodies, NULL, &at, &sum);
     }
     return sum;
 }
@@ -99,7 +105,7 @@ static weft_measures self_measures(const weft_cloth *cloth, const double *y)
 {
     const weft__state at = { .y = y };
     weft_measures sum = weft__measures_start;
-    weft__self_measure(&cloth->self, &at, &sum);
+    weft__self_measure(&cloth->self, NULL, &at, &sum);
     return sum;
 }
 

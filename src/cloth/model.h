@@ -116,6 +116,10 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist, damping,
               coupling); /* fabric.c */
 
+/* cloth.c: weft__crossing_error and weft__bodies_error. */
+weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
+                                  size_t loose, const char *where, weft_error *err);
+
 /* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
  * WEFT_NO_MEMORY. */
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);

@@ -5,6 +5,7 @@
 
 #include "forces/bending/bending.h"
 #include "forces/bending/plate.h"
+#include "forces/bodies/bodies.h"
 #include "forces/body/body.h"
 #include "forces/contact/contact.h"
 #include "forces/membrane/membrane.h"
@@ -13,4 +14,5 @@
 #include "forces/wind/wind.h"
 
 #define WEFT_FORCES(X)                                                                 \
-    X(springs) X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self)
+    X(springs)                                                                         \
+    X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self) X(bodies)

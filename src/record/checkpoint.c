@@ -66,10 +66,11 @@ void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
     weft__word_put(to + AT_SUM * WEFT__WORD, weft__words_sum(to, AT_SUM));
 }
 
-/* Of the text, and of the mesh that it names. */
+/* Of the text, and of the meshes that it names. */
 static uint64_t scene_hash(const weft_scene *scene)
 {
     const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
+    const weft_contact_def *contact = &weft_scene_cloth(scene)->contact;
     uint64_t hash = WEFT__HASH_START;
     for (const char *c = weft_scene_text(scene); *c != '\0'; ++c) {
         hash = weft__hash_byte(hash, (unsigned char)*c);
@@ -83,6 +84,14 @@ static uint64_t scene_hash(const weft_scene *scene)
         }
         for (size_t i = 0; mesh->names != NULL && i < mesh->vertices; ++i) {
             hash = weft__hash_word(hash, mesh->names[i]);
+        }
+    }
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        const weft_body *body = contact->shapes[k].body;
+        const size_t vertices = body == NULL ? 0 : body->vertices * body->keys;
+        hash = weft__hash_reals(hash, body == NULL ? NULL : body->places, 3 * vertices);
+        for (size_t i = 0; body != NULL && i < 3 * body->triangles; ++i) {
+            hash = weft__hash_word(hash, body->corners[i]);
         }
     }
     return hash;

@@ -46,7 +46,7 @@ const char *const record_names[] = {
  * of frames/. A shape has files of its own beside those of the cloth. */
 #define EXPORTED                                                                       \
     "^(scene-[0-9]+[.]obj|(final|rest)-shape-[0-9]+[.]obj|final-shape-[0-9]+[.]ply"    \
-    "|run-shape-[0-9]+[.](mdd|pc2))([.]tmp)?$"
+    "|run-shape-[0-9]+[.](mdd|pc2)|scene-shape[0-9]+(-[0-9]+)?[.]obj)([.]tmp)?$"
 #define FRAME                                                                          \
     "^frame-([0-9]{6}|[1-9][0-9]{6,})(-shape-[0-9]+)?[.](obj|ply|csv|vtp)([.]tmp)?$"
 

@@ -2,6 +2,7 @@
 /* page.c -- writes data into an HTML page, and describes the runs of a page as JSON. */
 #include "record/page.h"
 
+#include <inttypes.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -198,6 +199,23 @@ static void write_numbers(FILE *stream, const char *name, const double *x, size_
     fputs(count > 1 ? "]" : "", stream);
 }
 
+/* In single precision, as the page draws. */
+static void write_body(FILE *stream, const weft_body *body)
+{
+    fprintf(stream, ",\"fps\":%.17g,\"keys\":[", body->fps);
+    for (size_t i = 0; i < 3 * body->vertices * body->keys; ++i) {
+        const size_t in = i % (3 * body->vertices);
+        fprintf(stream, "%s%s%.7g", in == 0 ? comma(i) : "", in == 0 ? "[" : ",",
+                body->places[i]);
+        fputs(in + 1 == 3 * body->vertices ? "]" : "", stream);
+    }
+    fputs("],\"corners\":[", stream);
+    for (size_t i = 0; i < 3 * body->triangles; ++i) {
+        fprintf(stream, "%s%" PRIu32, comma(i), body->corners[i]);
+    }
+    fputc(']', stream);
+}
+
 static void write_shape(FILE *stream, const weft_shape *shape)
 {
     fprintf(stream, "{\"shape\":\"%s\"", weft_shape_name(shape->kind));
@@ -220,6 +238,9 @@ static void write_shape(FILE *stream, const weft_shape *shape)
         write_numbers(stream, "amplitude", &turn->amplitude, 1);
         write_numbers(stream, "frequency", &turn->frequency, 1);
         fputc('}', stream);
+    }
+    if (shape->body != NULL) {
+        write_body(stream, shape->body);
     }
     fputc('}', stream);
 }

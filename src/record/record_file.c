@@ -186,6 +186,12 @@ weft_status record_scene_text(const char *directory, const weft_scene *scene,
         (void)snprintf(name, sizeof name, "scene-%zu.obj", k);
         TRY(record_mesh(directory, name, scene, k, err));
     }
+    char name[64];
+    const char *body;
+    for (size_t i = 0;
+         (body = weft_scene_body_file(scene, i, name, sizeof name)) != NULL; ++i) {
+        TRY(copy_file(directory, name, body, err));
+    }
     return write_text(directory, "scene.yaml", weft_scene_text(scene), err);
 }
 

@@ -186,9 +186,29 @@ static record_surface plane_surface(solid *of, const weft_cloth_def *cloth,
     return (record_surface){ record_grid(2, 2), position, NULL, NULL, true };
 }
 
+size_t record_shape_points(const weft_cloth_def *cloth)
+{
+    size_t most = RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS;
+    for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
+        const weft_body *body = cloth->contact.shapes[k].body;
+        most = body != NULL && body->vertices > most ? body->vertices : most;
+    }
+    return most;
+}
+
 record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, double t,
                                     double *position)
 {
+    const weft_body *body = cloth->contact.shapes[k].body;
+    if (body != NULL) {
+        weft_shape_vertices(&cloth->contact.shapes[k], t, position);
+        return (record_surface){ .faces
+                                 = { .particles = body->vertices,
+                                     .triangles = body->triangles,
+                                     .corners = (uint32_t *)(uintptr_t)body->corners },
+                                 .position = position,
+                                 .doubles = true };
+    }
     solid made = solid_of(&cloth->contact.shapes[k], t);
     return made.kind == WEFT_PLANE ? plane_surface(&made, cloth, position)
                                    : solid_surface(&made, position);

@@ -370,14 +370,16 @@ static const weft__key force_keys[] = {
 /* ---- contact ------------------------------------------------------------------- */
 
 /* In the order of weft_shape_kind and weft_friction_law. */
-static const char *const shape_names[] = { "plane", "sphere", "capsule", "box", NULL };
+static const char *const shape_names[]
+    = { "plane", "sphere", "capsule", "box", "mesh", NULL };
 static const char *const friction_names[] = { "smooth", "coulomb", NULL };
 
 enum {
     PLANE = 1 << WEFT_PLANE,
     SPHERE = 1 << WEFT_SPHERE,
     CAPSULE = 1 << WEFT_CAPSULE,
-    BOX = 1 << WEFT_BOX
+    BOX = 1 << WEFT_BOX,
+    MESH = 1 << WEFT_MESH
 };
 
 static const weft__key shape_turn_keys[] = {
@@ -398,9 +400,10 @@ static const weft__key shape_turn_keys[] = {
 static const weft__key shape_keys[] = {
     { "shape", WEFT__CHOICE, .required = true, .names = shape_names,
       AT(weft_shape, kind), .meaning = "its kind" },
-    { "at", WEFT__VECTOR, .required = true, .of = PLANE | SPHERE | BOX,
+    { "at", WEFT__VECTOR, .required = true, .of = PLANE | SPHERE | BOX, .also = MESH,
       NUMBER(shape, at),
-      .meaning = "a point of a plane, the centre of a sphere or box" },
+      .meaning = "a point of a plane, the centre of a sphere or box; of a mesh, by "
+                 "default [0, 0, 0], where the origin of its file lies" },
     { "normal", WEFT__VECTOR, .required = true, .of = PLANE, AT(weft_shape, normal),
       .meaning = "plane: towards the side of the cloth; normalised on reading" },
     { "from", WEFT__VECTOR, .required = true, .of = CAPSULE, NUMBER(shape, at),
@@ -415,6 +418,16 @@ static const weft__key shape_keys[] = {
       .meaning = "box: half its edges along x, y, z; > rounding" },
     { "rounding", WEFT__NUMBER, .required = true, .of = BOX,
       .number = &weft__shape_rounding, .meaning = "box: radius of its edges" },
+    { "file", WEFT__TEXT, .required = true, .of = MESH, AT(weft__shape_item, file),
+      .meaning = "mesh: an OBJ file beside the scene, of which v and f are read; with "
+                 "%04d for a number, one for each key frame, from 0 or 1 on" },
+    { "unit", WEFT__NUMBER, .of = MESH, RANGE(.strict = true), .unit = "m",
+      .fallback = "1.0", AT(weft__shape_item, unit),
+      .meaning = "mesh: one unit of the file" },
+    { "fps", WEFT__NUMBER, .of = MESH, RANGE(.strict = true), .unit = "1/s",
+      .absent = "no key frames", AT(weft__shape_item, fps),
+      .meaning = "mesh: key frames a second; between them it moves smoothly, after the "
+                 "last it rests" },
     { "friction", WEFT__NUMBER, RANGE(.least = 0.0), .absent = "contact.friction",
       AT(weft_shape, friction), .meaning = "coefficient of friction of this shape" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, velocity),
@@ -425,7 +438,7 @@ static const weft__key shape_keys[] = {
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
     { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
       .meaning = "of the surface: about at, along the normal of a plane and the axis "
-                 "of a capsule, none of a box" },
+                 "of a capsule, none of a box or a mesh" },
     { "turn", WEFT__MAPPING, CHECKED(shape_turn), .absent = "none",
       AT(weft_shape, turn),
       .meaning = "the shape turns about an axis, and then moves by velocity and "

@@ -66,6 +66,7 @@ typedef struct weft__key {
     unsigned first;
     unsigned of; /* a bit for each choice of the section's first key that it goes with;
                     0: with all */
+    unsigned also;                /* the same, but where it is not required */
     const weft__section *section; /* of the kinds that are or hold mappings */
     const struct weft__items *items;
     size_t at; /* offset into what the section fills, beside the number's own */
@@ -85,7 +86,7 @@ struct weft__section {
     const char *beside_hint;
 };
 
-#define WEFT__MAX_KEYS 16 /* of a section */
+#define WEFT__MAX_KEYS 20 /* of a section */
 
 extern const weft__section weft__root;
 

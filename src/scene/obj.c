@@ -83,6 +83,14 @@ void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index, const char *
 
 /* ---- quadrilaterals ------------------------------------------------------------ */
 
+/* Of the lines from corner 0 to 2 and from 1 to 3, by their lengths. */
+static bool shorter_at_1(const uint32_t v[4], double a, double b)
+{
+    return fabs(a - b) > EQUAL * (a + b)
+               ? b < a
+               : (v[1] < v[3] ? v[1] : v[3]) < (v[0] < v[2] ? v[0] : v[2]);
+}
+
 /* Whether a quadrilateral is divided from corner 1 to 3 rather than from 0 to 2: by the
  * shorter line, of equal ones that with the lowest vertex, but not outside of it. */
 static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
@@ -90,7 +98,13 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
     const uint32_t *v = face->vertex;
     const double *x[4];
     for (size_t k = 0; k < 4; ++k) {
-        x[k] = obj->place[face->place[k]];
+        x[k] = obj->body ? obj->vertex[v[k]] : obj->place[face->place[k]];
+    }
+    if (obj->body) {
+        const double d[2][3]
+            = { { x[2][0] - x[0][0], x[2][1] - x[0][1], x[2][2] - x[0][2] },
+                { x[3][0] - x[1][0], x[3][1] - x[1][1], x[3][2] - x[1][2] } };
+        return shorter_at_1(v, weft__length(d[0]), weft__length(d[1]));
     }
     const bool in_02
         = weft__plane_turn(x[0], x[1], x[2]) * weft__plane_turn(x[0], x[2], x[3]) > 0.0;
@@ -98,13 +112,7 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
         = weft__plane_turn(x[1], x[2], x[3]) * weft__plane_turn(x[1], x[3], x[0]) > 0.0;
     const double a = sqrt(weft__squared(x[0], x[2])),
                  b = sqrt(weft__squared(x[1], x[3]));
-    if (in_02 != in_13) {
-        return in_13;
-    }
-    if (fabs(a - b) > EQUAL * (a + b)) {
-        return b < a;
-    }
-    return (v[1] < v[3] ? v[1] : v[3]) < (v[0] < v[2] ? v[0] : v[2]);
+    return in_02 != in_13 ? in_13 : shorter_at_1(v, a, b);
 }
 
 /* ---- the definition ------------------------------------------------------------ */
@@ -184,8 +192,8 @@ static void add_face(obj_builder *self, size_t index)
 {
     const weft__obj_face *face = &self->obj->face[index];
     const size_t corners = face->vertex[3] == WEFT__NONE ? 3 : 4;
-    uint32_t place[4];
-    for (size_t k = 0; k < corners; ++k) {
+    uint32_t place[4] = { 0 };
+    for (size_t k = 0; k < corners && !self->obj->body; ++k) {
         place[k] = find_place(self, face, k);
     }
     if (corners == 3) {
@@ -260,7 +268,7 @@ static void fetch_ahead(const obj_builder *self, size_t f)
     for (size_t k = 0; k < 3; ++k) {
         __builtin_prefetch(&self->first[later->vertex[k]], 1);
         __builtin_prefetch(&obj->vertex_of[later->vertex[k]]);
-        __builtin_prefetch(&obj->place[later->place[k]]);
+        __builtin_prefetch(obj->body ? NULL : &obj->place[later->place[k]]);
     }
 }
 

@@ -35,6 +35,7 @@ typedef struct weft__obj {
     weft__report *report;
     weft__mark at;    /* where the scene names the file */
     const char *path; /* as messages name it */
+    bool body;        /* no cloth: v and f alone are read, and it has no rest shape */
     /* while it is read */
     char *text; /* ends with NUL */
     size_t length;

@@ -162,6 +162,9 @@ static bool read_corner(cursor *self, size_t length, uint32_t *vertex, uint32_t 
     if (!read_index(self, "v", &p, end, self->vertices, obj->vertices, vertex)) {
         return false;
     }
+    if (obj->body) {
+        return true;
+    }
     p += p < end;
     if (p < end && *p != '/') {
         return read_index(self, "vt", &p, end, self->places, obj->places, place);
@@ -206,8 +209,8 @@ static void read_face(cursor *self)
     }
     if (corners < 3 || corners > 4) {
         MISTAKE(self, self->word,
-                "a face of %zu %s: cloth is made of triangles and quadrilaterals",
-                corners, corners == 1 ? "corner" : "corners");
+                "a face of %zu %s: %s is made of triangles and quadrilaterals", corners,
+                corners == 1 ? "corner" : "corners", obj->body ? "a body" : "cloth");
         good = false;
     }
     self->faces += good;
@@ -306,7 +309,7 @@ static bool make_room(weft__obj *obj)
         ++count[next_statement(&self)];
     }
     obj->vertices = count[V];
-    obj->places = count[VT];
+    obj->places = obj->body ? 0 : count[VT];
     obj->vertex = weft__report_take(obj->report, count[V], sizeof *obj->vertex);
     obj->vertex_byte
         = weft__report_take(obj->report, count[V], sizeof *obj->vertex_byte);
@@ -331,14 +334,14 @@ bool weft__obj_parse(weft__obj *obj)
     }
     for (; self.at < self.end && !obj->report->no_memory; skip_line(&self)) {
         const size_t kind = next_statement(&self);
-        if (kind < KINDS) {
+        if (kind < KINDS && (!obj->body || kind == V || kind == F)) {
             statements[kind].read(&self);
         }
     }
     obj->faces = self.faces;
     if (obj->report->mistakes == before && obj->faces == 0) {
         MISTAKE(&self, obj->text, "the file has no faces (lines 'f 1/1 2/2 3/3')");
-    } else if (obj->report->mistakes == before && obj->places == 0) {
+    } else if (obj->report->mistakes == before && obj->places == 0 && !obj->body) {
         MISTAKE(&self, obj->text + obj->face[0].byte,
                 "the file has no vt lines, which give the rest shape in the plane");
     }

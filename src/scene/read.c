@@ -443,10 +443,11 @@ static void report_missing(weft__reader *reader, const weft__match *match,
 static bool goes_with_choice(const weft__section *section, const weft__key *key,
                              const void *base, unsigned *choice)
 {
-    if (key->of != 0) {
+    const unsigned with = key->of | key->also;
+    if (with != 0) {
         memcpy(choice, (const char *)base + section->keys[0].at, sizeof *choice);
     }
-    return key->of == 0 || (key->of >> *choice & 1U) != 0;
+    return with == 0 || (with >> *choice & 1U) != 0;
 }
 
 static void report_foreign(weft__reader *reader, const weft__match *match, size_t i,
@@ -456,7 +457,7 @@ static void report_foreign(weft__reader *reader, const weft__match *match, size_
     const char *const *names = match->section->keys[0].names;
     char others[80] = "";
     for (size_t k = 0, used = 0; names[k] != NULL && used < sizeof others; ++k) {
-        if ((key->of >> k & 1U) != 0) {
+        if (((key->of | key->also) >> k & 1U) != 0) {
             used += (size_t)snprintf(others + used, sizeof others - used, "%s%s",
                                      used == 0 ? "" : ", ", names[k]);
         }
@@ -472,14 +473,15 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
 {
     const weft__key *key = &match->section->keys[i];
     weft__found *found = &match->found[i];
-    unsigned choice;
+    unsigned choice = 0;
     if (!goes_with_choice(match->section, key, base, &choice)) {
         report_foreign(reader, match, i, choice);
     } else if (found->value != NULL) {
         const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, found->value, base);
         found->wrong = reader->report->mistakes > mistakes;
-    } else if (key->required && !found->explained && match->map != NULL) {
+    } else if (key->required && (key->also >> choice & 1U) == 0 && !found->explained
+               && match->map != NULL) {
         report_missing(reader, match, key);
     } else if (key->fallback != NULL) {
         read_fallback(reader, key, base);

@@ -80,6 +80,22 @@ typedef struct weft__mesh_file {
     weft__turn turn;
 } weft__mesh_file;
 
+/* An item of contact.shapes; a mesh has a file. */
+typedef struct weft__shape_item {
+    weft_shape shape;
+    char *file;
+    double unit, fps; /* [m], [1/s] */
+} weft__shape_item;
+
+/* The files of a body, for copies. */
+#define WEFT__BODY_COPY "scene-shape%zu"
+typedef struct weft__body_files {
+    size_t shape, count;
+    bool keyed;
+    char **paths;
+    struct weft__body_files *next;
+} weft__body_files;
+
 /* cloth.fabrics: list[0] is `fabric`, the others as the node has them. */
 typedef struct weft__fabrics {
     weft_fabric *list;
@@ -133,6 +149,7 @@ struct weft_scene {
     weft__mesh_file mesh_file;
     weft__cut cut;
     const char *mesh_path; /* of the file that was read; NULL: none */
+    weft__body_files *body_files;
     weft__fabrics fabrics;
     weft__obj obj;   /* what cloth.mesh points to */
     bool renumbered; /* vertices have other numbers than in the scene as it is */
@@ -170,6 +187,7 @@ typedef struct weft__reader {
     const weft_scene_def *def;
     const weft__section *root;
     weft__read_fn *const *readers; /* by kind */
+    size_t shape;                  /* number of the one that is read */
 } weft__reader;
 
 /* The source of scenes: a text, and its tree with the overrides applied. */
@@ -328,9 +346,15 @@ bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
 /* scene_mesh.c */
 weft__check_fn weft__check_mesh, weft__check_turn;
 
-/* A file beside the scene; in the results of a run its copy there. NULL: no memory, or
+/* A file beside the scene; in the results of a run its copy there, by default that of a
+ * cloth. NULL: no memory, or
  * there is no copy and no name. */
-char *weft__mesh_path(weft__reader *reader, const char *name);
+char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy);
+
+/* scene_body.c: the body of a shape that is a mesh, whose other keys have no mistake.
+ */
+void weft__read_body(weft__reader *reader, const struct weft__match *match,
+                     weft__shape_item *item);
 
 /* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);

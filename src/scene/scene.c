@@ -197,7 +197,7 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
 {
     weft__tree *tree = &scene->tree;
     weft__reader reader
-        = { scene, tree, report, &base->def, &weft__root, weft__readers };
+        = { scene, tree, report, &base->def, &weft__root, weft__readers, 0 };
     *tree = (weft__tree){ .report = report, .root = base->tree.root };
     weft__sweep_apply(tree, &base->sweep, run);
     weft__resolve_method(&reader, &base->sweep);
@@ -319,6 +319,22 @@ const char *weft_scene_part_file(const weft_scene *scene, size_t k)
 const char *weft_scene_part_text(const weft_scene *scene, size_t k)
 {
     return scene->part_count > 0 ? scene->parts[k].obj.text : scene->obj.text;
+}
+
+const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
+                                 size_t size)
+{
+    const weft__body_files *at = scene->body_files;
+    for (; at != NULL && i >= at->count; at = at->next) {
+        i -= at->count;
+    }
+    if (at == NULL) {
+        return NULL;
+    }
+    char *end = copy + weft_text_format(copy, size, WEFT__BODY_COPY, at->shape);
+    (void)weft_text_format(end, size - (size_t)(end - copy),
+                           at->keyed ? "-%04zu.obj" : ".obj", i);
+    return at->paths[i];
 }
 
 void weft_scene_refusal(const weft_scene *scene, const weft_error *why,

@@ -9,8 +9,12 @@
 void weft__read_shape(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    *(weft_shape *)to = weft_shape_default(WEFT_SHAPES); /* of no kind yet */
-    weft__read_mapping(reader, key, node, to);
+    const weft_shape *shapes = reader->scene->cloth.contact.shapes;
+    weft__shape_item item = { .file = NULL };
+    item.shape = weft_shape_default(WEFT_SHAPES); /* of no kind yet */
+    reader->shape = shapes == NULL ? 0 : (size_t)((weft_shape *)to - shapes);
+    weft__read_mapping(reader, key, node, &item);
+    *(weft_shape *)to = item.shape;
 }
 
 /* ---- errors ------------------------------------------------------------------ */
@@ -23,16 +27,20 @@ void weft__check_shape_turn(weft__reader *reader, const weft__match *match, void
 
 void weft__check_shape(weft__reader *reader, const weft__match *match, void *base)
 {
-    const weft_shape *shape = base;
-    const weft_shape *shapes = reader->scene->cloth.contact.shapes;
-    const size_t index = shapes == NULL ? 0 : (size_t)(shape - shapes);
+    weft__shape_item *item = base;
+    const weft_shape *shape = &item->shape;
+    const size_t before = reader->report->mistakes;
     bool wrong = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
                  || shape->kind == WEFT_SHAPES;
     for (size_t i = 0; i < match->section->count; ++i) {
         wrong = wrong || match->found[i].wrong;
     }
+    if (!wrong && shape->kind == WEFT_MESH && item->file != NULL) {
+        weft__read_body(reader, match, item);
+        wrong = reader->report->mistakes > before || item->shape.body == NULL;
+    }
     if (!wrong) {
-        (void)weft__shape_check(shape, index, &match->faults);
+        (void)weft__shape_check(shape, reader->shape, &match->faults);
     }
 }
 
@@ -66,7 +74,7 @@ static void check_start(weft__reader *reader, const weft__node *shapes)
 
 /* What weft_cloth_create finds: a grid starts flat, so that only rounding can bring it
  * into itself; of a mesh also notches. */
-static void check_crossings(weft__reader *reader, const weft__node *self)
+static void check_crossings(weft__reader *reader, const weft__node *at, bool bodies)
 {
     weft_cloth_def def = reader->scene->cloth;
     weft_cloth *cloth = NULL;
@@ -74,11 +82,12 @@ static void check_crossings(weft__reader *reader, const weft__node *self)
     if ((double)weft__particles_in(reader->scene) >= MAX_COMPARED) {
         return;
     }
-    def.contact.shape_count = 0;
+    def.contact.shape_count = bodies ? def.contact.shape_count : 0;
+    def.contact.self = !bodies;
     def.allocator = reader->report->memory;
     const weft_status status = weft_cloth_create(&def, &cloth, &err);
     if (status == WEFT_INVALID) {
-        ERROR_AT(reader, self, "%s", err.message);
+        ERROR_AT(reader, at, "%s", err.message);
     }
     if (status == WEFT_NO_MEMORY) {
         reader->report->no_memory = true;
@@ -105,9 +114,12 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     if (contact->shape_count > 0) {
         check_start(reader, weft__value_in(match, "shapes"));
     }
+    if (reader->scene->body_files != NULL && reader->report->found->errors == 0) {
+        check_crossings(reader, weft__value_in(match, "shapes"), true);
+    }
     const weft__node *self = weft__value_in(match, "self");
     if (contact->self) {
-        check_crossings(reader, self);
+        check_crossings(reader, self, false);
     } else if (contact->shape_count == 0 && self == NULL) {
         WARNING_AT(reader, match->map,
                    "contact has no effect: it has no shapes, and self is "
@@ -137,9 +149,9 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
     const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
                           def->cols > 1 ? def->spacing[1] : 0.0);
     const bool box = shape->kind == WEFT_BOX;
-    const double sag = shape->kind == WEFT_PLANE ? 0.0
-                       : box                     ? edge_cut(a, shape->rounding)
-                                                 : a * a / (8.0 * shape->radius);
+    const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
+                       : box ? edge_cut(a, shape->rounding)
+                             : a * a / (8.0 * shape->radius);
     if (sag > def->contact.thickness) {
         weft__report_warning(
             report, at,

@@ -309,7 +309,7 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
     weft_scene *scene = reader->scene;
     const size_t before = reader->report->mistakes;
     scene->meshed = true;
-    char *path = weft__mesh_path(reader, NULL);
+    char *path = weft__mesh_path(reader, NULL, NULL);
     const size_t finer = reader->def->refine > 1 ? reader->def->refine : 1;
     scene->renumbered = finer > 1 && path == NULL;
     cut->grid.rows = cut->grid.cols = 2;

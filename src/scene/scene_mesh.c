@@ -13,19 +13,20 @@ enum { MOST_FABRICS = 64 };
 
 /* ---- the file ----------------------------------------------------------------- */
 
-char *weft__mesh_path(weft__reader *reader, const char *name)
+char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy)
 {
     static const char scene_copy[] = "scene.yaml";
-    char copy[32] = "scene.obj";
+    char own[32] = "scene.obj";
     const char *scene = reader->def->file == NULL ? "" : reader->def->file;
     const char *slash = strrchr(scene, '/');
     const size_t folder = slash == NULL ? 0 : (size_t)(slash - scene) + 1;
-    const size_t length = name == NULL ? 0 : strlen(name);
     if (reader->scene->part > 0) {
-        (void)snprintf(copy, sizeof copy, "scene-%zu.obj", reader->scene->part - 1);
+        (void)snprintf(own, sizeof own, "scene-%zu.obj", reader->scene->part - 1);
     }
-    char *path = weft__tree_take(
-        reader->tree, folder + (length < sizeof copy ? sizeof copy : length + 1), 1);
+    copy = copy == NULL ? own : copy;
+    const size_t length = name == NULL ? 0 : strlen(name), least = strlen(copy);
+    char *path = weft__tree_take(reader->tree,
+                                 folder + (length < least ? least : length) + 1, 1);
     if (path == NULL) {
         return NULL;
     }
@@ -62,7 +63,7 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
             return;
         }
     }
-    char *path = from->file == NULL ? NULL : weft__mesh_path(reader, from->file);
+    char *path = from->file == NULL ? NULL : weft__mesh_path(reader, from->file, NULL);
     if (path == NULL) {
         return;
     }

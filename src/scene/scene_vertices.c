@@ -130,6 +130,9 @@ void weft__read_inside(weft__reader *reader, const weft__key *key,
     const size_t before = reader->report->mistakes;
     weft_shape shape;
     weft__read_shape(reader, key, node, &shape);
+    if (shape.kind == WEFT_MESH && reader->report->mistakes == before) {
+        ERROR_AT(reader, node, "inside needs a shape with an inside, not a mesh");
+    }
     if (mesh == NULL || reader->report->mistakes > before) {
         return;
     }

@@ -120,6 +120,10 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         && weft__self_list_grow(sim->forces.self, why) != WEFT_OK) {
         return WEFT_NO_MEMORY;
     }
+    if (sim->forces.bodies != NULL
+        && weft__self_list_grow(sim->forces.bodies->list, why) != WEFT_OK) {
+        return WEFT_NO_MEMORY;
+    }
     memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
     for (double end = t_end;;) {
         bool again;

@@ -25,8 +25,9 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
-    const size_t each_thread
-        = cloth->self.law.self ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+    const size_t each_thread = cloth->self.law.self || cloth->bodies.pairs.law.self
+                                   ? SELF_PER_THREAD
+                                   : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t blocks = cloth->mesh.band.own;
     const size_t useful = worth < blocks ? worth : blocks;
@@ -44,18 +45,30 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
             measures = NULL;
         }
     }
-    return (weft__forces){ .cloth = cloth,
-                           .spaces = { [WEFT__FORCE_self] = self },
-                           .pool = pool,
-                           .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
-                           .self = self,
-                           .measures = measures,
-                           .memory = memory };
+    weft__bodies_space *bodies = NULL;
+    if (cloth->bodies.pairs.law.self && measures != NULL) {
+        bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
+        if (bodies == NULL) {
+            weft__free(&memory, measures);
+            measures = NULL;
+        }
+    }
+    return (weft__forces){
+        .cloth = cloth,
+        .spaces = { [WEFT__FORCE_self] = self, [WEFT__FORCE_bodies] = bodies },
+        .pool = pool,
+        .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+        .self = self,
+        .bodies = bodies,
+        .measures = measures,
+        .memory = memory
+    };
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
     weft__self_list_destroy(forces->self);
+    weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
     WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all);
 }
@@ -143,7 +156,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
         weft__measures_add(&sum, &blocks[b]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
-    if (forces->self != NULL && of != weft__block_worst) {
+    if ((forces->self != NULL || forces->bodies != NULL) && of != weft__block_worst) {
         weft__measure_all(forces->cloth, forces->spaces, at, &sum);
     }
     return sum;

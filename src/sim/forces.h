@@ -11,6 +11,7 @@ typedef struct weft__forces {
     weft__pool *pool; /* NULL: one thread */
     size_t bands;
     weft__self_list *self;      /* NULL: none */
+    weft__bodies_space *bodies; /* NULL: none */
     void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
     weft_measures *measures;    /* of each own block; NULL: no memory */
     const weft_comm *comm;      /* NULL: the cloth is whole */

@@ -181,8 +181,20 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
                                 "limit, or other callbacks");
 }
 
+/* The body of the next mesh among the shapes: meshes are never added or removed. */
+static const weft_body *next_body(const weft_sim *sim, size_t *shape)
+{
+    const weft__contact *of = &sim->cloth->contact;
+    const weft_body *body = NULL;
+    while (body == NULL && *shape < of->shape_count) {
+        body = of->shapes[(*shape)++].def.body;
+    }
+    return body;
+}
+
 static bool read_shapes(const weft_sim *sim, restored *to)
 {
+    size_t body = 0;
     const unsigned char *from = front_shapes(sim, to) + 2 * WEFT__WORD;
     bool good = true;
     for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
@@ -192,6 +204,7 @@ static bool read_shapes(const weft_sim *sim, restored *to)
             def.kind = (weft_shape_kind)word(from, 0);
         }
         weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
+        def.body = def.kind == WEFT_MESH ? next_body(sim, &body) : NULL;
         good = good && isfinite(since)
                && weft__shape_make(&sim->cloth->contact, &def, since, k, &to->shapes[k],
                                    NULL)
@@ -279,6 +292,7 @@ static void exchange(weft_sim *sim, restored *with)
     }
     contact->shapes = with->shapes;
     contact->shape_count = with->shape_count;
+    ++contact->changes;
     with->shapes = mine.shapes;
     with->shape_count = mine.shape_count;
     with->wind = sim->cloth->wind;

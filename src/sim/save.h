@@ -40,10 +40,10 @@ typedef struct weft__save_head {
 } weft__save_head;
 enum { SAVE_HEAD = sizeof(weft__save_head) / WEFT__WORD };
 
-/* What weft_shape has behind `kind`. */
+/* What weft_shape has behind `kind`, but a body. */
 enum {
     AT_REALS = offsetof(weft_shape, at),
-    SHAPE_REALS = (sizeof(weft_shape) - AT_REALS) / sizeof(double),
+    SHAPE_REALS = (offsetof(weft_shape, body) - AT_REALS) / sizeof(double),
     SHAPE_WORDS = 1 + SHAPE_REALS + 1
 };
 

@@ -56,10 +56,12 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_UNSUPPORTED, "%zu threads: %s", config->threads,
                               refusal);
     }
-    if (def->comm != NULL && def->cloth->self.law.self) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "contact of the cloth with itself needs the whole cloth: "
-                              "a band does not know which others it meets");
+    if (def->comm != NULL
+        && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self)) {
+        return weft_error_set(
+            err, WEFT_UNSUPPORTED,
+            "contact of the cloth with itself or a mesh needs the whole cloth: "
+            "a band does not know which others it meets");
     }
     return WEFT_OK;
 }

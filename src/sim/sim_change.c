@@ -97,7 +97,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
         }
-        if (weft__crossing_error(&sim->cloth->self, sim->start, SIZE_MAX, "", err)
+        if (weft__crossings_error(sim->cloth, sim->t, sim->start, SIZE_MAX, "", err)
             != WEFT_OK) {
             return WEFT_INVALID;
         }
@@ -196,7 +196,8 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double positio
     const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
     place(sim, i, position);
-    if (weft__crossing_error(&sim->cloth->self, sim->y, SIZE_MAX, "", err) != WEFT_OK) {
+    if (weft__crossings_error(sim->cloth, sim->t, sim->y, SIZE_MAX, "", err)
+        != WEFT_OK) {
         place(sim, i, before);
         return WEFT_INVALID;
     }
@@ -214,7 +215,7 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "is", err);
         }
-        if (weft__crossing_error(&sim->cloth->self, sim->y, i, "", err) != WEFT_OK) {
+        if (weft__crossings_error(sim->cloth, sim->t, sim->y, i, "", err) != WEFT_OK) {
             return WEFT_INVALID;
         }
         weft__sim_change_begins(sim);
@@ -241,6 +242,14 @@ static weft_status check_shape(const weft_sim *sim, const char *function, size_t
     return WEFT_OK;
 }
 
+static weft_status meshes_stay(const char *how, weft_error *err)
+{
+    return weft_error_set(err, WEFT_UNSUPPORTED,
+                          "a shape of kind mesh cannot be %s: it belongs to the "
+                          "definition of the cloth",
+                          how);
+}
+
 /* Shape k, or one more, becomes this one, unless a free particle is in it. */
 static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
                        weft_error *err)
@@ -251,11 +260,18 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
     weft__sim_change_begins(sim);
     cloth->contact.shapes[k] = *shape;
     cloth->contact.shape_count = k < count ? count : count + 1;
+    ++cloth->contact.changes;
     const weft__breach breach = weft__state_breach(cloth, sim->t, sim->y);
-    if (breach.found) {
+    const weft_status crosses
+        = breach.found ? weft__breach_error(cloth, &breach, "would be", err)
+          : shape->def.body != NULL
+              ? weft__bodies_error(&cloth->bodies, sim->t, sim->y, SIZE_MAX, "", err)
+              : WEFT_OK;
+    if (crosses != WEFT_OK) {
         cloth->contact.shapes[k] = before;
         cloth->contact.shape_count = count;
-        return weft__breach_error(cloth, &breach, "would be", err);
+        ++cloth->contact.changes;
+        return crosses;
     }
     weft__sim_change_ends(sim, true);
     return WEFT_OK;
@@ -284,6 +300,9 @@ weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *given,
     if (status == WEFT_OK && given != NULL
         && !weft__sized_read(&shape, sizeof shape, given, size)) {
         status = weft__sized_unknown("weft_shape", err);
+    }
+    if (status == WEFT_OK && given != NULL && shape.kind == WEFT_MESH) {
+        status = meshes_stay("added", err);
     }
     if (status == WEFT_OK) {
         status = weft__shape_make(&sim->cloth->contact, given == NULL ? NULL : &shape,
@@ -361,7 +380,10 @@ weft_status weft_sim_drive_shape_sized(weft_sim *sim, size_t k, const weft_shape
 
 weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
 {
-    const weft_status status = check_shape(sim, "weft_sim_remove_shape", k, err);
+    weft_status status = check_shape(sim, "weft_sim_remove_shape", k, err);
+    if (status == WEFT_OK && sim->cloth->contact.shapes[k].def.kind == WEFT_MESH) {
+        status = meshes_stay("removed", err);
+    }
     if (status == WEFT_OK) {
         weft_cloth *cloth = sim->cloth;
         weft__sim_change_begins(sim);
@@ -391,7 +413,11 @@ void weft_sim_shape_load(const weft_sim *sim, size_t k, double force[3],
     const pressed shape
         = { .cloth = sim->cloth, .at = { .t = sim->t, .y = sim->y }, .k = k };
     double load[WEFT__LOAD];
-    weft__bands_sum(&sim->forces, block_load, &shape, WEFT__LOAD, load);
+    if (sim->cloth->contact.shapes[k].def.body != NULL) {
+        weft__bodies_load(&sim->cloth->bodies, sim->forces.bodies, &shape.at, k, load);
+    } else {
+        weft__bands_sum(&sim->forces, block_load, &shape, WEFT__LOAD, load);
+    }
     memcpy(force, load, 3 * sizeof *force);
     memcpy(torque, load + 3, 3 * sizeof *torque);
 }

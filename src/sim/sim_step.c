@@ -3,6 +3,7 @@
 #include <inttypes.h>
 
 #include "base/log.h"
+#include "forces/contact/mesh_shape.h"
 #include "forces/self/self.h"
 #include "sim/simulation.h"
 
@@ -52,8 +53,8 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
         return weft__sim_fail(sim, &why, err);
     }
     if (jumped) {
-        (void)weft__crossing_error(&sim->cloth->self, sim->y, SIZE_MAX,
-                                   "after the correction ", &why);
+        (void)weft__crossings_error(sim->cloth, sim->t, sim->y, SIZE_MAX,
+                                    "after the correction ", &why);
     }
     return why.status == WEFT_OK ? WEFT_OK : weft__sim_fail(sim, &why, err);
 }
@@ -98,7 +99,7 @@ static double end_of_piece(const weft_sim *sim, double t_end)
     for (size_t i = 0; i < mesh->motion_count; ++i) {
         end = weft__track_next(&mesh->motions[i].path, sim->t, end);
     }
-    return end;
+    return weft__bodies_next(&sim->cloth->contact, sim->t, end);
 }
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)

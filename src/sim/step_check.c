@@ -39,7 +39,10 @@ bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 {
     path_check of = { .cloth = forces->cloth, .path = path };
     weft__forces_bands(forces, check_band, &of);
-    return !atomic_load(&of.failed) && !self_breach(forces, path).found;
+    weft__bodies_breach with;
+    return !atomic_load(&of.failed) && !self_breach(forces, path).found
+           && (forces->bodies == NULL
+               || weft__bodies_clear(forces->bodies, path, &with));
 }
 
 weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path)
@@ -62,6 +65,15 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
                 break;
             }
         }
+    }
+    weft__bodies_breach with;
+    if (!out.found && forces->bodies != NULL
+        && !weft__bodies_clear(forces->bodies, path, &with)) {
+        out = (weft__breach){ .found = true,
+                              .particle = with.particle,
+                              .shape = with.shape,
+                              .gap = with.gap,
+                              .t = path->t1 };
     }
     return out.found ? out : self_breach(forces, path);
 }
@@ -100,7 +112,7 @@ weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double
     if (!out.found && forces->self != NULL) {
         const weft__state of = { .t = t, .y = y };
         weft_measures sum = weft__measures_start;
-        weft__self_list_measure(forces->self, &of, &sum);
+        weft__self_measure(&forces->cloth->self, forces->self, &of, &sum);
         memcpy(out.pair, sum.self_pair, sizeof out.pair);
         out.gap = sum.self_gap;
         out.found = out.gap <= 0.0;
@@ -190,5 +202,8 @@ void weft__hold_back(const weft__forces *forces, double t, const double *from,
     weft__forces_bands(forces, hold_band, &of);
     if (forces->self != NULL) {
         weft__self_list_hold(forces->self, from, y);
+    }
+    if (forces->bodies != NULL) {
+        weft__bodies_hold(forces->bodies, t, from, y);
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // shapes.js -- bodies that a cloth touches: where they are, how far it is to them, meshes.
 import {
-    CircleGeometry, DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
+    BufferGeometry, CircleGeometry, DoubleSide, Float32BufferAttribute, Group, Mesh, MeshLambertMaterial, Quaternion, SphereGeometry, Vector3,
 } from 'three';
 import { selfGaps } from './self.js';
 
@@ -25,6 +25,34 @@ export function placeAt(shape, t, x = shape.at) {
     return arm.map(
         (r, k) => about[k] + r + shape.velocity[k] * t + shape.amplitude[k] * Math.sin(2 * Math.PI * shape.frequency * t),
     );
+}
+
+/** The shares of the keys about x, their number counted in keys: the law of tracks (docs/physics.md). */
+function keyShares(count, x) {
+    const i = Math.floor(x);
+    if (!(x > 0 && x < count - 1)) {
+        return [[x > 0 ? count - 1 : 0, 1]];
+    }
+    const s = x - i;
+    return [i - 1, i, i + 1, i + 2].filter((k) => k >= 0 && k < count).map((k) => {
+        const is = (j) => (j === k ? 1 : 0);
+        const slopes = (j) => (j > 0 && j < count - 1 ? [(is(j + 1) - is(j - 1)) / 2, is(j + 1) - 2 * is(j) + is(j - 1)] : [0, 0]);
+        const [[c1, bend], [slope, last]] = [slopes(i), slopes(i + 1)];
+        const [p, q, r] = [is(i + 1) - is(i) - c1 - bend / 2, slope - c1 - bend, last - bend];
+        return [k, is(i) + s * (c1 + s * (bend / 2 + s * (10 * p - 4 * q + r / 2 + s * (7 * q - 15 * p - r + s * (6 * p - 3 * q + r / 2)))))];
+    });
+}
+
+/** Puts the vertices of a mesh that moves by keys where they are at time t [s]. */
+function moveVertices(geometry, { keys, fps }, t) {
+    const { position } = geometry.attributes;
+    const shares = keyShares(keys.length, t * fps);
+    for (let i = 0; i < position.array.length; ++i) {
+        position.array[i] = shares.reduce((sum, [k, share]) => sum + share * keys[k][i], 0);
+    }
+    position.needsUpdate = true;
+    geometry.computeVertexNormals();
+    geometry.computeBoundingSphere();
 }
 
 /** How far x is beyond the range from lo to hi. */
@@ -53,11 +81,11 @@ const GAPS = {
     },
 };
 
-/** The smallest gap [m] of each particle of a run in a frame: to the shapes and, within the
+/** The smallest gap [m] of each particle of a run in a frame: to the shapes but meshes and, within the
  * thickness, to other parts of the cloth. */
 export function gaps(page, run, frame, out) {
     const [x, y, z] = [0, 1, 2].map((k) => run.blocks[frame].read(k, new Float32Array(out.length)));
-    const near = run.obstacles.map((shape) => {
+    const near = run.obstacles.filter(({ shape }) => GAPS[shape]).map((shape) => {
         const gap = GAPS[shape.shape](shape);
         const back = rotationAt(shape, page.times[frame]).invert();
         const r = new Vector3();
@@ -103,6 +131,13 @@ const MESHES = {
         const length = Math.hypot(...way);
         const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), new Vector3(...unit(way)));
         const geometry = around([0, length / 2, 0], radius, round).translate(0, length / 2, 0).applyQuaternion(turn);
+        return new Mesh(geometry);
+    },
+    mesh: (shape) => {
+        const geometry = new BufferGeometry();
+        geometry.setAttribute('position', new Float32BufferAttribute(shape.keys[0], 3));
+        geometry.setIndex(shape.corners);
+        moveVertices(geometry, shape, 0);
         return new Mesh(geometry);
     },
     box: ({ half, rounding }) => new Mesh(around(half.map((x) => x - rounding), rounding, cubic)),
@@ -153,6 +188,9 @@ export class Shapes {
             const made = this.group.children[i];
             const [t, spin] = [this.page.times[frame], this.spins[i]];
             made.position.set(...placeAt(shape, t));
+            if (shape.shape === 'mesh' && shape.keys.length > 1) {
+                moveVertices(made.geometry, shape, t);
+            }
             made.quaternion.setFromAxisAngle(spin.clone().normalize(), spin.length() * t).multiply(made.userData.rest)
                 .premultiply(rotationAt(shape, t));
         });
@@ -168,6 +206,12 @@ const extents = {
         return [half.map((x) => Math.abs(x) + radius), half];
     },
     box: ({ half }) => [half, [0, 0, 0]],
+    mesh: ({ keys }) => {
+        const [low, high] = [Math.min, Math.max].map((most) => [0, 1, 2].map((k) => keys.flat().reduce(
+            (far, x, i) => (i % 3 === k ? most(far, x) : far), most(Infinity, -Infinity) === Infinity ? -Infinity : Infinity,
+        )));
+        return [high.map((x, k) => (x - low[k]) / 2), high.map((x, k) => (x + low[k]) / 2)];
+    },
 };
 
 /** The boxes of all shapes, no larger than `most` [m], in the first, middle and last frame. */

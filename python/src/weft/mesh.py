@@ -426,6 +426,41 @@ def with_files(scene: Mapping[str, Any], stem: str, folder: Optional[PathLike] =
     return {**scene, **changed}
 
 
+def _shapes(scene: Mapping[str, Any]) -> Any:
+    contact = scene.get("contact")
+    shapes = contact.get("shapes") if isinstance(contact, Mapping) else None
+    return shapes if isinstance(shapes, (list, tuple)) else []
+
+
+def has_bodies(scene: Mapping[str, Any]) -> bool:
+    """Whether a shape of a scene is a mesh, of arrays or of a file."""
+    return any(isinstance(shape, Mapping) and "file" in shape for shape in _shapes(scene))
+
+
+def _body_file(value: Any, folder: Path, stem: str) -> str:
+    """Writes the OBJ file of a body, (vertices, triangles) or a trimesh.Trimesh, or one for each of its key frames."""
+    if isinstance(value, str):
+        return os.path.abspath(value)
+    vertices, triangles = value if isinstance(value, tuple) else (value.vertices, value.faces)
+    places = np.asarray(vertices, dtype=float)
+    if places.ndim not in (2, 3) or places.shape[-1] != 3:
+        raise ValueError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (places.shape,))
+    corners = _corners(triangles, "triangles", None, places.shape[-2], "vertices").astype(int)
+    name = str(folder / (stem + ("-%04d.obj" if places.ndim == 3 else ".obj")))
+    for key, place in enumerate(places if places.ndim == 3 else places[None]):
+        lines = ["v %.17g %.17g %.17g" % tuple(x) for x in place] + ["f %d %d %d" % tuple(c + 1) for c in corners]
+        Path(name % key if places.ndim == 3 else name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return name
+
+
+def with_bodies(scene: Mapping[str, Any], folder: Path, stem: str = "body") -> dict[str, Any]:
+    """The scene with files of its bodies, those of arrays written to a folder."""
+    shapes = [{**shape, "file": _body_file(shape["file"], folder, "%s-%d" % (stem, k))}
+              if isinstance(shape, Mapping) and "file" in shape else shape
+              for k, shape in enumerate(_shapes(scene))]
+    return {**scene, "contact": {**scene["contact"], "shapes": shapes}}
+
+
 def _override(node: Any, path: str, value: Any) -> Any:
     """A copy of a scene with the value at a path of keys, as `--set` puts it there; None removes a key."""
     key, _, rest = path.partition(".")

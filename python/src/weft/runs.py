@@ -21,7 +21,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
-from weft.mesh import has_mesh, with_files
+from weft.mesh import has_bodies, has_mesh, with_bodies, with_files
 from weft.own import Method, served
 from weft.simulation import Scene
 
@@ -100,6 +100,8 @@ def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
     for i, scene in enumerate(scenes):
         name = scene.get("name") if isinstance(scene, Mapping) else None
         stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in str(name or "scene-%d" % i))
+        if isinstance(scene, Mapping) and has_bodies(scene):
+            scene = with_bodies(scene, Path(folder), stem)
         if isinstance(scene, Mapping) and has_mesh(scene):
             scene = with_files(scene, stem, folder)
         content = yaml_text(scene) if isinstance(scene, Mapping) else os.fspath(scene)

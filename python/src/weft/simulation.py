@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import os
+import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -16,7 +18,7 @@ from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
                           numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
-from weft.mesh import ClothsScene, MeshScene, has_mesh, mesh_scene
+from weft.mesh import ClothsScene, MeshScene, has_bodies, has_mesh, mesh_scene, with_bodies
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
@@ -127,7 +129,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
     of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program. In a dict,
     `cloth.mesh`, or that of one of `cloths`, may be a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of
-    {"file": ...}.
+    {"file": ...}, and the `file` of a mesh in contact.shapes a
+    trimesh.Trimesh or (vertices, triangles), with vertices (keys, n, 3) for key frames.
 
     force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
     (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
@@ -150,6 +153,13 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     (0.5, (80, 3))
     """
     own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
+    if isinstance(scene, Mapping) and has_bodies(scene):
+        with tempfile.TemporaryDirectory() as folder:
+            return _load(with_bodies(scene, Path(folder)), overrides, own)
+    return _load(scene, overrides, own)
+
+
+def _load(scene: Scene, overrides: Optional[Mapping[str, Any]], own: dict[str, Any]) -> Sim:
     if isinstance(scene, Mapping) and has_mesh(scene):
         return Sim(None, mesh_scene(scene, overrides), [], own)
     if isinstance(scene, Mapping):
@@ -872,7 +882,7 @@ _SHAPES = [text(lib.weft_shape_name(k)) for k in range(lib.WEFT_SHAPES)]
 
 def _fill(struct: Any, fields: Mapping[str, Any]) -> None:
     """Sets the members of a weft_shape, or of the weft_turn in it."""
-    names = [name for name, _ in ffi.typeof(struct).fields if name != "kind"]
+    names = [name for name, _ in ffi.typeof(struct).fields if name not in ("kind", "body")]
     of = "shape" if "turn" in names else "turn"
     for name, value in fields.items():
         if name not in names:
@@ -885,12 +895,19 @@ def _fill(struct: Any, fields: Mapping[str, Any]) -> None:
 
 
 def _members(struct: Any) -> dict[str, Any]:
-    plain = {name: getattr(struct, name) for name, _ in ffi.typeof(struct).fields if name not in ("kind", "turn")}
+    plain = {name: getattr(struct, name) for name, _ in ffi.typeof(struct).fields if name not in ("kind", "turn", "body")}
     return {name: value if isinstance(value, float) else numbers_of(value) for name, value in plain.items()}
+
+
+def _body(body: Any) -> dict[str, Any]:
+    count, triangles = int(body.keys * body.vertices), int(body.triangles)
+    places = np.frombuffer(ffi.buffer(body.places, 24 * count)).reshape(-1, int(body.vertices), 3).copy()
+    corners = np.frombuffer(ffi.buffer(body.corners, 12 * triangles), np.uint32).reshape(-1, 3).copy()
+    return {"vertices": places[0], "triangles": corners, **({"keys": places, "fps": body.fps} if len(places) > 1 else {})}
 
 
 def _shape_dict(shape: Any) -> dict[str, Any]:
     turn = _members(shape.turn)
     if np.isnan(turn["about"][0]):
         del turn["about"]
-    return {"kind": _SHAPES[shape.kind], **_members(shape), **({"turn": turn} if turn["axis"].any() else {})}
+    return {"kind": _SHAPES[shape.kind], **(_body(shape.body) if shape.body else {}), **_members(shape), **({"turn": turn} if turn["axis"].any() else {})}

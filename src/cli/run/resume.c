@@ -13,17 +13,21 @@ static weft_status read_checkpoint(const char *directory, const weft_scene *scen
                                    weft_error *err)
 {
     record_checkpoint own = { 0 };
+    char name[64];
     TRY(record_checkpoint_read(directory, from, err));
     TRY(record_checkpoint_identify(&own, scene, registry, err));
     if (from->scene != own.scene) {
+        const bool parts = weft_scene_mesh_file(scene) != NULL
+                           && weft_scene_cloth(scene)->mesh->part_count > 0;
+        const bool bodies = weft_scene_body_file(scene, 0, name, sizeof name) != NULL;
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "%s/scene.yaml%s is not the scene that " RECORD_CHECKPOINT
                               " is of: it was changed since",
                               directory,
-                              weft_scene_mesh_file(scene) == NULL ? ""
-                              : weft_scene_cloth(scene)->mesh->part_count > 0
-                                  ? " with its meshes"
-                                  : " with its " RECORD_MESH);
+                              parts || bodies ? " with its meshes"
+                              : weft_scene_mesh_file(scene) != NULL
+                                  ? " with its " RECORD_MESH
+                                  : "");
     }
     if (strcmp(from->program, own.program) != 0) {
         return weft_error_set(err, WEFT_IO,

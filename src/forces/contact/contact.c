@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "forces/contact/contact_law.h"
+#include "forces/contact/mesh_shape.h"
 
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
@@ -82,8 +83,9 @@ bool weft__each_touch(weft__touches *at)
         if (at->shapes == at->end_shape) {
             return false;
         }
-        at->pose = weft__pose_of(&own->shapes[at->shapes++], at->t);
-        at->next = at->first;
+        const weft__shape *shape = &own->shapes[at->shapes++];
+        at->pose = weft__pose_of(shape, at->t);
+        at->next = shape->def.kind == WEFT_MESH ? at->end : at->first;
     }
 }
 
@@ -161,9 +163,8 @@ static double gap_of(const weft__contact *own, const weft__state *at,
     return weft__gap_at(pose, x);
 }
 
-/* Whether particle i touches one of the first `count` shapes. */
-static bool touches_any(const weft__contact *own, const weft__state *at, size_t i,
-                        size_t count)
+bool weft__touches_any(const weft__contact *own, const weft__state *at, size_t i,
+                       size_t count)
 {
     bool touches = false;
     for (size_t k = 0; k < count && !touches; ++k) {
@@ -193,7 +194,7 @@ void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,
                 const double gap = gap_of(own, at, &pose, i);
                 weft__keep_gap(sum, gap, i, k);
                 sum->touching
-                    += gap < own->law.thickness && !touches_any(own, at, i, k);
+                    += gap < own->law.thickness && !weft__touches_any(own, at, i, k);
             }
         }
     }
@@ -237,7 +238,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     for (size_t k = 0; k < of->shape_count; ++k) {
         of->shapes[k] = weft__shape_of(&def->contact.shapes[k], def->contact.friction);
     }
-    return true;
+    return weft__bodies_copy(of->shapes, of->shape_count, memory);
 }
 
 static void choose(void *own, weft__isa isa)
@@ -252,6 +253,7 @@ static bool copy(void *own, const weft_allocator *memory)
     weft__contact *of = own;
     const weft__shape *from = of->shapes;
     of->shapes = weft__alloc(memory, of->shape_count, sizeof *from);
+    of->shared = true;
     if (of->shapes != NULL) {
         memcpy(of->shapes, from, of->shape_count * sizeof *from);
     }
@@ -260,7 +262,11 @@ static bool copy(void *own, const weft_allocator *memory)
 
 static void free_shapes(void *own, const weft_allocator *memory)
 {
-    weft__free(memory, ((weft__contact *)own)->shapes);
+    weft__contact *of = own;
+    if (!of->shared) {
+        weft__bodies_free(of->shapes, of->shape_count, memory);
+    }
+    weft__free(memory, of->shapes);
 }
 
 static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
@@ -274,9 +280,11 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
     hash = weft__hash_real(hash, shape->radius);
     hash = weft__hash_reals(hash, shape->spin, 3);
     hash = weft__hash_real(hash, shape->friction);
-    if (def->kind == WEFT_BOX && weft__length(def->orientation) > 0.0) {
+    if ((def->kind == WEFT_BOX || def->kind == WEFT_MESH)
+        && weft__length(def->orientation) > 0.0) {
         hash = weft__hash_reals(hash, def->orientation, 4);
     }
+    hash = def->body == NULL ? hash : weft__body_hash(def->body, hash);
     return weft__rigid_hash(&shape->motion, hash);
 }
 

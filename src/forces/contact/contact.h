@@ -50,7 +50,7 @@ typedef struct weft__pose {
     double spin[3];            /* [rad/s] and of its turn */
     double axis[3], length;    /* as in weft__shape, turned */
     weft__rigid rigid;
-    weft__matrix frame; /* box: columns are its axes */
+    weft__matrix frame; /* box, mesh: columns are its axes */
     bool turned;        /* box: these are not x, y, z */
     double inner[3];    /* [m] box: half - rounding */
     double radius;      /* [m] box: rounding */
@@ -121,6 +121,8 @@ typedef struct weft__contact {
     weft_contact_def law; /* as defined, without the shapes */
     weft__shape *shapes;  /* shape_count of them; a copy has its own */
     size_t shape_count;
+    size_t changes; /* how often shapes were replaced */
+    bool shared;    /* the bodies of its shapes are those of its model */
     weft__add_fn *fast;
     weft__clear_fn *clear;
 } weft__contact;
@@ -202,6 +204,10 @@ void weft__grip_most(const weft_contact_def *law, const weft__pose *pose, double
 
 /* The smaller gap; NaN is smaller than a number. */
 void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
+
+/* Whether particle i touches one of the first `count` shapes. */
+bool weft__touches_any(const weft__contact *own, const weft__state *at, size_t i,
+                       size_t count);
 
 /* The gaps and touches of block b. */
 void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,

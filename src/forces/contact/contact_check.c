@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_check.c -- the numbers of contact and of its shapes. */
+#include <stdio.h>
+
 #include "base/finite.h"
-#include "forces/contact/contact.h"
+#include "forces/contact/mesh_shape.h"
 #include "mesh/grid_def.h"
 
 #define CONTACT(name) offsetof(weft_contact_def, name)
@@ -89,7 +91,7 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
     const double *a = shape->at, *b = shape->to, *h = shape->half;
     const double axis[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
     const bool plane = shape->kind == WEFT_PLANE, box = shape->kind == WEFT_BOX;
-    const bool capsule = shape->kind == WEFT_CAPSULE;
+    const bool capsule = shape->kind == WEFT_CAPSULE, mesh = shape->kind == WEFT_MESH;
     const weft__shape made = weft__shape_of(shape, 0.0);
     const weft_turn *turn = &shape->turn;
     const bool turns = weft__length(turn->axis) != 0.0;
@@ -107,6 +109,8 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
                    && h[1] > shape->rounding && h[2] > shape->rounding),
           SHAPE(half), "half of each edge must be finite and > rounding" },
         { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
+        { mesh && weft__length(shape->spin) != 0.0, SHAPE(spin),
+          "a mesh cannot spin: it turns" },
         { capsule && !along(shape->spin, axis), SHAPE(spin),
           "a capsule spins about its axis only" },
         { plane && !along(shape->spin, shape->normal), SHAPE(spin),
@@ -118,8 +122,8 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
           SHAPE(turn), "what it turns about must be finite" },
         { !isfinite(weft__length(turn->axis)) || !weft__rigid_usable(&made.motion),
           SHAPE(turn), "its turn is too large or too fast for a double" },
-        { box && !isfinite(weft__length(shape->orientation)), SHAPE(orientation),
-          "its orientation must be finite" },
+        { (box || mesh) && !isfinite(weft__length(shape->orientation)),
+          SHAPE(orientation), "its orientation must be finite" },
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {
@@ -145,6 +149,16 @@ bool weft__shape_check(const weft_shape *shape, size_t index, const weft__faults
     const char *message = shape_fault(shape, &field);
     if (message != NULL) {
         weft__fault(to, field, field, "shapes[%zu]: %s", index, message);
+    } else if (shape->kind == WEFT_MESH) {
+        size_t triangle = SIZE_MAX;
+        message = weft__body_fault(shape->body, &triangle);
+        if (message != NULL) {
+            char of[48] = "";
+            (void)snprintf(of, triangle == SIZE_MAX ? 0 : sizeof of, ": triangle %zu",
+                           triangle);
+            weft__fault(to, SHAPE(body), SHAPE(body), "shapes[%zu]: %s%s", index,
+                        message, of);
+        }
     }
     return message == NULL;
 }

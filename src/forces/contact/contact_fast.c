@@ -88,8 +88,9 @@ INLINE void press(touch *self, const slice *of, const weft__pose *pose,
     for (size_t k = 0; k < 3; ++k) {
         self->slip[k] = moving[k] - speed * normal[k];
     }
-    const law_touch of_law = law_press(law, pose->friction, self->at.gap, one, speed,
-                                       law_dot(self->slip, self->slip), steepness);
+    const law_touch of_law
+        = law_press(law, splat(pose->friction), self->at.gap, one, speed,
+                    law_dot(self->slip, self->slip), steepness);
     self->force = of_law.push * of_law.factor;
     self->most = of_law.most, self->under = of_law.under;
 }

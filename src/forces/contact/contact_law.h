@@ -98,6 +98,10 @@ LAW void law_spot_of(const weft__pose *pose, weft_shape_kind kind, const num r[3
         return;
     }
     at->joined = (truth){ 0 };
+    if (kind == WEFT_MESH) { /* left to its primitives */
+        at->gap = NUM((double)INFINITY);
+        return;
+    }
     if (kind == WEFT_PLANE) {
         at->gap = law_along(r, pose->axis);
         for (size_t k = 0; k < 3; ++k) {
@@ -222,8 +226,8 @@ typedef struct law_touch {
 } law_touch;
 
 /* slip2: the square of |w| */
-LAW law_touch law_press(const weft_contact_def *law, double friction, num gap,
-                        num share, num speed, num slip2, num steepness)
+LAW law_touch law_press(const weft_contact_def *law, num friction, num gap, num share,
+                        num speed, num slip2, num steepness)
 {
     const double half = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = law->exponent;

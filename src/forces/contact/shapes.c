@@ -7,7 +7,7 @@
 const char *weft_shape_name(weft_shape_kind kind)
 {
     static const char *const names[WEFT_SHAPES]
-        = { "plane", "sphere", "capsule", "box" };
+        = { "plane", "sphere", "capsule", "box", "mesh" };
     return (unsigned)kind < WEFT_SHAPES ? names[kind] : "unknown";
 }
 
@@ -56,6 +56,7 @@ weft__shape weft__shape_of(const weft_shape *def, double friction)
                   : def->kind == WEFT_BOX ? def->rounding
                                           : def->radius,
     };
+    shape.def.body = def->kind == WEFT_MESH ? def->body : NULL;
     if (def->kind == WEFT_PLANE || def->kind == WEFT_CAPSULE) {
         give_axis(&shape);
     } else {
@@ -88,7 +89,7 @@ weft__pose weft__pose_of(const weft__shape *shape, double t)
         pose.spin[k] += pose.rigid.omega[k];
         pose.inner[k] = def->half[k] - def->rounding;
     }
-    if (def->kind == WEFT_BOX) {
+    if (def->kind == WEFT_BOX || def->kind == WEFT_MESH) {
         double q[4];
         weft__quaternion_times(pose.rigid.quaternion, orientation_of(def), q);
         pose.frame = weft__matrix_of(q);
@@ -124,7 +125,7 @@ void weft__shape_rebase(const weft__shape *shape, double t, const double place[3
     for (size_t k = 0; k < 3; ++k) {
         to->to[k] += to->at[k];
     }
-    if (from->kind == WEFT_BOX) {
+    if (from->kind == WEFT_BOX || from->kind == WEFT_MESH) {
         weft__quaternion_times(q, orientation_of(from), to->orientation);
     }
 }
@@ -236,6 +237,10 @@ weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
 bool weft__ccd_clear(const weft__ccd *of, const weft__path *path, size_t n, size_t i,
                      double *gap)
 {
+    if (of->pose[0].kind == WEFT_MESH) { /* left to its primitives */
+        *gap = (double)INFINITY;
+        return true;
+    }
     double x[2][3], v[2][3], d[2];
     for (size_t k = 0; k < 3; ++k) {
         x[0][k] = path->y0[k * n + i], v[0][k] = path->y0[(3 + k) * n + i];

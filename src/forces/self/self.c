@@ -149,7 +149,8 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     if (mass == 0.0) {
         return false;
     }
-    law_push_of(kind, &law->own->law, law->share, &at, mass, v, &push);
+    law_push_of(kind, &law->own->law, law->share, weft__pair_friction(law->own, pair),
+                law->own->rough, &at, mass, v, &push);
     for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -191,7 +192,7 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                             .steepness = 1.0,
                             .share = law->share * at.weight };
     touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
-    weft__touch_forces(contact, contact->friction, touch);
+    weft__touch_forces(contact, weft__pair_friction(law->own, pair), touch);
     touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
     memcpy(arm, at.arm, sizeof at.arm);
     return true;
@@ -289,25 +290,18 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
 
 typedef struct pass {
     weft__self_law law;
-    const weft__state *at;
-    weft__unit unit;
-    double *to; /* NULL: to `sum` */
-    weft_measures *sum;
+    const double *y;
+    weft__pushed_fn *each;
+    void *ctx;
     double bad; /* 0 or NaN */
 } pass;
 
 static bool take_pair(void *ctx, const weft__pair *pair)
 {
     pass *all = ctx;
-    const weft__pair_kind kind = (weft__pair_kind)pair->kind;
     weft__pushes one;
-    if (!weft__pair_push(&all->law, pair, all->at->y, &one, 0, &all->bad)) {
-        return true;
-    }
-    if (all->to != NULL) {
-        weft__pushes_add(all->law.own, kind, &one, 1, all->unit, all->to);
-    } else {
-        weft__pushes_measure(all->law.own, kind, &one, 1, all->at->y, all->sum);
+    if (weft__pair_push(&all->law, pair, all->y, &one, 0, &all->bad)) {
+        all->each(all->ctx, (weft__pair_kind)pair->kind, &one, 1);
     }
     return true;
 }
@@ -320,23 +314,49 @@ bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visi
            && weft__each_pair(&tree, own->law.thickness, visit, ctx);
 }
 
+int weft__self_each(const weft__self *own, const double *y, weft__pushed_fn *each,
+                    void *ctx)
+{
+    pass all = { weft__self_law_of(own), y, each, ctx, 0.0 };
+    return !own->law.self
+                   || (weft__self_seek(own, y, take_pair, &all) && all.bad == 0.0)
+               ? 0
+               : 1;
+}
+
+void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                    size_t count)
+{
+    const weft__self_sums *to = ctx;
+    weft__pushes_add(to->own, kind, pushes, count, to->unit, to->to);
+}
+
 int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
                    double *to)
 {
-    if (!own->law.self) {
-        return 0;
-    }
-    pass all = { weft__self_law_of(own), .at = at, .unit = unit, .to = to };
-    return weft__self_seek(own, at->y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
+    weft__self_sums sums = { own, unit, to };
+    return weft__self_each(own, at->y, weft__self_sum, &sums);
 }
 
-void weft__self_measure(const weft__self *own, const weft__state *at,
-                        weft_measures *sum)
+typedef struct measuring {
+    const weft__self *own;
+    const double *y;
+    weft_measures *sum;
+} measuring;
+
+static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                           size_t count)
 {
-    pass all = { weft__self_law_of(own), .at = at, .sum = sum };
-    if (own->law.self) {
-        (void)weft__self_seek(own, at->y, take_pair, &all);
-    }
+    const measuring *of = ctx;
+    weft__pushes_measure(of->own, kind, pushes, count, of->y, of->sum);
+}
+
+void weft__self_measure(const weft__self *own, weft__self_list *list,
+                        const weft__state *at, weft_measures *sum)
+{
+    measuring of = { own, at->y, sum };
+    (void)(list != NULL ? weft__self_list_each(list, at->y, measure_pushes, &of)
+                        : weft__self_each(own, at->y, measure_pushes, &of));
 }
 
 /* ---- its part of a cloth --------------------------------------------------------- */
@@ -427,6 +447,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 {
     weft__self *of = own;
     of->law = def->contact;
+    of->rough = def->contact.friction;
     of->points = of->mesh->particles;
     return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
 }
@@ -471,11 +492,7 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
 static void measure_all(const void *own, void *space, const weft__state *at,
                         weft_measures *sum)
 {
-    if (space != NULL) {
-        weft__self_list_measure(space, at, sum);
-    } else {
-        weft__self_measure(own, at, sum);
-    }
+    weft__self_measure(own, space, at, sum);
 }
 
 const weft__force weft__self_force = { .name = "self",

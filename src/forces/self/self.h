@@ -11,6 +11,8 @@
 #include "forces/self/orientation.h"
 #include "forces/self/self_tree.h"
 
+typedef struct weft__self_list weft__self_list; /* self_list.h */
+
 /* Two primitives without a common point: their points, those of the second after those
  * of the first. */
 typedef enum weft__pair_kind {
@@ -201,7 +203,11 @@ struct weft__self {
     weft_contact_def law; /* law.self: whether there is any */
     weft__skin *skin;     /* NULL: a grid by itself */
     size_t points;
-    bool shared; /* the skin is another's */
+    bool shared;  /* the skin is another's */
+    bool between; /* points of bodies with those of the cloth alone */
+    const double
+        *friction; /* of a body's points, and room for others; NULL: the law's */
+    double rough;  /* the largest */
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
     weft__drift_fn *drift;
@@ -211,6 +217,14 @@ struct weft__self {
 static inline bool weft__self_held(const weft__self *own, size_t i)
 {
     return i >= own->mesh->particles || own->mesh->pin[i] != 0;
+}
+
+/* Bodies have the higher points. */
+static inline double weft__pair_friction(const weft__self *own, const weft__pair *pair)
+{
+    const uint32_t a = pair->particle[0],
+                   b = pair->particle[weft__pair_particles(pair) - 1];
+    return own->friction != NULL ? own->friction[a > b ? a : b] : own->law.friction;
 }
 
 /* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
@@ -231,12 +245,30 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
 bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
                      void *ctx);
 
-/* The same of all pairs of a state, which are sought: as add_all and measure_all of a
- * weft__force. Nothing without contact.self. */
+/* Calls `each` with all that push in a state, which are sought, kind by kind in the
+ * order of weft__each_pair. Returns 1 if a number is not finite. Nothing without
+ * law.self. With a list the same. */
+typedef void weft__pushed_fn(void *ctx, weft__pair_kind kind,
+                             const weft__pushes *pushes, size_t count);
+int weft__self_each(const weft__self *own, const double *y, weft__pushed_fn *each,
+                    void *ctx);
+int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
+                         void *ctx);
+
+/* A weft__pushed_fn that adds them. */
+typedef struct weft__self_sums {
+    const weft__self *own;
+    weft__unit unit;
+    double *to;
+} weft__self_sums;
+void weft__self_sum(void *sums, weft__pair_kind kind, const weft__pushes *pushes,
+                    size_t count);
+
+/* As add_all and measure_all of a weft__force; list NULL: they are sought. */
 int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
                    double *to);
-void weft__self_measure(const weft__self *own, const weft__state *at,
-                        weft_measures *sum);
+void weft__self_measure(const weft__self *own, weft__self_list *list,
+                        const weft__state *at, weft_measures *sum);
 
 /* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
 

@@ -63,7 +63,7 @@ static bool seek(pair_sums *self)
 
 static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
-    const double mu = self->own->law.friction;
+    const double mu = self->own->rough;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         if (i < self->first || i >= self->end) {
@@ -81,7 +81,7 @@ static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *o
 
 static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grips)
 {
-    const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->law.friction };
+    const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->rough };
     weft__grip most = { .stiff = 0.0 };
     weft__grip_most(&own->law, &pose, own->skin != NULL ? REDUCED_SHARE : LAYERS_SHARE,
                     own->skin != NULL ? REDUCED_PHI : LAYERS_PHI, &most);

@@ -136,6 +136,7 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
     weft__pushes *to = &of->out[first / WEFT__BLOCK];
     int32_t at[4][LANES];
     vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0), window[3];
+    vec mu = splat(contact.friction);
     law_push out;
     particles_of(of->near, kind, pairs, at);
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
@@ -151,7 +152,15 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
     law_feet feet = law_feet_of(kind, &gram);
     find_windows(of, kind, pairs, window);
     law_weigh(kind, of->law, rest, window, &feet);
-    law_push_of(kind, &contact, of->law->share, &feet, mass, v, &out);
+    if (own->friction != NULL) {
+        int32_t side[LANES];
+        const int32_t *last = at[weft__kind_particles(kind) - 1];
+        for (size_t l = 0; l < LANES; ++l) {
+            side[l] = at[0][l] > last[l] ? at[0][l] : last[l];
+        }
+        mu = gather(own->friction, side);
+    }
+    law_push_of(kind, &contact, of->law->share, mu, own->rough, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;

@@ -382,19 +382,20 @@ LAW num law_slip(weft__pair_kind kind, const law_feet *at, num v[4][3], num n[3]
     return speed;
 }
 
-/* Of a pair that pushes, by mass M. */
+/* Of a pair that pushes, by mass M; mu: its friction, rough: that of any pair. */
 LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, double share,
-                     const law_feet *at, num mass, num v[4][3], law_push *out)
+                     num mu, double rough, const law_feet *at, num mass, num v[4][3],
+                     law_push *out)
 {
     const size_t count = weft__kind_particles(kind);
     num n[3], slip[3];
     const num speed = law_slip(kind, at, v, n, slip);
     const num slip2 = law_dot(slip, slip), one = NUM(1.0);
     const law_touch touch
-        = law_press(law, law->friction, at->d, share * at->weight, speed, slip2, one);
+        = law_press(law, mu, at->d, share * at->weight, speed, slip2, one);
     const num energy = mass * (share * touch.energy);
     const num force = mass * touch.push * touch.factor,
-              friction = law_drag(law, law->friction, touch.most, touch.under);
+              friction = law_drag(law, rough, touch.most, touch.under);
     const num drag = mass * friction;
     out->energy = at->weight * energy;
     out->heat = mass * (touch.push * (1.0 - touch.factor) * speed);

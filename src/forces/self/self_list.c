@@ -447,7 +447,7 @@ static readiness prepare(weft__self_list *list, const double *y)
 typedef struct evaluation {
     weft__self_list *list;
     weft__self_law law;
-    const weft__state *at;
+    const double *y;
     atomic_bool bad;
 } evaluation;
 
@@ -460,7 +460,7 @@ static void evaluate_part(void *ctx, size_t part)
         weft__self_bin *at = &in->bins[kind];
         at->pushing = all->law.own->pushes(&all->law, (weft__pair_kind)kind,
                                            &at->now.near, in->now.spans, in->now.count,
-                                           all->at->y, at->pushes, &bad);
+                                           all->y, at->pushes, &bad);
     }
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
@@ -480,47 +480,28 @@ static bool evaluate(evaluation *all)
 
 /* In the order of weft__each_pair. By one thread: the pushes of others come from their
  * caches, and two that each add half of them took longer. */
-static void gather(const weft__self_list *list, double *to)
+int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
+                         void *ctx)
 {
-    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
-        for (size_t i = 0; i < list->chunk_count; ++i) {
-            const weft__self_bin *in = &list->chunks[i].bins[kind];
-            weft__pushes_add(list->own, (weft__pair_kind)kind, in->pushes, in->pushing,
-                             WEFT__ACCELERATION, to);
-        }
-    }
-}
-
-int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to)
-{
-    evaluation all = { .list = list, .at = at };
-    const readiness is = prepare(list, at->y);
+    evaluation all = { .list = list, .y = y };
+    const readiness is = prepare(list, y);
     if (is != READY) {
-        return is == NOT_FINITE ? 1
-                                : weft__self_add(list->own, at, WEFT__ACCELERATION, to);
-    }
-    if (evaluate(&all)) {
-        gather(list, to);
-    }
-    return atomic_load(&all.bad) ? 1 : 0;
-}
-
-void weft__self_list_measure(weft__self_list *list, const weft__state *at,
-                             weft_measures *sum)
-{
-    evaluation all = { .list = list, .at = at };
-    if (prepare(list, at->y) != READY) {
-        weft__self_measure(list->own, at, sum);
-        return;
+        return is == NOT_FINITE ? 1 : weft__self_each(list->own, y, each, ctx);
     }
     const bool any = evaluate(&all);
     for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
         for (size_t i = 0; i < list->chunk_count; ++i) {
             const weft__self_bin *in = &list->chunks[i].bins[kind];
-            weft__pushes_measure(list->own, (weft__pair_kind)kind, in->pushes,
-                                 in->pushing, at->y, sum);
+            each(ctx, (weft__pair_kind)kind, in->pushes, in->pushing);
         }
     }
+    return atomic_load(&all.bad) ? 1 : 0;
+}
+
+int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to)
+{
+    weft__self_sums sums = { list->own, WEFT__ACCELERATION, to };
+    return weft__self_list_each(list, at->y, weft__self_sum, &sums);
 }
 
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,

@@ -9,8 +9,6 @@
 #include "forces/contact/contact.h"
 #include "forces/self/self.h"
 
-typedef struct weft__self_list weft__self_list;
-
 /* pool NULL: one thread. NULL: no memory. */
 weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
                                         const weft_allocator *memory);
@@ -20,10 +18,8 @@ void weft__self_list_destroy(weft__self_list *list); /* NULL is allowed */
  * alone, between steps, and is done without until then. */
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
 
-/* As weft__self_add and weft__self_measure. */
+/* As weft__self_add. */
 int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to);
-void weft__self_list_measure(weft__self_list *list, const weft__state *at,
-                             weft_measures *sum);
 
 /* As weft__self_seek. */
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,

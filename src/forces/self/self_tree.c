@@ -417,12 +417,19 @@ static inline bool of_bodies(const tree_search *of, size_t level, tree_patch at)
     return nodes->fold > 1 && at.c << 2 * level >= of->tree->own->mesh->particles;
 }
 
+static inline bool of_cloth(const tree_search *of, size_t level, tree_patch at)
+{
+    return of->tree->own->between
+           && (at.c + 1) << 2 * level <= of->tree->own->mesh->particles;
+}
+
 /* Of patches that are not apart. */
 static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
                           tree_patch b)
 {
     if ((!of->all && flat_about(of, level, a, b))
-        || (of_bodies(of, level, a) && of_bodies(of, level, b))) {
+        || (of_bodies(of, level, a) && of_bodies(of, level, b))
+        || (of_cloth(of, level, a) && of_cloth(of, level, b))) {
         return true;
     }
     if (level == of->floor) {
@@ -445,7 +452,7 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
 {
     weft__knot room;
     if ((!of->all && flat(of, knot_of(of->tree, level, at, &room)))
-        || of_bodies(of, level, at)) {
+        || of_bodies(of, level, at) || of_cloth(of, level, at)) {
         return true;
     }
     if (level == of->floor) {

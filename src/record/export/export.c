@@ -80,8 +80,13 @@ static void write_obj_faces(FILE *stream, const record_faces *faces)
         }
         fputs("f", stream);
         for (size_t k = 0; k < sides; ++k) {
-            fprintf(stream, " %zu/%zu", at[k] + 1,
-                    (faces->cols > 0 ? at[k] : faces->corner_places[3 * f + k]) + 1);
+            const size_t place = faces->cols > 0 || faces->corner_places == NULL
+                                     ? at[k]
+                                     : faces->corner_places[3 * f + k];
+            fprintf(stream, " %zu", at[k] + 1);
+            if (faces->cols > 0 || faces->corner_places != NULL) {
+                fprintf(stream, "/%zu", place + 1);
+            }
         }
         fputc('\n', stream);
     }

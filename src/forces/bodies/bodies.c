@@ -1,0 +1,470 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/bodies/bodies.h"
+
+#include "base/memory.h"
+#include "forces/self/self_list.h"
+
+/* ---- points ---------------------------------------------------------------------- */
+
+/* The points of a shape that is a body. */
+typedef struct range {
+    size_t first, end;
+} range;
+
+static range points_of(const weft__bodies *own, size_t shape)
+{
+    range out = { 0, own->pairs.mesh->particles };
+    for (size_t k = 0; k <= shape; ++k) {
+        const weft_body *body = own->contact->shapes[k].def.body;
+        out = (range){ out.end, out.end + (body != NULL ? body->vertices : 0) };
+    }
+    return out;
+}
+
+size_t weft__bodies_shape(const weft__bodies *own, size_t point)
+{
+    size_t shape = 0;
+    while (points_of(own, shape).end <= point) {
+        ++shape;
+    }
+    return shape;
+}
+
+/* Bodies that rest stay where they were put. */
+static const double *spread(const weft__bodies *own, double t, const double *y,
+                            weft__spread *to)
+{
+    const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
+    for (size_t k = 0; k < 6; ++k) {
+        memcpy(to->y + k * points, y + k * n, n * sizeof *y);
+    }
+    const bool placed = to->placed && to->changes == own->contact->changes;
+    size_t first = n;
+    for (size_t k = 0; k < own->contact->shape_count; ++k) {
+        const weft__shape *shape = &own->contact->shapes[k];
+        if (shape->def.body == NULL) {
+            continue;
+        }
+        if (!placed || weft__body_moves(shape, t) || weft__body_moves(shape, to->t)) {
+            weft__body_place(shape, t, 6, points, 1, to->y + first);
+        }
+        first += shape->def.body->vertices;
+    }
+    to->t = t, to->changes = own->contact->changes;
+    to->placed = true;
+    return to->y;
+}
+
+double *weft__bodies_spread(const weft__bodies *own, double t, const double *y)
+{
+    weft__spread to
+        = { .y = weft__alloc(&own->memory, 6 * own->pairs.points, sizeof *to.y) };
+    return to.y == NULL ? NULL : (double *)(uintptr_t)spread(own, t, y, &to);
+}
+
+/* ---- forces ---------------------------------------------------------------------- */
+
+/* All that push. */
+static int each(const weft__bodies *own, weft__bodies_space *space,
+                const weft__state *at, weft__pushed_fn *visit, void *ctx,
+                const double **y)
+{
+    if (space != NULL) {
+        *y = spread(own, at->t, at->y, &space->now);
+        return weft__self_list_each(space->list, *y, visit, ctx);
+    }
+    double *once = weft__bodies_spread(own, at->t, at->y);
+    *y = once;
+    const int bad = once == NULL ? -1 : weft__self_each(&own->pairs, once, visit, ctx);
+    weft__free(&own->memory, once);
+    return bad;
+}
+
+static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,
+                   double *to)
+{
+    const weft__bodies *of = own;
+    weft__self_sums sums = { &of->pairs, unit, to };
+    const double *y;
+    return each(of, unit == WEFT__ACCELERATION ? space : NULL, at, weft__self_sum,
+                &sums, &y);
+}
+
+/* ---- measures -------------------------------------------------------------------- */
+
+typedef struct touch_sums {
+    const weft__bodies *own;
+    const double *y; /* of all points */
+    weft_measures *sum;
+    unsigned char *marks;
+} touch_sums;
+
+/* The particle that a gap is of: the first of those of the cloth. */
+static void measure_one(const touch_sums *of, const weft__pushes *from, size_t lane,
+                        size_t count)
+{
+    const size_t n = of->own->pairs.mesh->particles, points = of->own->pairs.points;
+    const uint32_t *pin = of->own->pairs.mesh->pin;
+    size_t particle = SIZE_MAX, body = 0;
+    for (size_t k = 0; k < count; ++k) {
+        const size_t at = (size_t)from->particle[k][lane];
+        double power = 0.0;
+        for (size_t j = 0; j < 3; ++j) {
+            power -= from->force[k][j][lane] * of->y[(3 + j) * points + at];
+        }
+        if (at >= n) {
+            body = at;
+            of->sum->power[WEFT_POWER_SHAPES] += power;
+            continue;
+        }
+        particle = particle == SIZE_MAX ? at : particle;
+        of->sum->power[WEFT_POWER_PINS] += pin[at] != 0 ? power : 0.0;
+        of->marks[at] = pin[at] == 0;
+    }
+    if (from->gap[lane] < of->sum->gap || isnan(from->gap[lane])) {
+        weft__keep_gap(of->sum, from->gap[lane], particle,
+                       weft__bodies_shape(of->own, body));
+    }
+}
+
+static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                           size_t count)
+{
+    const touch_sums *of = ctx;
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pushes *from = &pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK;
+        of->sum->energy.contact += from->energy[lane];
+        of->sum->power[WEFT_POWER_CONTACT] += from->heat[lane];
+        of->sum->power[WEFT_POWER_FRICTION] += from->friction[lane];
+        measure_one(of, from, lane, weft__kind_particles(kind));
+    }
+}
+
+/* Those that touch a body, but no other shape, which has been counted. */
+static size_t count_touching(const weft__bodies *own, const weft__state *at,
+                             const unsigned char *marks)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < own->pairs.mesh->particles; ++i) {
+        count += marks[i] != 0
+                 && !weft__touches_any(own->contact, at, i, own->contact->shape_count);
+    }
+    return count;
+}
+
+static void measure_all(const void *own, void *space, const weft__state *at,
+                        weft_measures *sum)
+{
+    const weft__bodies *of = own;
+    weft__bodies_space *in = space;
+    const size_t n = of->pairs.mesh->particles;
+    double *once = in == NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
+    touch_sums all
+        = { .own = of,
+            .y = in != NULL ? spread(of, at->t, at->y, &in->now) : once,
+            .sum = sum,
+            .marks = in != NULL ? in->marks : weft__alloc(&of->memory, n, 1) };
+    if (all.y != NULL && all.marks != NULL) {
+        memset(all.marks, 0, n);
+        (void)(in != NULL ? weft__self_list_each(in->list, all.y, measure_pushes, &all)
+                          : weft__self_each(&of->pairs, all.y, measure_pushes, &all));
+        sum->touching += count_touching(of, at, all.marks);
+    }
+    if (in == NULL) {
+        WEFT__FREE_ALL(&of->memory, once, all.marks);
+    }
+}
+
+typedef struct load_sums {
+    range of;
+    const double *y;
+    size_t points;
+    const double *at;
+    double *load;
+} load_sums;
+
+static void load_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                        size_t count)
+{
+    const load_sums *of = ctx;
+    for (size_t j = 0; j < count * weft__kind_particles(kind); ++j) {
+        const weft__pushes *from
+            = &pushes[j / weft__kind_particles(kind) / WEFT__BLOCK];
+        const size_t lane = j / weft__kind_particles(kind) % WEFT__BLOCK;
+        const size_t k = j % weft__kind_particles(kind);
+        const size_t i = (size_t)from->particle[k][lane];
+        if (i < of->of.first || i >= of->of.end) {
+            continue;
+        }
+        const double f[3] = { from->force[k][0][lane], from->force[k][1][lane],
+                              from->force[k][2][lane] };
+        for (size_t c = 0; c < 3; ++c) {
+            const size_t a = (c + 1) % 3, b = (c + 2) % 3;
+            const double x[2] = { of->y[a * of->points + i] - of->at[a],
+                                  of->y[b * of->points + i] - of->at[b] };
+            of->load[c] += f[c];
+            of->load[3 + c] += x[0] * f[b] - x[1] * f[a];
+        }
+    }
+}
+
+void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
+                       const weft__state *at, size_t k, double load[WEFT__LOAD])
+{
+    const weft__pose pose = weft__pose_of(&own->contact->shapes[k], at->t);
+    double *once = space == NULL ? weft__bodies_spread(own, at->t, at->y) : NULL;
+    load_sums of = { points_of(own, k),
+                     space != NULL ? spread(own, at->t, at->y, &space->now) : once,
+                     own->pairs.points, pose.at, load };
+    memset(load, 0, WEFT__LOAD * sizeof *load);
+    if (of.y != NULL) {
+        (void)(space != NULL ? weft__self_list_each(space->list, of.y, load_pushes, &of)
+                             : weft__self_each(&own->pairs, of.y, load_pushes, &of));
+    }
+    weft__free(&own->memory, once);
+}
+
+/* ---- steps ----------------------------------------------------------------------- */
+
+bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
+                        weft__bodies_breach *out)
+{
+    const weft__bodies *own = space->own;
+    const weft__stride stride
+        = { &own->pairs, spread(own, path->t0, path->y0, &space->before),
+            spread(own, path->t1, path->y1, &space->now), path->t1 - path->t0 };
+    weft_primitive pair[2];
+    if (weft__self_list_clear(space->list, &stride, pair, &out->gap)) {
+        return true;
+    }
+    const size_t side = pair[0].particle[0] < own->pairs.mesh->particles ? 0 : 1;
+    out->particle = pair[side].particle[0];
+    out->shape = weft__bodies_shape(own, pair[1 - side].particle[0]);
+    return false;
+}
+
+void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
+                       double *y)
+{
+    const weft__bodies *own = space->own;
+    const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
+    (void)spread(own, t, y, &space->now);
+    weft__self_list_hold(space->list, spread(own, t, from, &space->before),
+                         space->now.y);
+    for (size_t k = 0; k < 6; ++k) {
+        memcpy(y + k * n, space->now.y + k * points, n * sizeof *y);
+    }
+}
+
+/* ---- bounds ---------------------------------------------------------------------- */
+
+static void grip(const void *own, const weft__state *at, size_t first, size_t count,
+                 weft__grip *grips)
+{
+    const weft__bodies *of = own;
+    double *y = at->y != NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
+    if (at->y == NULL || y != NULL) {
+        weft__self_grip(&of->pairs, &(weft__state){ .t = at->t, .y = y }, first, count,
+                        grips);
+    }
+    weft__free(&of->memory, y);
+}
+
+static void multiply(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out)
+{
+    const weft__bodies *of = own;
+    double *y = at->y != NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
+    if (y != NULL) {
+        weft__self_multiply(&of->pairs, &(weft__state){ .t = at->t, .y = y }, a, b, x,
+                            out);
+    }
+    weft__free(&of->memory, y);
+}
+
+static int blocks(const void *own, void *space, const weft__state *at, double *to)
+{
+    const weft__bodies *of = own;
+    weft__bodies_space *in = space;
+    double *once = in == NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
+    const weft__state all
+        = { .t = at->t, .y = in != NULL ? spread(of, at->t, at->y, &in->now) : once };
+    const int bad
+        = all.y == NULL
+              ? 1
+              : weft__self_blocks(&of->pairs, in != NULL ? in->list : NULL, &all, to);
+    weft__free(&of->memory, once);
+    return bad;
+}
+
+/* ---- its part of a cloth --------------------------------------------------------- */
+
+/* Adds the triangles of a body, whose points begin at `first`. */
+static void draft_body(weft__skin_draft *to, const weft_body *body, size_t triangle,
+                       size_t first)
+{
+    for (size_t j = 0; j < 3 * body->triangles; ++j) {
+        const uint32_t *c = body->corners + j / 3 * 3;
+        const double *a = body->places + 3 * c[(j + 1) % 3];
+        const double *b = body->places + 3 * c[(j + 2) % 3];
+        const double side[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+        to->corner[triangle + j / 3][j % 3] = (uint32_t)first + c[j % 3];
+        to->side[triangle + j / 3][j % 3] = weft__dot(side, side);
+    }
+}
+
+static size_t cloth_triangles(const weft__mesh *mesh)
+{
+    return mesh->triangles != NULL ? mesh->triangles->count
+                                   : 2 * (mesh->rows - 1) * (mesh->cols - 1);
+}
+
+static bool cover(weft__bodies *of, const weft_cloth_def *def,
+                  const weft_allocator *memory)
+{
+    const weft__mesh *mesh = of->pairs.mesh;
+    size_t point = mesh->particles, triangle = cloth_triangles(mesh), all = triangle;
+    weft__skin_draft draft;
+    for (size_t k = 0; k < of->contact->shape_count; ++k) {
+        const weft_body *body = of->contact->shapes[k].def.body;
+        all += body != NULL ? body->triangles : 0;
+    }
+    if (weft__skin_draft_create(&draft, of->pairs.points, all, memory)) {
+        draft.particles = point;
+        draft.thickness = of->pairs.law.thickness;
+        draft.tile_level = weft__tile_level((weft__nodes){ 1, draft.points, 2 });
+        if (mesh->triangles != NULL) {
+            weft__skin_draft_mesh(&draft, mesh->triangles);
+        } else {
+            weft__skin_draft_grid(&draft, mesh, def);
+        }
+        for (size_t i = point; i < draft.points; ++i) {
+            draft.density[i] = (double)INFINITY;
+        }
+        for (size_t k = 0; k < of->contact->shape_count; ++k) {
+            const weft_body *body = of->contact->shapes[k].def.body;
+            if (body != NULL) {
+                draft_body(&draft, body, triangle, point);
+                triangle += body->triangles, point += body->vertices;
+            }
+        }
+        of->pairs.skin = weft__skin_create(&draft, memory);
+    }
+    weft__skin_draft_destroy(&draft, memory);
+    return of->pairs.skin != NULL;
+}
+
+/* Of points, if bodies have others than the contact. */
+static bool find_friction(weft__bodies *of, const weft_allocator *memory)
+{
+    const double usual = of->pairs.law.friction;
+    bool same = true;
+    of->pairs.rough = 0.0;
+    for (size_t k = 0; k < of->contact->shape_count; ++k) {
+        const weft__shape *shape = &of->contact->shapes[k];
+        if (shape->def.body != NULL) {
+            same = same && shape->friction == usual;
+            of->pairs.rough = fmax(of->pairs.rough, shape->friction);
+        }
+    }
+    if (same) {
+        return true;
+    }
+    of->friction = weft__zeroed(memory, of->pairs.points, sizeof *of->friction);
+    for (size_t k = 0; of->friction != NULL && k < of->contact->shape_count; ++k) {
+        const range own = points_of(of, k);
+        for (size_t i = own.first; i < own.end; ++i) {
+            of->friction[i] = of->contact->shapes[k].friction;
+        }
+    }
+    of->pairs.friction = of->friction;
+    return of->friction != NULL;
+}
+
+static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+{
+    weft__bodies *of = own;
+    const size_t vertices = weft__bodies_vertices(of->contact);
+    of->memory = *memory;
+    of->pairs.law = def->contact;
+    of->pairs.law.self = vertices > 0;
+    of->pairs.between = true;
+    of->pairs.points = of->pairs.mesh->particles + vertices;
+    return vertices == 0 || (find_friction(of, memory) && cover(of, def, memory));
+}
+
+static bool present(const void *own)
+{
+    return ((const weft__bodies *)own)->pairs.law.self;
+}
+
+static bool copy(void *own, const weft_allocator *memory)
+{
+    (void)memory;
+    ((weft__bodies *)own)->pairs.shared = true;
+    return true;
+}
+
+static void free_own(void *own, const weft_allocator *memory)
+{
+    weft__bodies *of = own;
+    if (!of->pairs.shared) {
+        weft__skin_destroy(of->pairs.skin, memory);
+        weft__free(memory, of->friction);
+    }
+}
+
+static size_t bytes(const void *own)
+{
+    const weft__bodies *of = own;
+    return of->pairs.skin != NULL ? weft__skin_bytes(of->pairs.skin) : 0;
+}
+
+static void choose(void *own, weft__isa isa)
+{
+    weft__self_force.choose(own, isa);
+}
+
+weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
+                                              const weft_allocator *memory)
+{
+    weft__bodies_space *out = weft__zeroed(memory, 1, sizeof *out);
+    if (out == NULL) {
+        return NULL;
+    }
+    out->own = own;
+    out->memory = *memory;
+    out->list = weft__self_list_create(&own->pairs, pool, memory);
+    out->now.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->now.y);
+    out->before.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->before.y);
+    out->marks = weft__alloc(memory, own->pairs.mesh->particles, 1);
+    if (out->list == NULL || out->now.y == NULL || out->before.y == NULL
+        || out->marks == NULL) {
+        weft__bodies_space_destroy(out);
+        return NULL;
+    }
+    return out;
+}
+
+void weft__bodies_space_destroy(weft__bodies_space *space)
+{
+    if (space != NULL) {
+        const weft_allocator memory = space->memory;
+        weft__self_list_destroy(space->list);
+        WEFT__FREE_ALL(&memory, space->now.y, space->before.y, space->marks, space);
+    }
+}
+
+const weft__force weft__bodies_force = { .name = "bodies",
+                                         .init = init,
+                                         .choose = choose,
+                                         .copy = copy,
+                                         .free = free_own,
+                                         .bytes = bytes,
+                                         .present = present,
+                                         .grip = grip,
+                                         .multiply = multiply,
+                                         .blocks = blocks,
+                                         .add_all = add_all,
+                                         .measure_all = measure_all };

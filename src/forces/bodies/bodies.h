@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bodies.h -- the contact of a cloth with shapes of triangles: pairs of primitives as
+ * in contact of a cloth with itself (forces/self), of which one side is a body's. Their
+ * points follow those of the cloth: a state with all points is made of a state of the
+ * cloth at a time. */
+#pragma once
+
+#include "base/thread_pool.h"
+#include "forces/contact/mesh_shape.h"
+#include "forces/self/self.h"
+
+typedef struct weft__bodies {
+    weft__self pairs; /* of all points; law.self: whether there are bodies */
+    const weft__contact *contact; /* has the shapes */
+    weft_allocator memory;
+    double *friction; /* of all points; NULL: that of the contact */
+} weft__bodies;
+
+/* All points at a time. */
+typedef struct weft__spread {
+    double *y; /* six planes */
+    double t;
+    bool placed;    /* the bodies are where they are at t */
+    size_t changes; /* of shapes then */
+} weft__spread;
+
+/* The workspace of a simulation. */
+typedef struct weft__bodies_space {
+    const weft__bodies *own;
+    weft__self_list *list;
+    weft__spread now, before;
+    unsigned char *marks; /* of particles */
+    weft_allocator memory;
+} weft__bodies_space;
+
+/* NULL: no memory. */
+weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
+                                              const weft_allocator *memory);
+void weft__bodies_space_destroy(weft__bodies_space *space); /* NULL is allowed */
+
+/* A free particle or, of its primitive, the first, and a shape that may have met. */
+typedef struct weft__bodies_breach {
+    size_t particle, shape;
+    double gap; /* [m] at the end */
+} weft__bodies_breach;
+
+/* As weft__self_list_clear and weft__self_list_hold, at the times of a path. */
+bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
+                        weft__bodies_breach *out);
+void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
+                       double *y);
+
+/* The shape that a point is of; a state of all points, to be freed with the bodies'
+ * memory. NULL: no memory. */
+size_t weft__bodies_shape(const weft__bodies *own, size_t point);
+double *weft__bodies_spread(const weft__bodies *own, double t, const double *y);
+
+/* What the cloth exerts on shape k: force [N], torque [N m] about `at`. */
+void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
+                       const weft__state *at, size_t k, double load[WEFT__LOAD]);
+
+/* As weft__crossing_error, at a time; also of cloth that is inside a closed body. */
+weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
+                               size_t loose, const char *where, weft_error *err);
+
+extern const weft__force weft__bodies_force;

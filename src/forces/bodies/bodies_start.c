@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* bodies_start.c -- where a cloth passes through a body, or lies in one that is closed.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "base/plane.h"
+#include "forces/bodies/bodies.h"
+#include "mesh/surface.h"
+
+/* "edge (3, 4)-(3, 5)", or "shapes[1]". */
+static void name(const weft__bodies *own, const weft_primitive *of, char *text,
+                 size_t size)
+{
+    const weft__mesh *mesh = own->pairs.mesh;
+    if (of->particle[0] >= mesh->particles) {
+        (void)snprintf(text, size, "shapes[%zu]",
+                       weft__bodies_shape(own, of->particle[0]));
+    } else {
+        const weft_primitive named = weft__primitive_of(mesh, *of);
+        (void)weft__primitive_text(mesh, &named, text, size);
+    }
+}
+
+static weft_status crossing_error(const weft__bodies *own, const double *y,
+                                  size_t loose, const char *where, weft_error *err)
+{
+    char names[2][96], more[48] = "";
+    const weft__quadtree tree = weft__tree_of(&own->pairs, y);
+    const weft__crossings found = weft__crossings_of(&tree, loose);
+    if (found.count == 0) {
+        return WEFT_OK;
+    }
+    if (found.count > 1) {
+        (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        name(own, &found.first[k], names[k], sizeof names[k]);
+    }
+    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
+                          found.how == WEFT__PIERCE ? "passes through" : "touches",
+                          names[1], more);
+}
+
+/* Whether each edge belongs to two triangles. */
+static bool is_closed(const weft__bodies *own, const weft_body *body)
+{
+    const size_t sides = 3 * body->triangles;
+    weft__ends *list = weft__alloc(&own->memory, sides, sizeof *list);
+    for (size_t i = 0; list != NULL && i < sides; ++i) {
+        list[i] = weft__ends_of(body->corners[i],
+                                body->corners[i % 3 == 2 ? i - 2 : i + 1], 0);
+    }
+    bool closed = list != NULL && sides % 2 == 0;
+    if (closed) {
+        qsort(list, sides, sizeof *list, weft__compare_ends);
+    }
+    for (size_t i = 0; closed && i < sides; i += 2) {
+        closed = weft__compare_ends(&list[i], &list[i + 1]) == 0
+                 && (i + 2 == sides || weft__compare_ends(&list[i], &list[i + 2]) != 0);
+    }
+    weft__free(&own->memory, list);
+    return closed;
+}
+
+typedef struct closed_body {
+    const weft_body *body;
+    const double *y; /* planes of its points */
+    size_t points;
+    double far[3]; /* [m] outside */
+} closed_body;
+
+static void place(const closed_body *of, size_t i, double x[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        x[k] = of->y[k * of->points + i];
+    }
+}
+
+/* How often a segment from x to the outside pierces the body, by exact tests; < 0: it
+ * meets an edge. */
+static long pierces(const closed_body *of, const double x[3])
+{
+    long count = 0;
+    for (size_t t = 0; t < of->body->triangles; ++t) {
+        double c[3][3];
+        for (size_t k = 0; k < 3; ++k) {
+            place(of, of->body->corners[3 * t + k], c[k]);
+        }
+        const weft__meeting how = weft__segment_triangle(x, of->far, c[0], c[1], c[2]);
+        if (how == WEFT__TOUCH) {
+            return -1;
+        }
+        count += how == WEFT__PIERCE;
+    }
+    return count;
+}
+
+/* A point beyond the box of a body, another one with each try. */
+static void find_far(closed_body *of, size_t try)
+{
+    double low[3], high[3], x[3];
+    for (size_t i = 0; i < of->body->vertices; ++i) {
+        place(of, i, x);
+        for (size_t k = 0; k < 3; ++k) {
+            low[k] = i == 0 ? x[k] : fmin(low[k], x[k]);
+            high[k] = i == 0 ? x[k] : fmax(high[k], x[k]);
+        }
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        const double wide = high[k] - low[k];
+        of->far[k] = high[k] + wide * (0.37 + 0.29 * (double)k)
+                     + (high[0] - low[0]) * (0.11 + 0.07 * (double)try);
+    }
+}
+
+enum { TRIES = 16 };
+
+static bool is_inside(closed_body *of, const double x[3])
+{
+    long count = -1;
+    for (size_t try = 0; try < TRIES && count < 0; ++try) {
+        find_far(of, try);
+        count = pierces(of, x);
+    }
+    return count % 2 == 1;
+}
+
+/* Labels connected particles by their lowest one. */
+static void connect(const weft__skin *skin, uint32_t *label)
+{
+    for (uint32_t i = 0; i < skin->particles; ++i) {
+        label[i] = i;
+    }
+    for (size_t e = 0; e < skin->edges && skin->edge[e][0] < skin->particles; ++e) {
+        uint32_t a = skin->edge[e][0], b = skin->edge[e][1];
+        while (label[a] != a) {
+            a = label[a] = label[label[a]];
+        }
+        while (label[b] != b) {
+            b = label[b] = label[label[b]];
+        }
+        label[a < b ? b : a] = a < b ? a : b;
+    }
+}
+
+/* Of a cloth that passes through no body: of each connected part a particle is looked
+ * at, if it has a free one. */
+static weft_status inside_error(const weft__bodies *own, const double *y,
+                                const uint32_t *label, const char *where,
+                                weft_error *err)
+{
+    const weft__mesh *mesh = own->pairs.mesh;
+    const size_t points = own->pairs.points;
+    size_t first = mesh->particles;
+    for (size_t k = 0; k < own->contact->shape_count; ++k) {
+        const weft_body *body = own->contact->shapes[k].def.body;
+        if (body == NULL) {
+            continue;
+        }
+        closed_body of = { .body = body, .y = y + first, .points = points };
+        const bool closed = is_closed(own, body);
+        first += body->vertices;
+        for (size_t i = 0; closed && i < mesh->particles; ++i) {
+            const double x[3] = { y[i], y[points + i], y[2 * points + i] };
+            if (label[i] == i && is_inside(&of, x)) {
+                char text[64];
+                return weft_error_set(err, WEFT_INVALID,
+                                      "%s%s is inside shapes[%zu], a closed mesh, with "
+                                      "all that is joined to it",
+                                      where,
+                                      weft__particle_name(mesh,
+                                                          weft__vertex_of(mesh, i),
+                                                          text, sizeof text),
+                                      k);
+            }
+        }
+    }
+    return WEFT_OK;
+}
+
+weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
+                               size_t loose, const char *where, weft_error *err)
+{
+    if (!own->pairs.law.self) {
+        return WEFT_OK;
+    }
+    double *all = weft__bodies_spread(own, t, y);
+    uint32_t *label
+        = weft__alloc(&own->memory, own->pairs.mesh->particles, sizeof *label);
+    weft_status status = all == NULL || label == NULL ? WEFT_NO_MEMORY : WEFT_OK;
+    if (status == WEFT_OK) {
+        status = crossing_error(own, all, loose, where, err);
+    } else {
+        (void)weft_error_set(err, status, "no memory for a state");
+    }
+    if (status == WEFT_OK) {
+        connect(own->pairs.skin, label);
+        status = inside_error(own, all, label, where, err);
+    }
+    WEFT__FREE_ALL(&own->memory, all, label);
+    return status;
+}

@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "forces/contact/mesh_shape.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/finite.h"
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/sized.h"
+#include "mesh/track.h"
+
+/* The least height of a triangle, by its longest edge. */
+#define LEAST_HEIGHT 1e-6
+
+/* ---- numbers --------------------------------------------------------------------- */
+
+static bool is_flat(const double *places, const uint32_t *corner)
+{
+    const double *x[3]
+        = { places + 3 * corner[0], places + 3 * corner[1], places + 3 * corner[2] };
+    double e[3][3], longest = 0.0;
+    for (size_t i = 0; i < 3; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            e[i][k] = x[(i + 1) % 3][k] - x[i][k];
+        }
+        longest = fmax(longest, weft__dot(e[i], e[i]));
+    }
+    const double cross[3] = { e[0][1] * e[1][2] - e[0][2] * e[1][1],
+                              e[0][2] * e[1][0] - e[0][0] * e[1][2],
+                              e[0][0] * e[1][1] - e[0][1] * e[1][0] };
+    return !(weft__length(cross) > LEAST_HEIGHT * longest);
+}
+
+const char *weft__body_fault(const weft_body *of, size_t *triangle)
+{
+    if (of == NULL || of->places == NULL || of->corners == NULL || of->vertices < 3
+        || of->triangles < 1 || of->keys < 1) {
+        return "a mesh needs a body of triangles";
+    }
+    if (of->vertices > UINT32_MAX / 2 || of->triangles > UINT32_MAX / 2
+        || of->keys > SIZE_MAX / 64 / of->vertices) {
+        return "its body is too large";
+    }
+    if (!weft__all_finite(of->places, 3 * of->vertices * of->keys)) {
+        return "its body has a place that is not finite";
+    }
+    if (of->keys > 1 && !(of->fps > 0.0 && isfinite(1.0 / of->fps / of->fps))) {
+        return "its body has several keys, but fps is not > 0";
+    }
+    for (size_t t = 0; t < of->triangles; ++t) {
+        const uint32_t *c = of->corners + 3 * t;
+        *triangle = t;
+        if (c[0] >= of->vertices || c[1] >= of->vertices || c[2] >= of->vertices) {
+            return "a triangle of its body has a vertex that is not there";
+        }
+        for (size_t k = 0; k < of->keys; ++k) {
+            if (is_flat(of->places + 3 * of->vertices * k, c)) {
+                return "a triangle of its body has no area";
+            }
+        }
+    }
+    return NULL;
+}
+
+/* A vertex and the number that bits of its three coordinates make in turn. */
+typedef struct coded {
+    uint64_t code;
+    uint32_t vertex;
+} coded;
+
+static int by_code(const void *a, const void *b)
+{
+    const coded *x = a, *y = b;
+    return x->code != y->code ? (x->code > y->code) - (x->code < y->code)
+                              : (x->vertex > y->vertex) - (x->vertex < y->vertex);
+}
+
+/* Vertices that are near each other get numbers that are: G. M. Morton's order. */
+static void sort_vertices(const weft_body *of, coded *list)
+{
+    enum { BITS = 20 };
+    double low[3], widest = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+        double high = low[k] = of->places[k];
+        for (size_t i = 1; i < of->vertices; ++i) {
+            low[k] = fmin(low[k], of->places[3 * i + k]);
+            high = fmax(high, of->places[3 * i + k]);
+        }
+        widest = fmax(widest, high - low[k]);
+    }
+    for (size_t i = 0; i < of->vertices; ++i) {
+        list[i] = (coded){ 0, (uint32_t)i };
+        for (size_t k = 0; k < 3; ++k) {
+            const double part = (of->places[3 * i + k] - low[k]) / widest;
+            const uint64_t at = (uint64_t)(part * ((1 << BITS) - 1));
+            for (size_t b = 0; b < BITS; ++b) {
+                list[i].code |= (at >> b & 1) << (3 * b + k);
+            }
+        }
+    }
+    qsort(list, of->vertices, sizeof *list, by_code);
+}
+
+static void renumber(weft_body *of, const weft_body *from, const coded *list,
+                     uint32_t *number)
+{
+    double *places = (double *)(uintptr_t)of->places;
+    uint32_t *corners = (uint32_t *)(uintptr_t)of->corners;
+    for (size_t i = 0; i < of->vertices; ++i) {
+        number[list[i].vertex] = (uint32_t)i;
+    }
+    for (size_t i = 0; i < of->keys * of->vertices; ++i) {
+        const size_t key = i / of->vertices * of->vertices;
+        memcpy(places + 3 * i, from->places + 3 * (key + list[i - key].vertex),
+               3 * sizeof *places);
+    }
+    for (size_t i = 0; i < 3 * of->triangles; ++i) {
+        corners[i] = number[from->corners[i]];
+    }
+}
+
+/* Both arrays follow the struct. */
+static weft_body *copy(const weft_body *from, const weft_allocator *memory)
+{
+    const size_t places = 3 * from->vertices * from->keys * sizeof *from->places;
+    const size_t corners = 3 * from->triangles * sizeof *from->corners;
+    weft_body *to = weft__alloc(memory, sizeof *to + places + corners, 1);
+    coded *list = weft__alloc(memory, from->vertices, sizeof *list);
+    uint32_t *number = weft__alloc(memory, from->vertices, sizeof *number);
+    if (to != NULL && list != NULL && number != NULL) {
+        *to = *from;
+        to->places = (double *)(void *)(to + 1);
+        to->corners = (uint32_t *)(void *)((char *)(to + 1) + places);
+        sort_vertices(from, list);
+        renumber(to, from, list, number);
+    } else {
+        weft__free(memory, to);
+        to = NULL;
+    }
+    WEFT__FREE_ALL(memory, list, number);
+    return to;
+}
+
+bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *memory)
+{
+    bool has = true;
+    for (size_t k = 0; k < count; ++k) {
+        const bool body = shapes[k].def.kind == WEFT_MESH;
+        shapes[k].def.body = body && has ? copy(shapes[k].def.body, memory) : NULL;
+        has = has && (!body || shapes[k].def.body != NULL);
+    }
+    return has;
+}
+
+void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *memory)
+{
+    for (size_t k = 0; shapes != NULL && k < count; ++k) {
+        weft__free(memory, (void *)(uintptr_t)shapes[k].def.body);
+    }
+}
+
+uint64_t weft__body_hash(const weft_body *of, uint64_t hash)
+{
+    hash = weft__hash_reals(hash, of->places, 3 * of->vertices * of->keys);
+    for (size_t i = 0; i < 3 * of->triangles; ++i) {
+        hash = weft__hash_word(hash, of->corners[i]);
+    }
+    return weft__hash_real(hash, of->keys > 1 ? of->fps : 0.0);
+}
+
+size_t weft__bodies_vertices(const weft__contact *of)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        count += of->shapes[k].def.kind == WEFT_MESH ? of->shapes[k].def.body->vertices
+                                                     : 0;
+    }
+    return count;
+}
+
+/* ---- motion ---------------------------------------------------------------------- */
+
+/* The law of a track is linear in its rows: the shares that keys first, first + 1, ...
+ * have at a time in places and in velocities [1/s]. */
+typedef struct keys {
+    size_t first, count;
+    double share[4], rate[4];
+} keys;
+
+static double key_time(const weft_body *of, size_t i)
+{
+    return (double)i / of->fps;
+}
+
+/* The key before t, of times between the first and the last. */
+static size_t key_before(const weft_body *of, double t)
+{
+    size_t i = (size_t)(t * of->fps);
+    i -= i > 0 && key_time(of, i) > t;
+    return i + (key_time(of, i + 1) <= t);
+}
+
+/* By tracks of the keys about t, which have two of the shares as vectors. */
+static keys keys_at(const weft_body *of, double t)
+{
+    if (of->keys == 1 || !(t > 0.0 && t < key_time(of, of->keys - 1))) {
+        const size_t key = of->keys > 1 && t > 0.0 ? of->keys - 1 : 0;
+        return (keys){ .first = key, .count = 1, .share[0] = 1.0 };
+    }
+    const size_t i = key_before(of, t), first = i > 0 ? i - 1 : 0;
+    keys out
+        = { .first = first, .count = (i + 3 < of->keys ? i + 3 : of->keys) - first };
+    for (size_t half = 0; half < 4; half += 2) {
+        double rows[4 * WEFT__TRACK_WIDTH] = { 0.0 }, value[3][3];
+        for (size_t k = 0; k < out.count; ++k) {
+            rows[WEFT__TRACK_WIDTH * k] = key_time(of, first + k);
+            rows[WEFT__TRACK_WIDTH * k + 1 + k % 2] = k / 2 == half / 2;
+        }
+        weft__track_at(&(weft_track){ rows, out.count }, t, value);
+        for (size_t k = 0; k < 2; ++k) {
+            out.share[half + k] = value[0][k], out.rate[half + k] = value[1][k];
+        }
+    }
+    return out;
+}
+
+bool weft__body_moves(const weft__shape *shape, double t)
+{
+    const weft_body *body = shape->def.body;
+    return shape->motion.motion.moves || shape->motion.turns
+           || (body->keys > 1 && t < key_time(body, body->keys - 1));
+}
+
+/* Three numbers of all keys: [m] from `at`, or [m/s]. */
+static void blend(const weft_body *of, const keys *at, const double *share, size_t i,
+                  double out[3])
+{
+    const double *key = of->places + 3 * (of->vertices * at->first + i);
+    for (size_t k = 0; k < 3; ++k) {
+        out[k] = share[0] * key[k];
+    }
+    for (size_t j = 1; j < at->count; ++j) {
+        key += 3 * of->vertices;
+        for (size_t k = 0; k < 3; ++k) {
+            out[k] += share[j] * key[k];
+        }
+    }
+}
+
+void weft__body_place(const weft__shape *shape, double t, size_t planes, size_t plane,
+                      size_t next, double *to)
+{
+    const weft_body *body = shape->def.body;
+    const weft__pose pose = weft__pose_of(shape, t);
+    const keys at = keys_at(body, t);
+    for (size_t i = 0; i < body->vertices; ++i, to += next) {
+        double local[2][3], r[3], v[3], turned[3];
+        blend(body, &at, at.share, i, local[0]);
+        blend(body, &at, at.rate, i, local[1]);
+        weft__rotate(&pose.frame, local[0], r);
+        weft__rotate(&pose.frame, local[1], v);
+        weft__cross(pose.rigid.omega, r, turned);
+        for (size_t k = 0; k < planes; ++k) {
+            to[k * plane] = k < 3 ? pose.at[k] + r[k]
+                                  : pose.velocity[k - 3] + (v[k - 3] + turned[k - 3]);
+        }
+    }
+}
+
+void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
+                               double *xyz)
+{
+    weft_shape def = weft_shape_default(WEFT_MESH);
+    (void)weft__sized_read(&def, sizeof def, shape, size);
+    const weft__shape made = weft__shape_of(&def, 0.0);
+    if (made.def.body != NULL) {
+        weft__body_place(&made, t, 3, 1, 3, xyz);
+    }
+}
+
+double weft__bodies_next(const weft__contact *of, double t, double t_end)
+{
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        const weft_body *body = of->shapes[k].def.body;
+        if (body == NULL || body->keys == 1 || !(t < key_time(body, body->keys - 1))) {
+            continue;
+        }
+        double rows[2 * WEFT__TRACK_WIDTH] = { 0.0 };
+        const size_t next = t > 0.0 ? key_before(body, t) + 1 : 1;
+        rows[0] = key_time(body, next);
+        rows[WEFT__TRACK_WIDTH] = key_time(body, next + 1);
+        t_end = weft__track_next(&(weft_track){ rows, next + 1 < body->keys ? 2 : 1 },
+                                 t, t_end);
+    }
+    return t_end;
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scene_body.c -- the triangles of a mesh in contact.shapes: one OBJ file, or one for
+ * each key frame. */
+#include <string.h>
+#include <unistd.h>
+
+#include "forces/contact/mesh_shape.h"
+#include "scene/read.h"
+
+enum { MOST_KEYS = 100000, WIDEST = 9 };
+
+/* A name with the place of a number, which has a width if it begins with zeros. */
+typedef struct pattern {
+    const char *name, *rest; /* behind %04d; NULL: no number */
+    size_t before;
+    int width;
+} pattern;
+
+static pattern pattern_of(const char *name)
+{
+    const char *at = strchr(name, '%');
+    pattern out = { .name = name };
+    if (at != NULL) {
+        const bool wide = at[1] == '0' && at[2] > '0' && at[2] <= '0' + WIDEST;
+        out.before = (size_t)(at - name);
+        out.width = wide ? at[2] - '0' : 1;
+        at += wide ? 3 : 1;
+        out.rest = *at == 'd' && strchr(at, '%') == NULL ? at + 1 : NULL;
+    }
+    return out;
+}
+
+/* The file of key k, from `start` on; NULL: no memory. */
+static char *key_path(weft__reader *reader, const pattern *of, size_t start, size_t key)
+{
+    char name[1024], copy[64];
+    if (of->rest == NULL) {
+        (void)snprintf(name, sizeof name, "%s", of->name);
+        (void)snprintf(copy, sizeof copy, WEFT__BODY_COPY ".obj", reader->shape);
+    } else {
+        (void)snprintf(name, sizeof name, "%.*s%0*zu%s", (int)of->before, of->name,
+                       of->width, start + key, of->rest);
+        (void)snprintf(copy, sizeof copy, WEFT__BODY_COPY "-%04zu.obj", reader->shape,
+                       key);
+    }
+    return weft__mesh_path(reader, name, copy);
+}
+
+static bool is_there(weft__reader *reader, const pattern *of, size_t start, size_t key)
+{
+    const char *path = key_path(reader, of, start, key);
+    return path != NULL && access(path, F_OK) == 0;
+}
+
+/* How many files there are, the first with number *start. */
+static size_t count_keys(weft__reader *reader, const pattern *of, size_t *start)
+{
+    size_t count = 0;
+    *start = !is_there(reader, of, 0, 0);
+    while (count < MOST_KEYS && !reader->report->no_memory
+           && is_there(reader, of, *start, count)) {
+        ++count;
+    }
+    return count;
+}
+
+/* Takes one key from a file, or reports what does not suit the first. */
+static void take_key(weft__reader *reader, weft__obj *obj, double unit, size_t key,
+                     weft_body *to)
+{
+    const weft_mesh_def *def = &obj->def;
+    double *places = (double *)(uintptr_t)to->places;
+    if (key == 0) {
+        uint32_t *corners
+            = weft__tree_take(reader->tree, 3 * def->triangles, sizeof *corners);
+        places = weft__tree_take(reader->tree, 3 * def->vertices * to->keys,
+                                 sizeof *places);
+        if (corners == NULL || places == NULL) {
+            return;
+        }
+        memcpy(corners, def->corners, 3 * def->triangles * sizeof *corners);
+        to->vertices = def->vertices, to->triangles = def->triangles;
+        to->corners = corners, to->places = places;
+    }
+    const bool same = def->vertices == to->vertices && def->triangles == to->triangles;
+    for (size_t t = 0; t < to->triangles; ++t) {
+        const size_t size = 3 * sizeof *to->corners;
+        if (!same || memcmp(&to->corners[3 * t], &def->corners[3 * t], size) != 0) {
+            weft__obj_fault(obj, WEFT__MESH_TRIANGLE, same ? t : 0,
+                            "key frames must have the same vertices and faces: this "
+                            "one differs from the first");
+            return;
+        }
+    }
+    for (size_t i = 0; i < 3 * to->vertices; ++i) {
+        places[3 * to->vertices * key + i] = unit * def->start[i];
+    }
+    const weft_body one = {
+        to->vertices, to->triangles, 1, places + 3 * to->vertices * key, to->corners,
+        0.0
+    };
+    size_t triangle = SIZE_MAX;
+    const char *fault = weft__body_fault(&one, &triangle);
+    if (fault != NULL) {
+        weft__obj_fault(obj,
+                        triangle == SIZE_MAX ? WEFT__MESH_VERTEX : WEFT__MESH_TRIANGLE,
+                        triangle == SIZE_MAX ? 0 : triangle, fault);
+    }
+}
+
+static void read_key_frame(weft__reader *reader, weft__mark at, const char *path,
+                           double unit, size_t key, weft_body *to)
+{
+    const size_t before = reader->report->mistakes;
+    weft__obj obj = { .report = reader->report, .at = at, .path = path, .body = true };
+    if (path != NULL && weft__obj_load(&obj, path)
+        && reader->report->mistakes == before) {
+        take_key(reader, &obj, unit, key, to);
+    }
+    weft__obj_close(&obj, reader->report->memory);
+}
+
+/* The files of a body, which the scene lists. */
+static bool list_files(weft__reader *reader, weft__body_files *to, const pattern *of,
+                       size_t start, size_t keys)
+{
+    to->shape = reader->shape;
+    to->keyed = of->rest != NULL;
+    to->paths = weft__tree_take(reader->tree, keys, sizeof *to->paths);
+    for (size_t k = 0; to->paths != NULL && k < keys; ++k) {
+        to->paths[k] = key_path(reader, of, start, k);
+        to->count += to->paths[k] != NULL;
+    }
+    to->next = reader->scene->body_files;
+    reader->scene->body_files = to;
+    return to->count == keys;
+}
+
+void weft__read_body(weft__reader *reader, const weft__match *match,
+                     weft__shape_item *item)
+{
+    const weft__node *file = weft__value_in(match, "file");
+    const weft__node *fps = weft__key_in(match, "fps");
+    const pattern of = pattern_of(item->file);
+    const bool keyed = strchr(item->file, '%') != NULL;
+    const size_t before = reader->report->mistakes;
+    size_t start = 0, keys = 1;
+    if (strlen(item->file) > 900 || (keyed && of.rest == NULL)) {
+        ERROR_AT(reader, file,
+                 "the name of key frames needs one number: %%d, or %%04d");
+        return;
+    }
+    if (keyed != (fps != NULL)) {
+        ERROR_AT(reader, keyed ? file : fps,
+                 keyed ? "key frames need fps, their number a second"
+                       : "fps needs key frames: a file with %%04d for their number");
+        return;
+    }
+    keys = keyed ? count_keys(reader, &of, &start) : 1;
+    if (keys < 1 + (size_t)keyed || keys == MOST_KEYS) {
+        ERROR_AT(reader, file,
+                 "there are %zu files of key frames from 0 or 1 on: 2 to "
+                 "%d are needed",
+                 keys, MOST_KEYS - 1);
+        return;
+    }
+    weft_body *body = weft__tree_take(reader->tree, 1, sizeof *body);
+    weft__body_files *files = weft__tree_take(reader->tree, 1, sizeof *files);
+    if (body == NULL || files == NULL || !list_files(reader, files, &of, start, keys)) {
+        return;
+    }
+    body->keys = keys, body->fps = keyed ? item->fps : 0.0;
+    for (size_t k = 0;
+         k < keys && reader->report->mistakes == before && !reader->report->no_memory;
+         ++k) {
+        read_key_frame(reader, file->at, files->paths[k], item->unit, k, body);
+    }
+    item->shape.body = body;
+}

@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* test_bodies.c -- contact of a cloth with shapes of triangles: forces in a state, what
+ * starts where, and landings. */
+#include "support.h"
+
+#include "bodies.h"
+#include "cloth/model.h"
+#include "random.h"
+
+enum { SIDE = 9, N = SIDE * SIDE };
+
+static weft_cloth_def def;
+static weft_shape shapes[3];
+static body_mesh *bodies[3];
+static weft_cloth *cloth;
+static weft_sim *sim;
+static weft_sim_def run;
+static weft_error err;
+
+/* A level sheet of SIDE x SIDE loose particles, 2 cm apart, about the y axis. */
+static void setup(void)
+{
+    def = weft_cloth_def_default();
+    def.rows = def.cols = SIDE;
+    def.spacing[0] = def.spacing[1] = 0.02;
+    def.origin[0] = def.origin[2] = -0.08;
+    def.down[1] = 0.0, def.down[2] = 1.0;
+    def.contact.thickness = 5e-3;
+    def.contact.shapes = shapes;
+    run = weft_sim_def_default();
+    run.method = test_method_named("arkode/dormand_prince");
+    memset(bodies, 0, sizeof bodies);
+}
+
+static void teardown(void)
+{
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    for (size_t k = 0; k < 3; ++k) {
+        free(bodies[k]);
+        bodies[k] = NULL;
+    }
+    sim = NULL, cloth = NULL;
+}
+
+static weft_shape *put(body_mesh *body)
+{
+    const size_t k = def.contact.shape_count++;
+    bodies[k] = body;
+    shapes[k] = body_shape(body);
+    return &shapes[k];
+}
+
+static void springs(double stiffness, double damping)
+{
+    const weft_spring_def spring
+        = { .present = true, .stiffness = stiffness, .damping = damping };
+    def.springs[WEFT_STRETCH] = def.springs[WEFT_SHEAR] = spring;
+}
+
+static void begin(double tolerance)
+{
+    cloth = test_cloth(&def);
+    run.cloth = cloth;
+    run.config.rtol = run.config.atol_position = run.config.atol_velocity = tolerance;
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+}
+
+static void go(double t)
+{
+    ck_assert_msg(weft_sim_advance(sim, t, &err) == WEFT_OK, "%s", err.message);
+}
+
+static double height(size_t particle)
+{
+    return weft_sim_state(sim)[N + particle];
+}
+
+/* Of a plane of the state. */
+static double mean(size_t plane)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < N; ++i) {
+        sum += weft_sim_state(sim)[plane * N + i];
+    }
+    return sum / N;
+}
+
+/* ---- in a state ------------------------------------------------------------------ */
+
+/* An uneven sheet within the thickness of a plate of 4 x 4 cells and of another that
+ * stands in its way aslant. */
+static void lay(double *y, uint64_t seed)
+{
+    shapes[0].at[1] = -3e-3;
+    cloth = test_cloth(&def);
+    weft_cloth_start(cloth, y);
+    for (size_t i = 0; i < 6 * N; ++i) {
+        y[i] += (i < 3 * N ? 1.2e-3 : 0.5) * (2.0 * random_uniform(&seed) - 1.0);
+    }
+}
+
+START_TEST(forces_are_slopes_of_the_energy)
+{
+    double y[6 * N], d[3 * N], f[3 * N], slope = 0.0, along = 0.0, most = 0.0;
+    uint64_t seed = (uint64_t)_i + 1;
+    put(plate(4, 0.07, 0.07));
+    def.contact.friction = def.contact.damping = 0.0;
+    def.gravity[1] = 0.0;
+    lay(y, seed);
+    weft_cloth_force(cloth, 0.0, y, f);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        d[i] = 2.0 * random_uniform(&seed) - 1.0;
+        along += d[i] * f[i];
+        most = fmax(most, fabs(f[i]));
+    }
+    ck_assert_double_gt(most, 0.0);
+    for (int side = -1; side <= 1; side += 2) {
+        double at[6 * N];
+        for (size_t i = 0; i < 6 * N; ++i) {
+            at[i] = y[i] + (i < 3 * N ? side * 1e-8 * d[i] : 0.0);
+        }
+        slope += side * weft_cloth_energy(cloth, 0.0, at).contact / 2e-8;
+    }
+    ck_assert_double_eq_tol(along, -slope, 1e-5 * most);
+}
+END_TEST
+
+START_TEST(loads_are_the_forces_that_the_cloth_feels)
+{
+    double y[6 * N], f[3 * N], sum[6] = { 0.0 };
+    put(plate(4, 0.07, 0.07))->velocity[0] = 0.2;
+    put(icosphere(1, 0.05))->at[1] = -0.053;
+    shapes[1].friction = 0.9;
+    def.gravity[1] = 0.0;
+    lay(y, 5);
+    weft_cloth_force(cloth, 0.0, y, f);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        sum[i / N] += f[i];
+    }
+    for (size_t k = 0; k < 2; ++k) {
+        double force[3], torque[3];
+        weft_cloth_shape_load(cloth, 0.0, y, k, force, torque);
+        ck_assert_double_lt(force[1], 0.0);
+        for (size_t j = 0; j < 3; ++j) {
+            sum[j] += force[j];
+        }
+    }
+    for (size_t j = 0; j < 3; ++j) {
+        ck_assert_double_eq_tol(sum[j], 0.0, 1e-12 * fabs(f[1]) + 1e-12);
+    }
+}
+END_TEST
+
+START_TEST(a_pinned_cloth_feels_no_body)
+{
+    const weft_pin all = { .rows = { 0, -1 }, .cols = { 0, -1 } };
+    double y[6 * N];
+    put(plate(1, 0.2, 0.2));
+    def.pins = &all, def.pin_count = 1;
+    lay(y, 1);
+    ck_assert(weft_cloth_energy(cloth, 0.0, y).contact == 0.0);
+}
+END_TEST
+
+/* ---- where it starts ------------------------------------------------------------- */
+
+static const char *refusal(void)
+{
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
+    return err.message;
+}
+
+START_TEST(cloth_that_passes_through_a_body_is_named)
+{
+    put(icosphere(2, 0.05));
+    const char *text = refusal();
+    ck_assert_msg(strstr(text, " passes through ") != NULL
+                      && strstr(text, "shapes[0]") != NULL
+                      && strstr(text, " such pairs") != NULL,
+                  "%s", text);
+}
+END_TEST
+
+START_TEST(cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not)
+{
+    put(icosphere(1, 0.5));
+    const char *text = refusal();
+    ck_assert_msg(strstr(text, "particle (0, 0) is inside shapes[0], a closed mesh")
+                      != NULL,
+                  "%s", text);
+    --bodies[0]->body.triangles;
+    cloth = test_cloth(&def);
+}
+END_TEST
+
+START_TEST(wrong_bodies_are_refused)
+{
+    static const char *const texts[]
+        = { "a mesh needs a body", "a vertex that is not there: triangle 1",
+            "no area: triangle 0", "not finite",
+            "fps is not > 0",      "a mesh cannot spin" };
+    body_mesh *body = plate(1, 0.2, 0.2);
+    weft_shape *shape = put(body);
+    shape->at[1] = -0.1;
+    switch (_i) {
+    case 0:
+        shape->body = NULL;
+        break;
+    case 1:
+        body->corners[5] = 4;
+        break;
+    case 2:
+        memcpy(body->places, body->places + 3, 3 * sizeof(double));
+        break;
+    case 3:
+        body->places[4] = NAN;
+        break;
+    case 4:
+        body->body.keys = 2;
+        break;
+    default:
+        shape->spin[1] = 1.0;
+        break;
+    }
+    const char *text = refusal();
+    ck_assert_msg(strstr(text, texts[_i]) != NULL, "%s", text);
+}
+END_TEST
+
+/* ---- landings -------------------------------------------------------------------- */
+
+/* Lets the sheet fall on what is below it and rest there. */
+static void land(double t)
+{
+    def.drag = 1e-3;
+    springs(20.0, 0.02);
+    def.contact.friction = 0.5;
+    begin(1e-5);
+    go(t);
+}
+
+/* Some 0.4 mm lower or higher: one law has the mass of a particle, the other the
+ * density times reduced areas (docs/contact.md). */
+START_TEST(an_icosphere_bears_a_cloth_as_a_sphere_does)
+{
+    double force[3], torque[3], top[2];
+    def.origin[1] = 0.152;
+    put(icosphere(4, 0.15));
+    land(1.0);
+    top[0] = height(N / 2);
+    weft_sim_shape_load(sim, 0, force, torque);
+    const double speed
+        = sqrt(2.0 * weft_sim_measure(sim).energy.kinetic / weft_cloth_mass(cloth));
+    ck_assert_double_lt(speed, 1e-3);
+    ck_assert_double_eq_tol(force[1], -9.81 * weft_cloth_mass(cloth),
+                            0.005 * 9.81 * weft_cloth_mass(cloth));
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    sim = NULL, cloth = NULL;
+    shapes[0] = weft_shape_default(WEFT_SPHERE);
+    shapes[0].radius = 0.15;
+    land(1.0);
+    top[1] = height(N / 2);
+    ck_assert_double_eq_tol(top[0], top[1], 0.1 * def.contact.thickness);
+}
+END_TEST
+
+/* The lowest mean height, in thicknesses, of a sheet that meets a plate of so many
+ * cells at 1 m/s. */
+static double lowest(size_t cells)
+{
+    double least = 1.0;
+    setup();
+    def.origin[1] = 6e-3, def.velocity[1] = -1.0;
+    def.gravity[1] = 0.0;
+    def.contact.friction = 0.0;
+    put(plate(cells, 0.5, 0.5));
+    shapes[0].at[0] = 0.19, shapes[0].at[2] = 0.21;
+    shapes[0].orientation[1] = sin(0.15), shapes[0].orientation[3] = cos(0.15);
+    springs(20.0, 0.02);
+    begin(1e-7);
+    while (weft_sim_time(sim) < 0.01) {
+        ck_assert_msg(weft_sim_step(sim, 0.01, &err) == WEFT_OK, "%s", err.message);
+        least = fmin(least, mean(1));
+    }
+    teardown();
+    return least / 5e-3;
+}
+
+START_TEST(plates_of_any_cells_stop_a_sheet_at_one_depth)
+{
+    static const size_t cells[] = { 1, 3, 10, 30, 100 };
+    const double depth = lowest(1);
+    for (size_t i = 1; i < 4 + (size_t)test_rounds(0, 1); ++i) {
+        const double other = lowest(cells[i]);
+        ck_assert_double_eq_tol(other, depth, 0.01);
+    }
+}
+END_TEST
+
+/* At 30 m/s, through a plate of two triangles: flat, tilted, edge-on, its edge ahead,
+ * and one that moves to meet it. */
+START_TEST(nothing_tunnels_through_two_triangles)
+{
+    static const double turned[4] = { 0.0, 0.6, 1.5707963267948966, 0.0 };
+    weft_shape *shape = put(plate(1, 0.15, 0.15));
+    def.contact.thickness = 2e-3;
+    def.velocity[1] = -30.0, def.origin[1] = 0.3;
+    def.gravity[1] = 0.0;
+    shape->velocity[1] = _i == 3 ? 30.0 : 0.0;
+    shape->orientation[0] = sin(0.5 * turned[_i]);
+    shape->orientation[3] = cos(0.5 * turned[_i]);
+    if (_i == 2) {
+        def.down[1] = -1.0, def.down[2] = 0.0;
+        shape->orientation[0] = 0.0, shape->orientation[3] = 1.0;
+        shape->at[0] = 0.013, shape->at[2] = -0.021, shape->at[1] = 0.13;
+    }
+    springs(20.0, 0.02);
+    begin(1e-3);
+    for (size_t i = 1; i <= 40; ++i) {
+        go(0.001 * (double)i);
+        ck_assert_msg(weft__bodies_error(&weft_sim_cloth(sim)->bodies,
+                                         weft_sim_time(sim), weft_sim_state(sim),
+                                         SIZE_MAX, "", &err)
+                          == WEFT_OK,
+                      "%s", err.message);
+    }
+    ck_assert_uint_lt(10 * weft_sim_vetoed(sim), weft_sim_stats(sim).steps);
+}
+END_TEST
+
+START_TEST(friction_holds_on_a_tilted_facet)
+{
+    const double angle = atan(_i == 0 ? 0.25 : 0.35);
+    weft_shape *shape = put(plate(2, 0.3, 0.3));
+    shape->orientation[0] = sin(0.5 * angle);
+    shape->orientation[3] = cos(0.5 * angle);
+    shape->friction = 0.3;
+    def.down[1] = -sin(angle), def.down[2] = cos(angle);
+    def.origin[1] = 0.0795 * sin(angle) + 4.6e-3;
+    def.origin[2] = -0.08 * cos(angle);
+    springs(50.0, 0.05);
+    begin(1e-6);
+    double speed[2];
+    for (size_t k = 0; k < 2; ++k) {
+        go(0.25 * (double)(k + 1));
+        speed[k] = mean(5) / cos(angle);
+    }
+    const double g = 9.81 * (sin(angle) - 0.3 * cos(angle));
+    if (_i == 0) { /* it creeps: docs/contact.md */
+        ck_assert_double_lt(fabs(speed[1]), 5e-3);
+    } else {
+        ck_assert_double_eq_tol(4.0 * (speed[1] - speed[0]), g, 0.01 * 9.81);
+    }
+}
+END_TEST
+
+/* A ball that turns and rises under the sheet, a plate that is bent by keys. */
+static void set_up_motion(void)
+{
+    weft_shape *ball = put(icosphere(2, 0.06));
+    ball->at[1] = -0.068, ball->velocity[1] = 0.2;
+    ball->turn = (weft_turn){ .axis = { 0.2, 1.0, 0.0 },
+                              .about = { 0.01, 0.0, 0.0 },
+                              .rate = 3.0,
+                              .amplitude = 0.4,
+                              .frequency = 2.0 };
+    ball->friction = 0.8;
+    body_mesh *bent = plate(3, 0.2, 0.2);
+    memcpy(bent->places + 48, bent->places, 48 * sizeof(double));
+    memcpy(bent->places + 96, bent->places, 48 * sizeof(double));
+    for (size_t i = 0; i < 32; ++i) {
+        bent->places[48 + 3 * i + 1] = 0.01 * (double)(i / 16 + 1) * (double)(i % 3);
+    }
+    bent->body.keys = 3, bent->body.fps = 20.0;
+    put(bent)->at[1] = -0.06;
+    springs(30.0, 0.03);
+    run.ledger = true;
+}
+
+START_TEST(bodies_that_move_close_the_ledger)
+{
+    set_up_motion();
+    begin(1e-9);
+    go(0.15);
+    const weft_ledger at = weft_sim_ledger(sim);
+    ck_assert_double_gt(fabs(at.shape_work), 1e-5);
+    ck_assert_double_gt(at.dissipated_friction, 1e-6);
+    ck_assert_double_lt(fabs(at.residual), 1e-8 * fabs(at.shape_work));
+}
+END_TEST
+
+static uint64_t hash_of(size_t threads, bool plain, bool saved)
+{
+    setup();
+    set_up_motion();
+    run.config.threads = threads;
+    cloth = test_cloth(&def);
+    if (plain) {
+        weft__cloth_choose(cloth, WEFT__LOOPS);
+    }
+    run.cloth = cloth;
+    run.config.rtol = run.config.atol_position = run.config.atol_velocity = 1e-5;
+    ck_assert(weft_sim_create(&run, &sim, &err) == WEFT_OK);
+    go(0.06);
+    unsigned char *bytes = malloc(weft_sim_save_size(sim));
+    ck_assert(weft_sim_save(sim, bytes, weft_sim_save_size(sim), &err) == WEFT_OK);
+    if (saved) {
+        const size_t size = weft_sim_save_size(sim);
+        weft_sim_destroy(sim);
+        ck_assert(weft_sim_create(&run, &sim, &err) == WEFT_OK);
+        ck_assert_msg(weft_sim_restore(sim, bytes, size, &err) == WEFT_OK, "%s",
+                      err.message);
+    }
+    free(bytes);
+    go(0.12);
+    const uint64_t hash = weft_sim_measure(sim).hash;
+    ck_assert_uint_gt(weft_sim_measure(sim).touching, 0);
+    teardown();
+    return hash;
+}
+
+START_TEST(bits_are_those_of_any_threads_instructions_and_restored_states)
+{
+    const uint64_t one = hash_of(1, false, false);
+    ck_assert_uint_eq(hash_of(3, false, false), one);
+    ck_assert_uint_eq(hash_of(1, true, false), one);
+    ck_assert_uint_eq(hash_of(2, false, true), one);
+}
+END_TEST
+
+/* Positions after a landing on a ball of facets, without friction and damping. */
+static void land_at_once(double h, double *to)
+{
+    setup();
+    def.rows = def.cols = 5;
+    def.origin[0] = def.origin[2] = -0.041, def.origin[1] = 0.156;
+    def.velocity[1] = -2.0, def.velocity[0] = 0.7;
+    def.contact.friction = def.contact.damping = 0.0;
+    put(icosphere(3, 0.15));
+    springs(20.0, 0.0);
+    run.config.fixed_step = h;
+    begin(1e-6);
+    go(0.02);
+    memcpy(to, weft_sim_state(sim), 75 * sizeof *to);
+    teardown();
+}
+
+static double distance(const double *a, const double *b)
+{
+    double square = 0.0;
+    for (size_t i = 0; i < 75; ++i) {
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return sqrt(square);
+}
+
+START_TEST(a_landing_keeps_the_order)
+{
+    double exact[75], coarse[75], fine[75];
+    land_at_once(3.125e-6, exact);
+    land_at_once(5e-5, coarse);
+    land_at_once(2.5e-5, fine);
+    const double order = log2(distance(coarse, exact) / distance(fine, exact));
+    ck_assert_double_ge(order, 4.3);
+}
+END_TEST
+
+TEST_SUITE(bodies)
+{
+    Suite *suite = suite_create("bodies");
+    TCase *state = tcase_create("state"), *time = tcase_create("time");
+    tcase_add_checked_fixture(state, setup, teardown);
+    tcase_add_checked_fixture(time, setup, teardown);
+    tcase_set_timeout(time, 300.0);
+    tcase_add_loop_test(state, forces_are_slopes_of_the_energy, 0, 4);
+    tcase_add_test(state, loads_are_the_forces_that_the_cloth_feels);
+    tcase_add_test(state, a_pinned_cloth_feels_no_body);
+    tcase_add_test(state, cloth_that_passes_through_a_body_is_named);
+    tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);
+    tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 6);
+    tcase_add_test(time, an_icosphere_bears_a_cloth_as_a_sphere_does);
+    tcase_add_test(time, plates_of_any_cells_stop_a_sheet_at_one_depth);
+    tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 4);
+    tcase_add_loop_test(time, friction_holds_on_a_tilted_facet, 0, 2);
+    tcase_add_test(time, bodies_that_move_close_the_ledger);
+    tcase_add_test(time,
+                   bits_are_those_of_any_threads_instructions_and_restored_states);
+    tcase_add_test(time, a_landing_keeps_the_order);
+    suite_add_tcase(suite, state);
+    suite_add_tcase(suite, time);
+    return suite;
+}
