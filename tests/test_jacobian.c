@@ -12,13 +12,7 @@
 #include "meshes.h"
 #include "structured.h"
 
-enum {
-    ROWS = 6,
-    COLS = 7,
-    N = ROWS * COLS,
-    KINDS = WEFT_MESH + 1,
-    CASES = 8 * KINDS
-};
+enum { ROWS = 6, COLS = 7, N = ROWS * COLS, KINDS = WEFT_MESH + 1, CASES = 8 * KINDS };
 
 /* In (-1, 1). */
 static double noise(void)
