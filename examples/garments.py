@@ -2,7 +2,7 @@
 # %% [markdown]
 # # Garments from panels
 #
-# Writes skirt.obj and tshirt.obj of scenes/skirt.yaml and scenes/tshirt.yaml, and shows what an OBJ of a garment holds:
+# Writes the OBJ files of scenes/skirt.yaml, scenes/tshirt.yaml and scenes/dressed.yaml, and shows what an OBJ of a garment holds:
 # each panel flat (vt) with its triangles, one vertex (v) where panels are sewn, and where the garment starts (v).
 # `python examples/garments.py` needs NumPy and SciPy.
 
@@ -152,8 +152,8 @@ SLEEVE, CUFF = 0.17, 0.15  # [m] along the fold, and of each half across it
 LAYER = 0.03  # [m] how far a layer is from the plane of the garment
 
 
-def bulge(distance):
-    return LAYER * (1 - np.exp(-distance / (4 * LAYER)))
+def bulge(distance, layer=LAYER, slope=0.25):
+    return layer * (1 - np.exp(-slope * distance / layer))
 
 
 def distance(point, lines):
@@ -187,14 +187,15 @@ def body(spacing, scoop):
     return rim + sides + line + left, shoulders
 
 
-def tshirt(spacing):
+def tshirt(spacing, layer=LAYER, slope=0.25, narrow=1.0):
+    """`layer` [m] and `slope` of the layers away from the seams; `narrow` times as wide as flat."""
     seams = [(HEM, ARMPIT), (SHOULDER, NECK)]
     seams += [((-a[0], a[1]), (-b[0], b[1])) for a, b in seams]
     result = Garment("A T-shirt of four panels, made by examples/garments.py")
     for name, scoop, side in (("front", 0.09, 1), ("back", 0.025, -1)):
         rim, shoulders = body(spacing, scoop)
         places, corners = panel(rim, spacing)
-        start = lambda p, side=side: (p[0], p[1], side * bulge(distance(p, seams)))
+        start = lambda p, side=side: (narrow * p[0], p[1], side * bulge(distance(p, seams), layer, slope))
         if side > 0:
             result.add(name, places, corners, start, [("shoulders", shoulders)])
         else:
@@ -214,7 +215,7 @@ def tshirt(spacing):
     def arm(p, side):
         x, y = np.array(SHOULDER) + p[0] * out + abs(p[1]) * down
         apart = min(abs(p[1]), hole + (CUFF - hole) * p[0] / SLEEVE - abs(p[1]))
-        return side * x, y, -np.sign(p[1]) * bulge(apart)
+        return side * narrow * x, y, -np.sign(p[1]) * bulge(apart, layer, slope)
 
     result.add("left sleeve", places, corners, lambda p: arm(p, 1))
     result.add("right sleeve", places * (-1, 1), corners[:, ::-1], lambda p: arm(p * (-1, 1), -1))
@@ -223,4 +224,6 @@ def tshirt(spacing):
 
 # %%
 skirt(0.02).write("skirt.obj")
+skirt(0.035, waist=0.1).write("dressed-skirt.obj")
 tshirt(0.022).write("tshirt.obj")
+tshirt(0.03, layer=0.13, slope=0.9, narrow=0.82).write("dressed-shirt.obj")  # open, with room for a body

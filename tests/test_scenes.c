@@ -49,6 +49,7 @@ static const bounds scenes[] = {
     { "hung-towel.yaml", 0.01, 0.3, 1.0, .passive = true, .until = 0.5, .cut = true },
     { "skirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
+    { "dressed.yaml", 0.01, 0.6, 1.0, .passive = true, .until = 0.05, .self = true },
     { "disc.yaml", 0.01, 0.05, 1.0, .passive = true, .until = 0.3, .cut = true },
     { "pennant-cut.yaml", 0.01, 0.15, 1.0, .passive = false, .until = 0.3,
       .cut = true },
