@@ -51,6 +51,9 @@ static const bounds scenes[] = {
     { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "dressed.yaml", 0.01, 0.6, 1.0, .passive = true, .until = 0.05, .self = true },
     { "disc.yaml", 0.01, 0.05, 1.0, .passive = true, .until = 0.3, .cut = true },
+    { "poncho.yaml", 0.02, 0.15, 1.0, .passive = true, .until = 0.35, .cut = true },
+    { "dropped-disc.yaml", 0.01, 0.1, 0.5, .passive = true, .until = 0.3, .cut = true,
+      .self = true },
     { "pennant-cut.yaml", 0.01, 0.15, 1.0, .passive = false, .until = 0.3,
       .cut = true },
 };
