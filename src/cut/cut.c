@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "base/plane.h"
 
 #define ROW    0.8660254037844386 /* [spacings] from row to row of equal triangles */

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "base/sized.h"
 #include "plugin/loading.h"
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/grow.h"
 #include "weft/elementary.h"
 
 weft_scene *record_scene(const char *directory)
@@ -202,10 +203,9 @@ record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, doubl
     const weft_body *body = cloth->contact.shapes[k].body;
     if (body != NULL) {
         weft_shape_vertices(&cloth->contact.shapes[k], t, position);
-        return (record_surface){ .faces
-                                 = { .particles = body->vertices,
-                                     .triangles = body->triangles,
-                                     .corners = (uint32_t *)(uintptr_t)body->corners },
+        return (record_surface){ .faces = { .particles = body->vertices,
+                                            .triangles = body->triangles,
+                                            .corners = weft__unconst(body->corners) },
                                  .position = position,
                                  .doubles = true };
     }

@@ -3,7 +3,7 @@
  */
 #pragma once
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "weft/scene.h"
 
 /* ---- source.c: the texts of a scene: its file, and one for each override ---- */

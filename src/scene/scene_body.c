@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/grow.h"
 #include "forces/contact/mesh_shape.h"
 #include "scene/read.h"
 
@@ -69,7 +70,7 @@ static void take_key(weft__reader *reader, weft__obj *obj, double unit, size_t k
                      weft_body *to)
 {
     const weft_mesh_def *def = &obj->def;
-    double *places = (double *)(uintptr_t)to->places;
+    double *places = weft__unconst(to->places);
     if (key == 0) {
         uint32_t *corners
             = weft__tree_take(reader->tree, 3 * def->triangles, sizeof *corners);

@@ -25,9 +25,9 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
-    const size_t each_thread = cloth->self.law.self || cloth->bodies.pairs.law.self
-                                   ? SELF_PER_THREAD
-                                   : PARTICLES_PER_THREAD;
+    const bool touches = cloth->self.law.self, bodies = cloth->bodies.pairs.law.self;
+    const size_t each_thread
+        = touches || bodies ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t blocks = cloth->mesh.band.own;
     const size_t useful = worth < blocks ? worth : blocks;
@@ -37,32 +37,24 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const size_t each = blocks / (BLOCKS_PER_BAND * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
     const size_t bands = count * (many && each > 1 ? each : 1);
-    weft__self_list *self = NULL;
-    if (cloth->self.law.self && measures != NULL) {
-        self = weft__self_list_create(&cloth->self, pool, &memory);
-        if (self == NULL) {
-            weft__free(&memory, measures);
-            measures = NULL;
-        }
+    weft__forces out = { .cloth = cloth,
+                         .pool = pool,
+                         .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                         .measures = measures,
+                         .memory = memory };
+    if (touches) {
+        out.self = weft__self_list_create(&cloth->self, pool, &memory);
     }
-    weft__bodies_space *bodies = NULL;
-    if (cloth->bodies.pairs.law.self && measures != NULL) {
-        bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
-        if (bodies == NULL) {
-            weft__free(&memory, measures);
-            measures = NULL;
-        }
+    if (bodies) {
+        out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
     }
-    return (weft__forces){
-        .cloth = cloth,
-        .spaces = { [WEFT__FORCE_self] = self, [WEFT__FORCE_bodies] = bodies },
-        .pool = pool,
-        .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
-        .self = self,
-        .bodies = bodies,
-        .measures = measures,
-        .memory = memory
-    };
+    if (touches != (out.self != NULL) || bodies != (out.bodies != NULL)) {
+        weft__free(&memory, measures);
+        out.measures = NULL;
+    }
+    out.spaces[WEFT__FORCE_self] = out.self;
+    out.spaces[WEFT__FORCE_bodies] = out.bodies;
+    return out;
 }
 
 void weft__forces_destroy(weft__forces *forces)

@@ -4,7 +4,7 @@
  * and the sum of their squares. */
 #include "forces/bending/plate.h"
 
-#include "base/memory.h"
+#include "base/grow.h"
 
 #define DEPENDENT 1e-10 /* part of a column that is orthogonal to the others */
 

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "base/plane.h"
 
 enum {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "forces/bodies/bodies.h"
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "forces/self/self_list.h"
 
 /* ---- points ---------------------------------------------------------------------- */
@@ -59,7 +59,7 @@ double *weft__bodies_spread(const weft__bodies *own, double t, const double *y)
 {
     weft__spread to
         = { .y = weft__alloc(&own->memory, 6 * own->pairs.points, sizeof *to.y) };
-    return to.y == NULL ? NULL : (double *)(uintptr_t)spread(own, t, y, &to);
+    return to.y == NULL ? NULL : weft__unconst(spread(own, t, y, &to));
 }
 
 /* ---- forces ---------------------------------------------------------------------- */

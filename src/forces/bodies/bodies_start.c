@@ -100,12 +100,13 @@ static long pierces(const closed_body *of, const double x[3])
 /* A point beyond the box of a body, another one with each try. */
 static void find_far(closed_body *of, size_t try)
 {
-    double low[3], high[3], x[3];
+    double low[3] = { INFINITY, INFINITY, INFINITY }, x[3];
+    double high[3] = { -INFINITY, -INFINITY, -INFINITY };
     for (size_t i = 0; i < of->body->vertices; ++i) {
         place(of, i, x);
         for (size_t k = 0; k < 3; ++k) {
-            low[k] = i == 0 ? x[k] : fmin(low[k], x[k]);
-            high[k] = i == 0 ? x[k] : fmax(high[k], x[k]);
+            low[k] = fmin(low[k], x[k]);
+            high[k] = fmax(high[k], x[k]);
         }
     }
     for (size_t k = 0; k < 3; ++k) {

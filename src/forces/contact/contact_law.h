@@ -136,7 +136,8 @@ LAW void law_surface(const weft__pose *pose, const num r[3], num velocity[3])
  * derivative of omega x (x - c). */
 LAW num law_bend(const weft__ccd *of, num x[2][3], num v[2][3])
 {
-    num arm2 = NUM(0.0), speed2 = NUM(0.0), change[3];
+    num arm2 = NUM(0.0), speed2 = NUM(0.0);
+    num change[3] = { NUM(0.0), NUM(0.0), NUM(0.0) };
     for (size_t e = 0; e < 2; ++e) {
         const weft__rigid *now = &of->pose[e].rigid;
         num arm[3], speed[3];

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/finite.h"
+#include "base/grow.h"
 #include "base/hash.h"
-#include "base/memory.h"
 #include "base/sized.h"
 #include "mesh/track.h"
 
@@ -105,8 +105,8 @@ static void sort_vertices(const weft_body *of, coded *list)
 static void renumber(weft_body *of, const weft_body *from, const coded *list,
                      uint32_t *number)
 {
-    double *places = (double *)(uintptr_t)of->places;
-    uint32_t *corners = (uint32_t *)(uintptr_t)of->corners;
+    double *places = weft__unconst(of->places);
+    uint32_t *corners = weft__unconst(of->corners);
     for (size_t i = 0; i < of->vertices; ++i) {
         number[list[i].vertex] = (uint32_t)i;
     }
@@ -156,7 +156,7 @@ bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *
 void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *memory)
 {
     for (size_t k = 0; shapes != NULL && k < count; ++k) {
-        weft__free(memory, (void *)(uintptr_t)shapes[k].def.body);
+        weft__free(memory, weft__unconst(shapes[k].def.body));
     }
 }
 

@@ -2,7 +2,7 @@
 /* membrane_init.c -- a membrane from its mesh: the batches of its blocks. */
 #include <stdlib.h>
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "base/plane.h"
 #include "forces/membrane/membrane.h"
 #include "mesh/triangles_work.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/memory.h"
+#include "base/grow.h"
 #include "base/plane.h"
 #include "forces/membrane/membrane_law.h"
 

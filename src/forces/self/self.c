@@ -317,11 +317,11 @@ bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visi
 int weft__self_each(const weft__self *own, const double *y, weft__pushed_fn *each,
                     void *ctx)
 {
+    if (!own->law.self) {
+        return 0;
+    }
     pass all = { weft__self_law_of(own), y, each, ctx, 0.0 };
-    return !own->law.self
-                   || (weft__self_seek(own, y, take_pair, &all) && all.bad == 0.0)
-               ? 0
-               : 1;
+    return weft__self_seek(own, y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
 }
 
 void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,

@@ -261,7 +261,7 @@ typedef struct weft__self_sums {
     weft__unit unit;
     double *to;
 } weft__self_sums;
-void weft__self_sum(void *sums, weft__pair_kind kind, const weft__pushes *pushes,
+void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count);
 
 /* As add_all and measure_all of a weft__force; list NULL: they are sought. */

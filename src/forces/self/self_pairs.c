@@ -54,7 +54,7 @@ static void box_of(const weft__quadtree *tree, const uint32_t *points, size_t co
                    size_t item, boxed *to)
 {
     const size_t n = tree->own->points;
-    double x[3][3];
+    double x[3][3] = { { 0.0 } };
     for (size_t j = 0; j < 3 * count; ++j) {
         x[j / 3][j % 3] = tree->y[j % 3 * n + points[j / 3]];
     }

@@ -60,8 +60,8 @@ void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
 
 /* NULL: no memory. */
 weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *memory);
-void weft__skin_destroy(weft__skin *skin, const weft_allocator *memory);
-size_t weft__skin_bytes(const weft__skin *skin);
+void weft__skin_destroy(weft__skin *of, const weft_allocator *memory);
+size_t weft__skin_bytes(const weft__skin *of);
 
 /* The points of a tile, and where its further ones begin and end in tile_point; of
  * another level all points. */

@@ -4,6 +4,7 @@
  * elsewhere they are a notch that is too narrow for the thickness. */
 #include <stdlib.h>
 
+#include "base/grow.h"
 #include "forces/self/self.h"
 
 /* Lips lie on each other that are nearer than this part of the thickness. */
@@ -133,10 +134,11 @@ static void lay_out(const weft__triangles *of, double range, double *y)
 {
     const size_t n = of->places;
     for (size_t j = 0; j < 3 * of->count; ++j) {
-        const uint32_t place = of->place[j / 3][j % 3];
+        const size_t t = j / 3;
+        const uint32_t place = of->place[t][j % 3];
         y[place] = of->rest[place][0];
         y[n + place] = of->rest[place][1];
-        y[2 * n + place] = 2.0 * range * (double)of->piece[j / 3];
+        y[2 * n + place] = 2.0 * range * (double)of->piece[t];
     }
 }
 
