@@ -376,6 +376,15 @@ core:
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
 
+# Exact and published results, computed by the program; writes docs/validation.md. CASE='elastica-grid capstan': of these alone.
+.PHONY: validate check-validation
+validate: all
+	@BUILD=$(BUILD) python3 validation/validate.py $(CASE)
+
+# The quick half, 5 minutes on two cores, or with WHOLE=1 all: docs/validation.md has these numbers.
+check-validation: all
+	@BUILD=$(BUILD) python3 validation/validate.py --check $(if $(WHOLE),,--quick)
+
 # Packages first, then a second make: what the first one knew of them is out of date.
 # On all processors, if no -j says otherwise.
 ALL_OF_THEM = $(if $(findstring -j,$(MAKEFLAGS)),,-j $(shell getconf _NPROCESSORS_ONLN))
@@ -570,6 +579,7 @@ nightly: all
 	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) asan ASAN_WITHOUT=
 	$(MAKE) verify
+	$(MAKE) check-validation WHOLE=1
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-self SECONDS=3600
 	TEST_LONG=1 $(MAKE) check-libm
@@ -599,7 +609,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

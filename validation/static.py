@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Cases of cloth at rest: the heavy elastica, a catenary, a hanging sheet, a twisted ribbon."""
+import math
+
+import exact
+import meshes
+from figures import plot
+from runs import IMPLICIT, run, runs
+
+DENSITY, GRAVITY, LENGTH = 0.2, 9.81, 0.1
+LOADS = (0.1, 0.5, 1, 2, 5, 8, 10, 20, 50, 100, 200, 1000)
+REST = {"forces": {"wind": {"velocity": [0, 0, 0], "drag": 5}}, "stepper": {**IMPLICIT, "fixed_step": 0.05},
+        "run": {"duration": 20, "fps": 1}}
+ROMERO = "V. Romero et al., *Physical validation of simulators in computer graphics*, ACM Trans. Graph. 40(4) (2021), test " \
+         "\"Cantilever\"; F. T. Peirce, J. Textile Inst. 21, T377 (1930)"
+ELASTICA = "theta'' = -G (1 - s) cos theta, theta(0) = 0, theta'(1) = 0, G = density g L^3 / B; reach W, drop H of the tip; " \
+           "solved by validation/exact.py (Runge-Kutta of order 4, bisection)"
+
+
+def extrapolated(values, spacings):
+    """The limit of values a + c spacing^2 through the last two."""
+    (a, b), (p, q) = values[-2:], spacings[-2:]
+    return b + (b - a) / ((p / q) ** 2 - 1.0)
+
+
+def strip_of_springs(load, n):
+    """(W/L, H/L) of a chain of n particles, clamped midway between the first two."""
+    bend, a = DENSITY * GRAVITY * LENGTH ** 3 / load, LENGTH / (n - 1.5)
+    done = run({"cloth": {"grid": {"rows": n, "cols": 1, "spacing": a, "origin": [-a / 2, 0, 0], "down": [1, 0, 0],
+                                   "right": [0, 0, 1]},
+                          "fabric": {"density": DENSITY, "stretch": 1e7 * bend / LENGTH ** 2, "bend": bend},
+                          "pins": [{"rows": [0, 1], "cols": "all"}]}, **REST,
+                "forces": {"damping": 50 * DENSITY * a}})
+    return done.x[-1][0] / LENGTH, -done.x[-1][1] / LENGTH
+
+
+def elastica_grid():
+    sizes = (17, 33, 65)
+    spacing = [1.0 / (n - 1.5) for n in sizes]
+    found = runs([(load, n) for load in LOADS for n in sizes], strip_of_springs)
+    rows, curves = [], {"exact": [], "weft": []}
+    orders = []
+    for k, load in enumerate(LOADS):
+        reach, drop = exact.elastica(load)
+        got = found[3 * k: 3 * k + 3]
+        for name, want, values in (("W/L", reach, [g[0] for g in got]), ("H/L", drop, [g[1] for g in got])):
+            limit = extrapolated(values, spacing)
+            rows.append(("%s at G = %g" % (name, load), want, limit, abs(limit - values[-1]) + 2e-5))
+            errors = [v - want for v in values]
+            orders.append(("%s at G = %g" % (name, load), *values, *("%.2f" % o for o in exact.order(
+                [e / s ** 2 * (spacing[0] * 0.5 ** i) ** 2 for i, (e, s) in enumerate(zip(errors, spacing))]))))
+        curves["exact"].append((load, drop / reach))
+        curves["weft"].append((load, got[-1][1] / got[-1][0]))
+    return {
+        "title": "A strip, clamped level, hangs by its weight: springs and bending of a grid, 17, 33 and 65 particles along it.",
+        "source": ROMERO, "formula": ELASTICA,
+        "tolerance": "the exact values have 8 digits; weft's is extrapolated with order 2 from the last two grids, tolerance "
+                     "the step of that extrapolation and 2e-5 for the stretch of the strip (C L^2 / B = 1e7)",
+        "rows": rows, "tables": [(("quantity", "17", "33", "65", "order 17 to 33", "order 33 to 65"), orders)],
+        "figure": plot([("exact", curves["exact"], "line"), ("weft, 65 particles", curves["weft"], "dots")],
+                       "G = density g L^3 / B", "H / W", True, True),
+        "caption": "drop by reach of the tip against the load",
+        "text": "Spacings are L / (n - 1.5), as two pinned rows clamp the strip midway between them. Orders are noisy where an "
+                "error changes its sign.",
+    }
+
+
+elastica_grid.quick = True
+
+
+def strip_of_triangles(kind, n):
+    """(W/L, H/L) at G = 8 of a strip L x L/4, n triangles along it."""
+    bend, width, h = DENSITY * GRAVITY * LENGTH ** 3 / 8, LENGTH / 4, LENGTH / n
+    if kind == "random":
+        cloth = {"cut": {"outline": [[-h, -width / 2], [LENGTH, -width / 2], [LENGTH, width / 2], [-h, width / 2]],
+                         "lines": [[[0, -width / 2], [0, width / 2]]], "spacing": h, "right": [1, 0, 0], "down": [0, 0, -1]},
+                 "pins": [{"inside": {"shape": "plane", "at": [0, 0, 0], "normal": [1, 0, 0]}}]}
+        files = {}
+    else:
+        make = meshes.structured(n, n // 4, LENGTH, width) if kind == "one diagonal" else \
+            meshes.turned(n, n // 4, LENGTH, width, kind)
+        points, triangles, pins = meshes.clamped(*make, n // 4, width, h)
+        cloth = {"mesh": {"file": "strip.obj"}, "pins": [{"vertices": pins}]}
+        files = {"strip.obj": meshes.text(points, triangles, lambda u, v: (u, 0.0, -v))}
+    stretch = 1e6 * bend / LENGTH ** 2
+    cloth["fabric"] = {"density": DENSITY, "stretch": stretch, "shear": stretch / 2, "coupling": 0, "bend": bend}
+    done = run({"cloth": cloth, **REST}, files)
+    rest = done.mesh[0]
+    tip = [x for x, (u, _) in zip(done.x, rest) if u > LENGTH * (1 - 1e-9)]
+    return sum(x[0] for x in tip) / len(tip) / LENGTH, -sum(x[1] for x in tip) / len(tip) / LENGTH
+
+
+def elastica_mesh():
+    kinds, sizes = ("one diagonal", 0, 20, 45, "random"), (8, 16, 24)
+    reach, drop = exact.elastica(8)
+    found = runs([(kind, n) for kind in kinds for n in sizes], strip_of_triangles)
+    rows, orders, curves = [], [], []
+    for k, kind in enumerate(kinds):
+        got = found[len(sizes) * k: len(sizes) * (k + 1)]
+        name = kind if isinstance(kind, str) else "%d degrees" % kind
+        for letter, want, values in (("W/L", reach, [g[0] for g in got]), ("H/L", drop, [g[1] for g in got])):
+            rows.append((letter + ", " + name, want, values[-1], 0.003))
+            errors = [v - want for v in values]
+            orders.append((letter + ", " + name, *("%.5f" % e for e in errors),
+                           *("%.2f" % (math.log(abs(a / b)) / math.log(q / p))
+                             for a, b, p, q in zip(errors, errors[1:], sizes, sizes[1:]))))
+        curves.append((name, [(n, abs(g[1] - drop)) for n, g in zip(sizes, got)], "line"))
+    return {
+        "title": "The same strip, L x L/4, of triangles at G = 8: a structured mesh, lattices of equal triangles of which a row "
+                 "runs at 0, 20 and 45 degrees, and a random mesh of `cloth.cut`; 8, 16 and 24 triangles along the strip.",
+        "source": ROMERO, "formula": ELASTICA,
+        "tolerance": "0.003 L at 24 triangles, three times the error that order 2 leaves of the .007 to .01 at 8; "
+                     "C L^2 / B = 1e6 moves the tip by 4e-6 L",
+        "rows": rows, "tables": [(("error of", "8", "16", "24", "order 8 to 16", "order 16 to 24"), orders)],
+        "figure": plot(curves, "triangles along the strip", "error of H / L", True, True),
+        "caption": "error of the drop against the number of triangles",
+        "text": "Membranes are `chord`. Oblique meshes lock a little, as [meshes.md](meshes.md) explains, with the other sign "
+                "than the error of bending: their errors are smaller, and their orders scatter where the two cancel.",
+    }
+
+
+elastica_mesh.quick = True
+
+
+def chain_of_catenary(n):
+    """Sag by length of n springs whose ends are at 0.8 of their length."""
+    length = 1.0
+    mass = DENSITY * length / n
+    done = run({"cloth": {"grid": {"rows": 1, "cols": n + 1, "spacing": length / n, "scale": 0.8}, "mass": mass,
+                          "springs": {"stretch": {"stiffness": 1e5 * n}}, "pins": ["left", "right"]},
+                "forces": {"damping": 3 * mass}, "stepper": {**IMPLICIT, "fixed_step": 0.01}, "run": {"duration": 20, "fps": 1}})
+    return -done.x[n // 2][1] / length, [(x[0], x[1]) for x in done.x]
+
+
+def catenary():
+    s = exact.bisect(lambda v: math.sinh(v) / v - 1.25, 0.1, 5.0)
+    a = 0.4 / s
+    sag, sizes = a * (math.cosh(s) - 1.0), (8, 16, 32)
+    found = runs([(n,) for n in sizes], chain_of_catenary)
+    values = [f[0] for f in found]
+    limit = extrapolated(values, [1.0 / n for n in sizes])
+    curve = [(0.02 * i, a * (math.cosh((0.02 * i - 0.4) / a) - math.cosh(0.4 / a))) for i in range(41)]
+    return {
+        "title": "A chain of 8, 16 and 32 springs between two points at 0.8 of its length; its springs do not stretch by more than 3e-5.",
+        "source": "Jac. Bernoulli, Leibniz, Huygens (1691)",
+        "formula": "y = a cosh(x/a), sinh(s)/s = 1.25, s = 0.4 L/a; sag = a (cosh s - 1)",
+        "tolerance": "the step of the extrapolation from 16 and 32 springs (order 2), and 1e-5 for the stretch",
+        "rows": [("sag / L, extrapolated", sag, limit, abs(limit - values[-1]) / 4 + 1e-5)],
+        "tables": [(("springs", "sag / L", "error"), [(str(n), v, "%.6f" % (v - sag)) for n, v in zip(sizes, values)])],
+        "figure": plot([("exact", curve, "line"), ("weft, 16 springs", found[1][1], "dots")], "x / L", "y / L"),
+        "caption": "the chain and the catenary",
+        "text": "Orders: " + ", ".join("%.2f" % o for o in exact.order([v - sag for v in values])) + ".",
+    }
+
+
+catenary.quick = True
+CASES = (elastica_grid, elastica_mesh, catenary)
