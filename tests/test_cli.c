@@ -133,6 +133,53 @@ START_TEST(a_new_scene_is_one_that_runs_and_replaces_no_file)
 }
 END_TEST
 
+/* A strip stretches by 490 N/m over C; the elastica of two bending lengths has 41.49
+ * degrees. */
+START_TEST(the_laboratory_measures_what_the_fabric_is)
+{
+    expect(shell("cd " OUT " && ../weft lab strip white-dots-on-blk"), 0);
+    says("EMT 12.2 % at 490 N/m, along the warp: a secant modulus of 4004 N/m");
+    expect(shell("cd " OUT " && ../weft lab cantilever 11oz-black-denim"), 0);
+    says("falls by 41.49 degrees");
+    expect(shell("cd " OUT " && ../weft lab strip white-dots-on-blk --set "
+                 "cloth.fabric.stretch=980"),
+           0);
+    says("EMT 50 % at 490 N/m");
+    expect(shell("cd " OUT " && ../weft lab stripe x 2>&1"), 2);
+    says("weft lab: TEST 'stripe' is not drape, cantilever or strip (did you mean "
+         "'strip'?)");
+    expect(shell("cd " OUT " && ../weft lab strip denim 2>&1"), 2);
+    says("(did you mean '11oz-black-denim'?)");
+    expect(shell("cd " OUT
+                 " && echo mine > strip-royal-target.yaml && ../weft lab strip "
+                 "royal-target 2>&1"),
+           4);
+    says("strip-royal-target.yaml: File exists with another text; --force replaces it");
+    expect(shell("cd " OUT " && cat strip-royal-target.yaml && ../weft lab strip "
+                 "royal-target --force"),
+           0);
+    says("mine\n");
+    says("4033 N/m");
+}
+END_TEST
+
+#ifdef WEFT_QHULL
+/* Cloth that does not bend lies flat; cloth that is limp hangs down. */
+START_TEST(the_drape_of_stiff_cloth_is_100_percent)
+{
+    expect(shell("cd " OUT " && ../weft lab drape royal-target --set "
+                 "cloth.cut.spacing=0.015 --set cloth.fabric.bend=1 --set "
+                 "cloth.fabric.twist=1"),
+           0);
+    says("coefficient 100.0 %");
+    expect(shell("cd " OUT " && ../weft lab drape ivory-rib-knit --set "
+                 "cloth.cut.spacing=0.015"),
+           0);
+    ck_assert_double_lt(atof(strstr(output, "coefficient ") + 12), 70.0);
+}
+END_TEST
+#endif
+
 START_TEST(a_new_scene_has_a_name)
 {
     static const char *const wrong[]
@@ -533,6 +580,10 @@ TEST_SUITE(cli)
     tcase_add_test(program, scene_help_lists_every_key);
     tcase_add_test(program, a_new_scene_is_one_that_runs_and_replaces_no_file);
     tcase_add_test(program, a_new_scene_has_a_name);
+    tcase_add_test(program, the_laboratory_measures_what_the_fabric_is);
+#ifdef WEFT_QHULL
+    tcase_add_test(program, the_drape_of_stiff_cloth_is_100_percent);
+#endif
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;

@@ -31,9 +31,9 @@ static void expect_narrow(size_t most)
 START_TEST(help_leaves_room_for_the_margin_of_a_manual_page)
 {
     static const char *const verbs[]
-        = { "",         "run",     "resume",     "batch",       "check",
-            "steppers", "fabrics", "scene-help", "view",        "diff",
-            "export",   "compare", "converge",   "plugin-test", "new" };
+        = { "",         "run",         "resume", "batch", "check",  "steppers",
+            "fabrics",  "scene-help",  "view",   "diff",  "export", "compare",
+            "converge", "plugin-test", "new",    "lab" };
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
         expect(shell(WEFT " %s --help", verbs[i]), 0);
         says("usage: weft ");

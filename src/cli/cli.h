@@ -59,7 +59,7 @@ typedef struct verb {
     int (*run)(const arguments *given); /* returns the exit code */
 } verb;
 
-extern const verb verb_new, verb_run, verb_resume, verb_batch, verb_check,
+extern const verb verb_new, verb_lab, verb_run, verb_resume, verb_batch, verb_check,
     verb_steppers, verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff,
     verb_compare, verb_converge, verb_plugin_test;
 
@@ -130,8 +130,8 @@ WEFT_PRINTF(2, 3) int report_status(weft_status status, const char *format, ...)
 /* "weft run: <text>" and a hint at --help, to stderr; returns EXIT_USAGE. */
 WEFT_PRINTF(2, 3) int usage_error(const arguments *given, const char *format, ...);
 
-/* Finds the value of an option among names, which NULL ends. Returns EXIT_DONE, or
- * EXIT_USAGE after naming them and the nearest. */
+/* Finds the value of an option, or of an operand in capitals, among names, which NULL
+ * ends. Returns EXIT_DONE, or EXIT_USAGE after naming them and the nearest. */
 int choose(const arguments *given, const char *option, const char *typed,
            const char *const *names, size_t *chosen);
 

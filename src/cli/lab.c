@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* lab.c -- weft lab: tests of the textile laboratory on a preset. Each is a scene,
+ * which is written, and a number that is measured when the cloth has come to rest. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+
+#define GRAVITY 9.81  /* [m/s^2] */
+#define INNER   0.09  /* [m] radius of the support of the drape test */
+#define OUTER   0.15  /* and of the disc */
+#define STRIP   0.2   /* [m] length of the strip that is pulled */
+#define PULL    490.0 /* [N/m] */
+
+static const double pi = 3.14159265358979323846;
+
+/* x y z of all particles at rest. */
+typedef struct specimen {
+    const weft_fabric *fabric;
+    const weft_cloth *cloth;
+    const double *start, *x;
+    size_t count;
+} specimen;
+
+/* ---- drape ---- */
+
+/* Paints the triangle on a raster of `side` cells a side of `cell` [m], from above. */
+static void paint(unsigned char *raster, size_t side, double cell, const specimen *self,
+                  const uint32_t corner[3])
+{
+    double p[3][2], low = INFINITY, high = -INFINITY;
+    for (size_t k = 0; k < 3; ++k) {
+        p[k][0] = (self->x[3 * corner[k]] + OUTER) / cell + 4.0;
+        p[k][1] = (self->x[3 * corner[k] + 2] + OUTER) / cell + 4.0;
+        low = fmin(low, p[k][1]);
+        high = fmax(high, p[k][1]);
+    }
+    for (double y = fmax(0.5, ceil(low - 0.5) + 0.5);
+         y <= fmin(high, (double)side - 0.5); y += 1.0) {
+        double left = (double)side, right = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            const double *a = p[k], *b = p[(k + 1) % 3];
+            if ((a[1] <= y) != (b[1] <= y)) {
+                const double at = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+                left = fmin(left, at);
+                right = fmax(right, at);
+            }
+        }
+        for (double c = fmax(0.0, ceil(left - 0.5));
+             c + 0.5 <= fmin(right, (double)side); c += 1.0) {
+            raster[(size_t)y * side + (size_t)c] = 1;
+        }
+    }
+}
+
+/* Maxima of the radius along the rim, the first `count` vertices, each of which stands
+ * out by a twentieth of the radius' range. */
+static size_t count_nodes(const specimen *self, size_t count)
+{
+    double least = INFINITY, most = 0.0;
+    size_t lowest = 0, nodes = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double r = hypot(self->x[3 * i], self->x[3 * i + 2]);
+        lowest = r < least ? i : lowest;
+        least = fmin(least, r);
+        most = fmax(most, r);
+    }
+    const double step = 0.05 * (most - least);
+    bool rises = false;
+    double turn = least;
+    for (size_t i = 0; i <= count; ++i) {
+        const size_t at = (lowest + i) % count;
+        const double r = hypot(self->x[3 * at], self->x[3 * at + 2]);
+        turn = rises ? fmax(turn, r) : fmin(turn, r);
+        if (fabs(r - turn) > step) {
+            nodes += rises;
+            rises = !rises;
+            turn = r;
+        }
+    }
+    return nodes;
+}
+
+static weft_status report_drape(const specimen *self, weft_error *err)
+{
+    enum { SIDE = 608 };
+    const double cell = 0.5e-3;
+    const size_t triangles = weft_cloth_triangles(self->cloth, NULL);
+    uint32_t *corners = malloc(3 * triangles * sizeof *corners);
+    unsigned char *raster = calloc((size_t)SIDE * SIDE, 1);
+    size_t rim = 0, painted = 0;
+    if (corners == NULL || raster == NULL) {
+        free(corners);
+        free(raster);
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the drape");
+    }
+    (void)weft_cloth_triangles(self->cloth, corners);
+    for (size_t t = 0; t < triangles; ++t) {
+        paint(raster, SIDE, cell, self, &corners[3 * t]);
+    }
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
+        painted += raster[i];
+    }
+    while (rim < self->count
+           && hypot(self->start[3 * rim], self->start[3 * rim + 2]) > 0.999 * OUTER) {
+        ++rim;
+    }
+    const double inner = pi * INNER * INNER, area = (double)painted * cell * cell;
+    print_item("drape", "coefficient %.1f %%, %zu nodes",
+               100.0 * (area - inner) / (pi * OUTER * OUTER - inner),
+               count_nodes(self, rim));
+    free(corners);
+    free(raster);
+    return WEFT_OK;
+}
+
+/* ---- cantilever and strip ---- */
+
+/* Of a strip clamped at x = 0 whose last particle is its tip, as long as at the start.
+ */
+static weft_status report_cantilever(const specimen *self, weft_error *err)
+{
+    const double *tip = &self->x[3 * (self->count - 1)];
+    const double length = self->start[3 * (self->count - 1)];
+    const double chord = atan2(-tip[1], tip[0]);
+    const double c = length * cbrt(cos(0.5 * chord) / (8.0 * tan(chord)));
+    (void)err;
+    print_item("cantilever",
+               "the chord of %.1f mm falls by %.2f degrees; by Peirce's formula the "
+               "bending length is %.2f mm, the rigidity %.3g N m",
+               1e3 * length, chord * 180.0 / pi, 1e3 * c,
+               self->fabric->density * GRAVITY * c * c * c);
+    return WEFT_OK;
+}
+
+static weft_status report_strip(const specimen *self, weft_error *err)
+{
+    const size_t last = self->count - 1;
+    const double more = self->start[3 * last + 1] - self->x[3 * last + 1];
+    (void)err;
+    print_item("strip",
+               "EMT %.3g %% at %.0f N/m, along the warp: a secant modulus of %.4g N/m",
+               100.0 * more / STRIP, PULL, PULL * STRIP / more);
+    return WEFT_OK;
+}
+
+/* ---- the scenes ---- */
+
+static void write_drape(FILE *to, const weft_fabric *fabric)
+{
+    fprintf(
+        to,
+        "# Cusick's drape test: a disc of 30 cm over a support of 18 cm, which clamps "
+        "it.\nweft: 1\nname: drape of %s\n\ncloth:\n"
+        "  cut: {outline: {disc: 0.15}, lines: [{disc: 0.09}], spacing: 7.5e-3, "
+        "down: [0, 0, 1]}\n"
+        "  fabric: {preset: %s}\n"
+        "  pins: [{inside: {shape: sphere, at: [0, 0, 0], radius: 0.09}}]\n\n"
+        "forces: {wind: {velocity: [0, 0, 0], drag: 1}}\n",
+        fabric->name, fabric->name);
+}
+
+static void write_cantilever(FILE *to, const weft_fabric *fabric)
+{
+    enum { ROWS = 33 };
+    const double spacing = 2.0 * weft_fabric_length(fabric, 0, GRAVITY) / (ROWS - 1.5);
+    fprintf(
+        to,
+        "# Peirce's cantilever (ASTM D1388): a strip along the warp, twice as long as "
+        "its bending length.\n# Two pinned rows clamp it at x = 0.\n"
+        "weft: 1\nname: cantilever of %s\n\ncloth:\n"
+        "  grid: {rows: %d, cols: 1, spacing: %.9g, origin: [%.9g, 0, 0], right: [0, "
+        "0, 1], down: [1, 0, 0]}\n"
+        "  fabric: {preset: %s}\n"
+        "  pins: [{rows: [0, 1], cols: all}]\n\n"
+        "forces: {damping: %.9g}\n",
+        fabric->name, ROWS, spacing, -0.5 * spacing, fabric->name,
+        50.0 * fabric->density * spacing);
+}
+
+/* A chain is 1 m wide. */
+static void write_strip(FILE *to, const weft_fabric *fabric)
+{
+    fprintf(to,
+            "# The KES strip: 0.2 m along the warp, pulled with 490 N/m by a weight.\n"
+            "weft: 1\nname: strip of %s\n\ncloth:\n"
+            "  grid: {rows: 11, cols: 1, spacing: 0.02}\n"
+            "  fabric: {preset: %s}\n"
+            "  pins: [top]\n"
+            "  loads: [{at: bottom, mass: %.17g}]\n\n"
+            "forces: {damping: %.9g}\n",
+            fabric->name, fabric->name, PULL / GRAVITY, PULL);
+}
+
+static const struct {
+    void (*write)(FILE *to, const weft_fabric *fabric);
+    weft_status (*report)(const specimen *self, weft_error *err);
+} tests[] = { { write_drape, report_drape },
+              { write_cantilever, report_cantilever },
+              { write_strip, report_strip } };
+static const char *const test_names[] = { "drape", "cantilever", "strip", NULL };
+
+/* A file with another text is the user's, unless --force is given. */
+static weft_status write_scene(const char *path, size_t test, const weft_fabric *fabric,
+                               bool force, weft_error *err)
+{
+    enum { ROOM = 2048 };
+    char text[ROOM] = "", there[ROOM] = "";
+    FILE *to = fmemopen(text, sizeof text - 1, "w");
+    if (to == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the scene");
+    }
+    tests[test].write(to, fabric);
+    fputs("stepper: {plugin: stiff, method: backward_euler, fixed_step: 0.03}\n"
+          "run: {duration: 6, fps: 10}\n",
+          to);
+    (void)fclose(to);
+    FILE *old = force ? NULL : fopen(path, "r");
+    if (old != NULL) {
+        (void)!fread(there, 1, sizeof there - 1, old);
+        (void)fclose(old);
+        return strcmp(there, text) == 0
+                   ? WEFT_OK
+                   : weft_error_set(err, WEFT_IO,
+                                    "%s: File exists with another text; --force "
+                                    "replaces it",
+                                    path);
+    }
+    to = fopen(path, "w");
+    const bool written = to != NULL && fputs(text, to) >= 0 && fflush(to) == 0;
+    const int why = errno;
+    if (to != NULL) {
+        (void)fclose(to);
+    }
+    return written ? WEFT_OK
+                   : weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
+}
+
+/* ---- the run ---- */
+
+static weft_status measure(const weft_scene *scene, size_t test, weft_error *err)
+{
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    double *places = NULL;
+    const weft_log log = { 0 };
+    weft_status status = simulation_create(scene, NULL, log, &cloth, &sim, err);
+    const size_t n = status == WEFT_OK ? weft_cloth_particles(cloth) : 0;
+    if (status == WEFT_OK && (places = malloc(6 * n * sizeof *places)) == NULL) {
+        status = weft_error_set(err, WEFT_NO_MEMORY, "no memory for the cloth");
+    }
+    if (status == WEFT_OK) {
+        weft_sim_positions(sim, places);
+        status = weft_sim_advance(sim, weft_scene_run(scene)->duration, err);
+    }
+    if (status == WEFT_OK) {
+        weft_sim_positions(sim, places + 3 * n);
+        const specimen self = { .fabric = weft_scene_fabric(scene),
+                                .cloth = cloth,
+                                .start = places,
+                                .x = places + 3 * n,
+                                .count = n };
+        status = tests[test].report(&self, err);
+    }
+    free(places);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    return status;
+}
+
+static int lab_verb(const arguments *given)
+{
+    enum { MOST = 64 };
+    const char *names[MOST + 1] = { NULL };
+    size_t count, test = 0, chosen = 0;
+    char path[RECORD_PATH];
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    const weft_fabric *presets = weft_fabric_presets(&count);
+    for (size_t i = 0; i < count && i < MOST; ++i) {
+        names[i] = presets[i].name;
+    }
+    if (choose(given, "TEST", given->operands[0], test_names, &test) != EXIT_DONE
+        || choose(given, "FABRIC", given->operands[1], names, &chosen) != EXIT_DONE) {
+        return EXIT_USAGE;
+    }
+    (void)snprintf(path, sizeof path, "%s-%s.yaml", test_names[test], names[chosen]);
+    if (write_scene(path, test, &presets[chosen], given->force, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    int code = open_scene(path, given, &scene, NULL);
+    if (code == EXIT_DONE && measure(scene, test, &err) != WEFT_OK) {
+        code = report_error(&err);
+    } else if (code == EXIT_DONE) {
+        print_item("scene", "%s; 'weft run %s --view' draws it", path, path);
+    }
+    weft_scene_destroy(scene);
+    return code;
+}
+
+const verb verb_lab = {
+    .name = "lab",
+    .summary = "test a measured fabric as a textile laboratory does",
+    .help
+    = "usage: weft lab TEST FABRIC [OPTIONS]\n\n"
+      "Writes the scene of a test of a preset (weft fabrics) to TEST-FABRIC.yaml in "
+      "the "
+      "working directory, which it replaces, runs it to rest and prints the result:\n\n"
+      "  drape                Cusick: drape coefficient [%] and nodes of a disc of 30 "
+      "cm on a support of 18 cm, which clamps it\n"
+      "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as long "
+      "as "
+      "its bending length, and the bending length by Peirce's formula\n"
+      "  strip                KES: the extension [%] of a strip at 490 N/m\n\n"
+      "  --force              replace a scene of that name with another text\n"
+      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
+      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "examples:\n"
+      "  weft lab drape 11oz-black-denim\n"
+      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3 --set "
+      "cloth.cut.seed=2\n\n"
+      "exit codes: 0 done, 1 the run failed, 2 wrong command line, 3 wrong scene, 4 "
+      "the "
+      "scene could not be written\n",
+    .operands
+    = { 2, 2, "a test and a fabric are needed", "more than a test and a fabric" },
+    .run = lab_verb,
+};
