@@ -319,8 +319,7 @@ const verb verb_lab = {
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "examples:\n"
       "  weft lab drape 11oz-black-denim\n"
-      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3 --set "
-      "cloth.cut.seed=2\n\n"
+      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n\n"
       "exit codes: 0 done, 1 the run failed, 2 wrong command line, 3 wrong scene, 4 "
       "the "
       "scene could not be written\n",
