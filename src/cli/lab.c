@@ -180,7 +180,7 @@ static void write_cantilever(FILE *to, const weft_fabric *fabric)
         50.0 * fabric->density * spacing);
 }
 
-/* A chain is 1 m wide. */
+/* A chain is 1 m wide. In the mean of its length, weight included, it carries PULL. */
 static void write_strip(FILE *to, const weft_fabric *fabric)
 {
     fprintf(to,
@@ -191,7 +191,8 @@ static void write_strip(FILE *to, const weft_fabric *fabric)
             "  pins: [top]\n"
             "  loads: [{at: bottom, mass: %.17g}]\n\n"
             "forces: {damping: %.9g}\n",
-            fabric->name, fabric->name, PULL / GRAVITY, PULL);
+            fabric->name, fabric->name, PULL / GRAVITY - 0.5 * fabric->density * STRIP,
+            PULL);
 }
 
 static const struct {
