@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Cases of motion: swings, plates that vibrate, lateral buckling, free fall, momenta."""
+"""Cases of motion: swings, plates that vibrate, free fall, momenta."""
 import math
 
 import exact
 import meshes
 from figures import plot
-from runs import IMPLICIT, run, runs
+from runs import run, runs
 
 STILL = {"gravity": [0, 0, 0]}
 EXTRAPOLATED = "structured mesh: the step of the extrapolation from 12 and 18 triangles (order 2), and 0.2 %; turned " \
@@ -206,64 +206,6 @@ def plate_woven():
                   "order 2 at 18, so that the extrapolation takes too little of it; at 18 it is 1 %.")
 
 
-def sideways(width, n, load, twist):
-    """omega^2 of the lowest mode, sideways, of a strip 1 m long that one end clamps edge-on under its weight."""
-    ny, stretch = max(2, round(n * width)), 1e4 / width ** 2
-    points, triangles, pins = meshes.clamped(*meshes.structured(n, ny, 1.0, width), ny, width, 1.0 / n)
-    scene = {"cloth": {"mesh": {"file": "strip.obj"}, "pins": [{"vertices": pins}],
-                       "fabric": {"density": 1, "stretch": stretch, "shear": stretch / 2, "coupling": 0, "bend": 1, "twist": twist}},
-             "forces": {"gravity": [0, -load, 0]}}
-    still = run({**scene, "stepper": {**IMPLICIT, "fixed_step": 0.02}, "run": {"duration": 1, "fps": 1}},
-                {"strip.obj": meshes.text(points, triangles, lambda u, v: (u, v, 0.0))})
-    start = {point: (x[0], x[1], 1e-6 * max(point[0], 0.0) ** 2 * (1.5 - 0.5 * point[0] + point[1]))
-             for point, x in zip(points, still.x)}
-    values, interval = signal({**scene, "stepper": verlet(0.35 / n / math.sqrt(stretch))},
-                              {"strip.obj": meshes.text(points, triangles, lambda u, v: start[u, v])},
-                              1.5, 150, [1e6 * start[point][2] for point in points], 2)
-    return lowest(values, interval, 8, 3)[0]
-
-
-def threshold(loads, squares):
-    """The load at which omega^2 is 0, by a parabola, in units of the first load."""
-    fit = exact.least_squares([[1.0, g / loads[0], (g / loads[0]) ** 2] for g in loads], squares)
-    return loads[0] * exact.bisect(lambda x: fit[0] + fit[1] * x + fit[2] * x * x, 0.9, 1.6)
-
-
-def lateral_buckling():
-    factors, widths = (0.88, 0.96, 1.04, 1.12), {0.2: (10, 20), 0.1: (20, 40), 0.05: (40, 80)}
-    cases = [(twist, width, n) for twist in (1.0, 0.5) for width, sizes in widths.items() for n in sizes]
-
-    def loads(twist, width):
-        return [f * 12.85376 * math.sqrt(2.0 * twist) * (1.0 + 0.75 * width) for f in factors]
-
-    found = runs([(width, n, load, twist) for twist, width, n in cases for load in loads(twist, width)], sideways)
-    critical = {case: threshold(loads(*case[:2]), found[4 * i: 4 * i + 4]) for i, case in enumerate(cases)}
-    rows, more = [], []
-    for twist in (1.0, 0.5):
-        limits = []
-        for width, (coarse, fine) in widths.items():
-            a, b = critical[twist, width, coarse], critical[twist, width, fine]
-            limits.append(b + (b - a) / 3.0)
-            more.append(("%g" % twist, "%g" % width, "%.3f" % a, "%.3f" % b, "%.3f" % limits[-1]))
-        rod = exact.solve([[1.0, w, w * w] for w in widths], limits)[0]
-        rows.append(("G at the threshold, twist = %g B" % twist, 12.85376 * math.sqrt(2.0 * twist), rod, 0.15))
-    picture = [("twist B, w/L = %g, %d triangles" % (w, sizes[1]),
-                list(zip(loads(1.0, w), found[4 * cases.index((1.0, w, sizes[1])):][:4])), "line") for w, sizes in widths.items()]
-    return {
-        "title": "A strip L x w is clamped edge-on and buckles sideways where its weight exceeds a threshold that depends on "
-                 "bending and on twist. The rate of the lowest sideways mode is measured on both sides of it.",
-        "source": "L. Prandtl (1899); S. Timoshenko, *Theory of elastic stability*; Romero et al. 2021, test \"Lateral Buckling\"",
-        "formula": "density g w L^3 = 12.85376 sqrt(EI GJ), EI = B w, GJ = 2 twist w: G = 12.85376 sqrt(2 twist / B), rod limit w << L",
-        "tolerance": "0.15 (1 %): extrapolated with order 2 in the edge, from w/L = .2, .1, .05 to 0 by a parabola; the membrane "
-                     "gives way in the plane by B / (C w^2 / 12) = 1/833",
-        "rows": rows, "tables": [(("twist / B", "w / L", "coarse mesh", "fine mesh", "extrapolated"), more)],
-        "figure": plot(picture, "G = density g L^3 / B", "omega^2 [1/s^2]; below 0 it grows", lines=(("threshold", 0.0),)),
-        "caption": "square of the frequency against the load; growth below zero",
-        "text": "The strip first comes to rest in its plane. Then it is bent sideways by a micrometre and released without damping. "
-                "Meshes are structured, of 10 and 20, 20 and 40, 40 and 80 triangles along the strip.",
-    }
-
-
 def fall():
     """A tilted sheet of springs, thrown: largest distance [m] of its particles from their parabolas after 1 s."""
     velocity, n = (0.3, 2.0, -1.0), 9
@@ -344,4 +286,4 @@ def momenta():
 
 
 momenta.quick = True
-CASES = (free_fall, momenta, swings, plate_supported, plate_clamped, plate_cantilever, plate_woven, lateral_buckling)
+CASES = (free_fall, momenta, swings, plate_supported, plate_clamped, plate_cantilever, plate_woven)
