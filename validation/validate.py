@@ -17,13 +17,14 @@ import time
 from pathlib import Path
 
 import dynamic
+import drape
 import sheets
 import static
 
 PAGE = Path("docs/validation.md")
 PICTURES = Path("docs/pictures/validation")
 CASES = {case.__name__.replace("_", "-"): case
-         for module in (static, dynamic, sheets) for case in module.CASES}
+         for module in (static, dynamic, sheets, drape) for case in module.CASES}
 HEAD = """# Validation
 
 weft against exact and published results: what a user who must defend a result can check. Every case is computed with the
@@ -35,9 +36,9 @@ programs used too: they give the order of magnitude.
 The tolerance of a case is the uncertainty of its source, or of the method by which an exact value is approached (the
 finest mesh, the step). It is stated with the case. A case that disagrees stays in the table with the reason.
 
-What this page does not show: the drape of a disc (Cusick; `weft lab drape` computes it), lateral buckling, the twisted ribbon,
-and any comparison with the measured drape of the same fabric. The last needs a table with bending, shear and drape of each
-fabric; none could be read in full when this page was written (ARS 72-17 of the USDA, 1963, would be the first to take).
+What this page does not show: the twisted ribbon, stick and slip, other simulators on the same work. And no drape of a fabric is compared here with the measured drape of that same fabric. That needs a
+table with bending, shear and drape of each fabric; none could be read in full when this page was written (ARS 72-17 of the
+USDA, 1963, would be the first to take). Until then the Cusick cases compare with published *bands* and with one other program.
 
 """
 
