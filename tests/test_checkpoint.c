@@ -177,7 +177,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
     memcpy(again, saved, size);
     again[8] = 2;
-    refused(size, "saved in format 2, and this is 8");
+    refused(size, "saved in format 2, and this is 9");
 }
 END_TEST
 
