@@ -2,6 +2,7 @@
 /* test_verification.c -- the facts that `make verify` prints, of every method of every
  * plugin that is found; scenes with few particles or cut short, for haste. */
 #include <math.h>
+#include <string.h>
 
 #include "conformance/oscillators.h"
 #include "support.h"
@@ -125,8 +126,8 @@ END_TEST
 /* ---- shipped scenes -------------------------------------------------------------- */
 
 /* Every sixteenth method, others in the next scene; all of them if there is time.
- * Euler's falls on scenes without contact of the cloth with itself, which cost it most.
- */
+ * Then Euler's too runs scenes in which the cloth touches itself, which cost it minutes
+ * until its step is short enough. */
 START_TEST(every_method_runs_every_shipped_scene)
 {
     weft_error err = { 0 };
@@ -139,7 +140,9 @@ START_TEST(every_method_runs_every_shipped_scene)
     for (size_t k = 0; method_at(registry, k, &m); ++k) {
         verify_shipped_result r = { 0 };
         const bool turn = (k + (size_t)_i + 4) % (size_t)test_rounds(16, 1) == 0;
-        if (turn && verify_shipped_suits(m.type, &reference)) {
+        const bool slow = reference.touches && strcmp(m.type->name, "euler") == 0;
+        if (turn && (!slow || test_rounds(0, 1) == 1)
+            && verify_shipped_suits(m.type, &reference)) {
             const weft_status status
                 = verify_shipped_run(registry, &scene, &m, &reference, &r, &err);
             ck_assert_msg(status == WEFT_OK, "%s %s: %s", m.plugin->id, m.type->name,

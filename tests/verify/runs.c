@@ -100,6 +100,7 @@ static weft_status play_scene(const weft_scene *scene, weft_sim *sim,
     out->y = calloc(out->count * out->dim, sizeof *out->y);
     out->energy = calloc(out->count, sizeof *out->energy);
     out->limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+    out->touches = weft_scene_cloth(scene)->contact.self;
     weft_status status = out->y == NULL || out->energy == NULL
                              ? weft_error_set(err, WEFT_NO_MEMORY, "no memory")
                              : weft_sim_play(sim, &frames, err);

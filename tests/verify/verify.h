@@ -39,6 +39,7 @@ typedef struct verify_frames {
     double *energy; /* [J] kinetic, gravitational and elastic, count of them */
     double kinetic; /* [J] the largest in a frame */
     bool limited;   /* the scene has a strain limit */
+    bool touches;   /* its cloth touches itself */
     weft_stepper_stats stats;
 } verify_frames;
 
