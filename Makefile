@@ -457,7 +457,7 @@ docs: all
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
 # long what others run as well (ASAN_WITHOUT=: all).
 ASAN_WITHOUT ?= verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
-                self_time stability stepper_accuracy stiffness
+                self_time skin_time stability stepper_accuracy stiffness
 
 asan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
