@@ -159,7 +159,7 @@ def test_contact_with_shapes_is_allowed_and_sees_the_mesh():
         with pytest.raises(weft.Error, match=r"vertex \d+ .*shapes\[0\]"):
             weft.load(scene)
     scene["contact"] = {"self": True, "thickness": 0.05}
-    with pytest.raises(weft.SceneError, match="half the smallest height"):
+    with pytest.raises(weft.Error, match="half the smallest height"):
         weft.load(scene)
     scene["contact"]["thickness"] = 1e-3
     weft.load(scene)

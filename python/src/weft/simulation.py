@@ -7,7 +7,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
@@ -153,20 +153,19 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     (0.5, (80, 3))
     """
     own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
-    if isinstance(scene, Mapping) and has_bodies(scene):
-        with tempfile.TemporaryDirectory() as folder:
-            return _load(with_bodies(scene, Path(folder)), overrides, own)
-    return _load(scene, overrides, own)
+    bodies = isinstance(scene, Mapping) and has_bodies(scene)
+    with tempfile.TemporaryDirectory() if bodies else nullcontext() as folder:
+        return Sim(*_form(with_bodies(scene, Path(folder)) if bodies else scene, overrides), own)
 
 
-def _load(scene: Scene, overrides: Optional[Mapping[str, Any]], own: dict[str, Any]) -> Sim:
+def _form(scene: Scene, overrides: Optional[Mapping[str, Any]]) -> tuple[Any, Any, list[Any]]:
     if isinstance(scene, Mapping) and has_mesh(scene):
-        return Sim(None, mesh_scene(scene, overrides), [], own)
+        return None, mesh_scene(scene, overrides), []
     if isinstance(scene, Mapping):
-        return Sim(None, yaml_text(scene), settings(overrides), own)
+        return None, yaml_text(scene), settings(overrides)
     if isinstance(scene, str) and "\n" in scene:
-        return Sim(None, scene, settings(overrides), own)
-    return Sim(os.fspath(scene), None, settings(overrides), own)
+        return None, scene, settings(overrides)
+    return os.fspath(scene), None, settings(overrides)
 
 
 def _revive(name: str, content: Any, saved: bytes, own: dict[str, Any]) -> Sim:
