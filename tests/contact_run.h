@@ -29,6 +29,18 @@ static inline void setup(void)
     run.config.rtol = run.config.atol_position = run.config.atol_velocity = 1e-10;
 }
 
+/* A level sheet of 6 x 6 about the axis y. */
+static inline void level_sheet(void)
+{
+    model.rows = model.cols = 6, model.down[1] = 0.0, model.down[2] = 1.0;
+    model.spacing[0] = model.spacing[1] = 0.05;
+    model.origin[0] = model.origin[2] = -0.125, model.mass = 0.01;
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.02 };
+    model.springs[WEFT_SHEAR]
+        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.01 };
+}
+
 static inline void start(void)
 {
     teardown();

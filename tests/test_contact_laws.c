@@ -271,13 +271,7 @@ static void sheet_on_ball_and_box(void)
     for (size_t k = 0; k < 3; ++k) {
         shapes[1].half[k] = 0.1;
     }
-    model.rows = model.cols = 6, model.down[1] = 0.0, model.down[2] = 1.0;
-    model.spacing[0] = model.spacing[1] = 0.05;
-    model.origin[0] = model.origin[2] = -0.125, model.mass = 0.01;
-    model.springs[WEFT_STRETCH]
-        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.02 };
-    model.springs[WEFT_SHEAR]
-        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.01 };
+    level_sheet();
     model.contact.shape_count = 2, model.contact.friction = 0.3;
     model.contact.damping = 1.0;
 }

@@ -92,13 +92,7 @@ static void sheet_on_turning_shapes(void)
     shapes[1].to[0] = 0.3, shapes[1].radius = 0.04;
     shapes[1].turn = turn_about(0.0, 0.1, 1.0, 2.0);
     memset(shapes[1].turn.about, 0, sizeof shapes[1].turn.about);
-    model.rows = model.cols = 6, model.down[1] = 0.0, model.down[2] = 1.0;
-    model.spacing[0] = model.spacing[1] = 0.05;
-    model.origin[0] = model.origin[2] = -0.125, model.mass = 0.01;
-    model.springs[WEFT_STRETCH]
-        = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.02 };
-    model.springs[WEFT_SHEAR]
-        = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.01 };
+    level_sheet();
     model.contact.shape_count = 2, model.contact.friction = 0.5;
     model.contact.damping = 1.0;
 }

@@ -9,6 +9,8 @@
 #include "base/faults.h"
 #include "weft/cloth.h"
 
+#define WEFT__TWO_PI 6.283185307179586 /* correctly rounded */
+
 #if (SIZE_MAX < UINT64_MAX && !defined __wasm__) || DBL_MANT_DIG != 53                 \
     || FLT_EVAL_METHOD != 0 || __FINITE_MATH_ONLY__
 #error "weft needs a 64-bit target or WebAssembly, with IEEE double arithmetic: \

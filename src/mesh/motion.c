@@ -10,13 +10,10 @@
 #include "mesh/track.h"
 #include "weft/elementary.h"
 
-/* 2 pi, correctly rounded */
-#define TWO_PI 6.283185307179586
-
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
                              double frequency)
 {
-    weft__motion motion = { .frequency = frequency, .omega = TWO_PI * frequency };
+    weft__motion motion = { .frequency = frequency, .omega = WEFT__TWO_PI * frequency };
     memcpy(motion.velocity, velocity, sizeof motion.velocity);
     memcpy(motion.amplitude, amplitude, sizeof motion.amplitude);
     for (size_t k = 0; k < 3; ++k) {

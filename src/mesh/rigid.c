@@ -7,7 +7,6 @@
 #include "weft/elementary.h"
 
 #define TURNS_PER_RADIAN 0.15915494309189535 /* 1 / (2 pi) */
-#define TWO_PI           6.283185307179586
 
 weft__rigid_motion weft__rigid_motion_of(const weft__motion *motion,
                                          const weft_turn *turn, const double at[3])
@@ -62,7 +61,7 @@ weft__rigid weft__rigid_at(const weft__rigid_motion *of, double t)
     if (of->turns) {
         double sine, cosine;
         weft_sincos_turns(turn->frequency, t, &sine, &cosine);
-        const double swing = turn->amplitude * TWO_PI * turn->frequency;
+        const double swing = turn->amplitude * WEFT__TWO_PI * turn->frequency;
         const double angle
             = turn->rate * (t - of->motion.since) + turn->amplitude * sine;
         double half;
@@ -80,14 +79,14 @@ weft__rigid weft__rigid_at(const weft__rigid_motion *of, double t)
 double weft__rigid_fastest(const weft__rigid_motion *of)
 {
     const weft_turn *turn = &of->turn;
-    return of->turns
-               ? fabs(turn->rate) + fabs(turn->amplitude) * TWO_PI * turn->frequency
-               : 0.0;
+    return of->turns ? fabs(turn->rate)
+                           + fabs(turn->amplitude) * WEFT__TWO_PI * turn->frequency
+                     : 0.0;
 }
 
 double weft__rigid_swing(const weft__rigid_motion *of)
 {
-    const double w = TWO_PI * of->turn.frequency;
+    const double w = WEFT__TWO_PI * of->turn.frequency;
     return of->turns ? w * w * fabs(of->turn.amplitude) : 0.0;
 }
 

@@ -8,6 +8,7 @@
  * pieces are sewn there are two of them. */
 #pragma once
 
+#include "base/part.h"
 #include "mesh/mesh.h"
 
 enum { WEFT__MESH_BLOCK = 512 };
@@ -54,14 +55,7 @@ typedef struct weft__triangles {
 } weft__triangles;
 
 /* Of a vertex, or of a particle. */
-static inline size_t weft__part_of(const weft__triangles *of, size_t i)
-{
-    size_t part = 0;
-    while (part + 1 < of->part_count && i >= of->parts[part + 1].first) {
-        ++part;
-    }
-    return part;
-}
+WEFT__PART_OF(weft__part_of, weft__triangles)
 
 /* The number in the definition of particle i, and the particle of a number. */
 static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)

@@ -48,14 +48,7 @@ static inline size_t weft__name_of(const weft__work *at, size_t vertex)
 }
 
 /* The cloth that has a vertex; 0 if there is only one. */
-static inline size_t weft__part_at(const weft_mesh_def *def, size_t vertex)
-{
-    size_t part = 0;
-    while (part + 1 < def->part_count && vertex >= def->parts[part + 1].first) {
-        ++part;
-    }
-    return part;
-}
+WEFT__PART_OF(weft__part_at, weft_mesh_def)
 
 /* The vertex and the place of corner k of triangle t. */
 static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_t k)

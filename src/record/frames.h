@@ -4,6 +4,7 @@
  * Numbers are as in the file: single precision unless the run recorded doubles. */
 #pragma once
 
+#include "base/part.h"
 #include "record/record.h"
 
 /* ---- faces.c: what frames, pages and exports draw between particles: the cells of a
@@ -67,14 +68,7 @@ static inline size_t record_name(const record_faces *of, size_t i)
 }
 
 /* The number of particle i's cloth. */
-static inline size_t record_part_of(const record_faces *of, size_t i)
-{
-    size_t part = 0;
-    while (part + 1 < of->part_count && i >= of->parts[part + 1].first) {
-        ++part;
-    }
-    return part;
-}
+WEFT__PART_OF(record_part_of, record_faces)
 
 /* The corners of face f, around it, the same way round in every format. */
 static inline void record_face(const record_faces *of, size_t f, size_t corners[4])

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "base/part.h"
 #include "base/plane.h"
 #include "cli/cli.h"
 
@@ -79,14 +80,7 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet);
 /* The places of the corners of a triangle in its rest shape [m]. */
 /* The number of the one of several cloths that has a vertex, and its name; "" of one
  * cloth. */
-static inline size_t part_of(const weft_mesh_def *mesh, size_t vertex)
-{
-    size_t part = 0;
-    while (part + 1 < mesh->part_count && vertex >= mesh->parts[part + 1].first) {
-        ++part;
-    }
-    return part;
-}
+WEFT__PART_OF(part_of, weft_mesh_def)
 
 static inline const char *cloth_of(const weft_mesh_def *mesh, size_t vertex)
 {

@@ -64,18 +64,25 @@ double *weft__bodies_spread(const weft__bodies *own, double t, const double *y)
 
 /* ---- forces ---------------------------------------------------------------------- */
 
-/* All that push. */
+/* The state of all points; without a workspace *once, which has to be freed. */
+static const double *points_at(const weft__bodies *own, weft__bodies_space *space,
+                               const weft__state *at, double **once)
+{
+    *once = space == NULL && at->y != NULL ? weft__bodies_spread(own, at->t, at->y)
+                                           : NULL;
+    return space != NULL ? spread(own, at->t, at->y, &space->now) : *once;
+}
+
+/* All that push, in a state that *y has meanwhile. */
 static int each(const weft__bodies *own, weft__bodies_space *space,
                 const weft__state *at, weft__pushed_fn *visit, void *ctx,
                 const double **y)
 {
-    if (space != NULL) {
-        *y = spread(own, at->t, at->y, &space->now);
-        return weft__self_list_each(space->list, *y, visit, ctx);
-    }
-    double *once = weft__bodies_spread(own, at->t, at->y);
-    *y = once;
-    const int bad = once == NULL ? -1 : weft__self_each(&own->pairs, once, visit, ctx);
+    double *once;
+    *y = points_at(own, space, at, &once);
+    const int bad = space != NULL  ? weft__self_list_each(space->list, *y, visit, ctx)
+                    : once != NULL ? weft__self_each(&own->pairs, once, visit, ctx)
+                                   : -1;
     weft__free(&own->memory, once);
     return bad;
 }
@@ -159,20 +166,17 @@ static void measure_all(const void *own, void *space, const weft__state *at,
     const weft__bodies *of = own;
     weft__bodies_space *in = space;
     const size_t n = of->pairs.mesh->particles;
-    double *once = in == NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
     touch_sums all
         = { .own = of,
-            .y = in != NULL ? spread(of, at->t, at->y, &in->now) : once,
             .sum = sum,
             .marks = in != NULL ? in->marks : weft__alloc(&of->memory, n, 1) };
-    if (all.y != NULL && all.marks != NULL) {
+    if (all.marks != NULL) {
         memset(all.marks, 0, n);
-        (void)(in != NULL ? weft__self_list_each(in->list, all.y, measure_pushes, &all)
-                          : weft__self_each(&of->pairs, all.y, measure_pushes, &all));
+        (void)each(of, in, at, measure_pushes, &all, &all.y);
         sum->touching += count_touching(of, at, all.marks);
     }
     if (in == NULL) {
-        WEFT__FREE_ALL(&of->memory, once, all.marks);
+        weft__free(&of->memory, all.marks);
     }
 }
 
@@ -199,12 +203,14 @@ static void load_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pus
         }
         const double f[3] = { from->force[k][0][lane], from->force[k][1][lane],
                               from->force[k][2][lane] };
+        double arm[3], torque[3];
         for (size_t c = 0; c < 3; ++c) {
-            const size_t a = (c + 1) % 3, b = (c + 2) % 3;
-            const double x[2] = { of->y[a * of->points + i] - of->at[a],
-                                  of->y[b * of->points + i] - of->at[b] };
+            arm[c] = of->y[c * of->points + i] - of->at[c];
+        }
+        weft__cross(arm, f, torque);
+        for (size_t c = 0; c < 3; ++c) {
             of->load[c] += f[c];
-            of->load[3 + c] += x[0] * f[b] - x[1] * f[a];
+            of->load[3 + c] += torque[c];
         }
     }
 }
@@ -213,16 +219,12 @@ void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
                        const weft__state *at, size_t k, double load[WEFT__LOAD])
 {
     const weft__pose pose = weft__pose_of(&own->contact->shapes[k], at->t);
-    double *once = space == NULL ? weft__bodies_spread(own, at->t, at->y) : NULL;
-    load_sums of = { points_of(own, k),
-                     space != NULL ? spread(own, at->t, at->y, &space->now) : once,
-                     own->pairs.points, pose.at, load };
+    load_sums of = { .of = points_of(own, k),
+                     .points = own->pairs.points,
+                     .at = pose.at,
+                     .load = load };
     memset(load, 0, WEFT__LOAD * sizeof *load);
-    if (of.y != NULL) {
-        (void)(space != NULL ? weft__self_list_each(space->list, of.y, load_pushes, &of)
-                             : weft__self_each(&own->pairs, of.y, load_pushes, &of));
-    }
-    weft__free(&own->memory, once);
+    (void)each(own, space, at, load_pushes, &of, &of.y);
 }
 
 /* ---- steps ----------------------------------------------------------------------- */
@@ -263,33 +265,32 @@ static void grip(const void *own, const weft__state *at, size_t first, size_t co
                  weft__grip *grips)
 {
     const weft__bodies *of = own;
-    double *y = at->y != NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
-    if (at->y == NULL || y != NULL) {
-        weft__self_grip(&of->pairs, &(weft__state){ .t = at->t, .y = y }, first, count,
-                        grips);
+    double *once;
+    const weft__state all = { .t = at->t, .y = points_at(of, NULL, at, &once) };
+    if (at->y == NULL || once != NULL) {
+        weft__self_grip(&of->pairs, &all, first, count, grips);
     }
-    weft__free(&of->memory, y);
+    weft__free(&of->memory, once);
 }
 
 static void multiply(const void *own, const weft__state *at, double a, double b,
                      const double *x, double *out)
 {
     const weft__bodies *of = own;
-    double *y = at->y != NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
-    if (y != NULL) {
-        weft__self_multiply(&of->pairs, &(weft__state){ .t = at->t, .y = y }, a, b, x,
-                            out);
+    double *once;
+    const weft__state all = { .t = at->t, .y = points_at(of, NULL, at, &once) };
+    if (once != NULL) {
+        weft__self_multiply(&of->pairs, &all, a, b, x, out);
     }
-    weft__free(&of->memory, y);
+    weft__free(&of->memory, once);
 }
 
 static int blocks(const void *own, void *space, const weft__state *at, double *to)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = space;
-    double *once = in == NULL ? weft__bodies_spread(of, at->t, at->y) : NULL;
-    const weft__state all
-        = { .t = at->t, .y = in != NULL ? spread(of, at->t, at->y, &in->now) : once };
+    double *once;
+    const weft__state all = { .t = at->t, .y = points_at(of, in, at, &once) };
     const int bad
         = all.y == NULL
               ? 1
@@ -333,7 +334,6 @@ static bool cover(weft__bodies *of, const weft_cloth_def *def,
     if (weft__skin_draft_create(&draft, of->pairs.points, all, memory)) {
         draft.particles = point;
         draft.thickness = of->pairs.law.thickness;
-        draft.tile_level = weft__tile_level((weft__nodes){ 1, draft.points, 2 });
         if (mesh->triangles != NULL) {
             weft__skin_draft_mesh(&draft, mesh->triangles);
         } else {

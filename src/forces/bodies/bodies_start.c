@@ -10,9 +10,9 @@
 #include "mesh/surface.h"
 
 /* "edge (3, 4)-(3, 5)", or "shapes[1]". */
-static void name(const weft__bodies *own, const weft_primitive *of, char *text,
-                 size_t size)
+static void name(const void *ctx, const weft_primitive *of, char *text, size_t size)
 {
+    const weft__bodies *own = ctx;
     const weft__mesh *mesh = own->pairs.mesh;
     if (of->particle[0] >= mesh->particles) {
         (void)snprintf(text, size, "shapes[%zu]",
@@ -21,26 +21,6 @@ static void name(const weft__bodies *own, const weft_primitive *of, char *text,
         const weft_primitive named = weft__primitive_of(mesh, *of);
         (void)weft__primitive_text(mesh, &named, text, size);
     }
-}
-
-static weft_status crossing_error(const weft__bodies *own, const double *y,
-                                  size_t loose, const char *where, weft_error *err)
-{
-    char names[2][96], more[48] = "";
-    const weft__quadtree tree = weft__tree_of(&own->pairs, y);
-    const weft__crossings found = weft__crossings_of(&tree, loose);
-    if (found.count == 0) {
-        return WEFT_OK;
-    }
-    if (found.count > 1) {
-        (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
-    }
-    for (size_t k = 0; k < 2; ++k) {
-        name(own, &found.first[k], names[k], sizeof names[k]);
-    }
-    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
-                          found.how == WEFT__PIERCE ? "passes through" : "touches",
-                          names[1], more);
 }
 
 /* Whether each edge belongs to two triangles. */
@@ -192,7 +172,7 @@ weft_status weft__bodies_error(const weft__bodies *own, double t, const double *
         = weft__alloc(&own->memory, own->pairs.mesh->particles, sizeof *label);
     weft_status status = all == NULL || label == NULL ? WEFT_NO_MEMORY : WEFT_OK;
     if (status == WEFT_OK) {
-        status = crossing_error(own, all, loose, where, err);
+        status = weft__named_crossing(&own->pairs, all, loose, where, name, own, err);
     } else {
         (void)weft_error_set(err, status, "no memory for a state");
     }

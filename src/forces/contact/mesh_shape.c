@@ -26,9 +26,8 @@ static bool is_flat(const double *places, const uint32_t *corner)
         }
         longest = fmax(longest, weft__dot(e[i], e[i]));
     }
-    const double cross[3] = { e[0][1] * e[1][2] - e[0][2] * e[1][1],
-                              e[0][2] * e[1][0] - e[0][0] * e[1][2],
-                              e[0][0] * e[1][1] - e[0][1] * e[1][0] };
+    double cross[3];
+    weft__cross(e[0], e[1], cross);
     return !(weft__length(cross) > LEAST_HEIGHT * longest);
 }
 

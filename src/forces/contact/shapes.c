@@ -208,7 +208,7 @@ weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
 {
     const weft__motion *motion = &shape->motion.motion;
     const double h = path->t1 - path->t0, turn = motion->omega * h;
-    const double sway = 6.283185307179586 * shape->motion.turn.frequency * h;
+    const double sway = WEFT__TWO_PI * shape->motion.turn.frequency * h;
     const double swing = sqrt(weft__dot(motion->amplitude, motion->amplitude));
     weft__ccd of = { .h = h,
                      .between = swing * motion->omega * fmin(2.0, turn * turn / 8.0),

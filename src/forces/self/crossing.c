@@ -205,8 +205,22 @@ weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
     return of.found;
 }
 
+static void name(const void *ctx, const weft_primitive *of, char *text, size_t size)
+{
+    const weft__self *own = ctx;
+    const weft_primitive named = weft__primitive_of(own->mesh, *of);
+    (void)weft__primitive_text(own->mesh, &named, text, size);
+}
+
 weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft_error *err)
+{
+    return weft__named_crossing(own, y, loose, where, name, own, err);
+}
+
+weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
+                                 const char *where, weft__name_fn *by, const void *ctx,
+                                 weft_error *err)
 {
     char names[2][96], more[48] = "";
     if (!own->law.self) {
@@ -221,8 +235,7 @@ weft_status weft__crossing_error(const weft__self *own, const double *y, size_t 
         (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
     for (size_t k = 0; k < 2; ++k) {
-        const weft_primitive of = weft__primitive_of(own->mesh, found.first[k]);
-        (void)weft__primitive_text(own->mesh, &of, names[k], sizeof names[k]);
+        by(ctx, &found.first[k], names[k], sizeof names[k]);
     }
     return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
                           found.how == WEFT__PIERCE ? "passes through" : "touches",

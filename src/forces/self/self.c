@@ -435,7 +435,6 @@ bool weft__self_cover(weft__self *of, const weft_allocator *memory)
                                 memory)) {
         weft__skin_draft_mesh(&draft, mesh->triangles);
         draft.thickness = of->law.thickness;
-        draft.tile_level = weft__tile_level((weft__nodes){ 1, draft.points, 2 });
         of->skin = weft__skin_create(&draft, memory);
     }
     weft__skin_draft_destroy(&draft, memory);

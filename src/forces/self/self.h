@@ -322,3 +322,10 @@ weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
 weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft_error *err);
+
+/* The same, with names of one's own for primitives. */
+typedef void weft__name_fn(const void *ctx, const weft_primitive *of, char *text,
+                           size_t size);
+weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
+                                 const char *where, weft__name_fn *by, const void *ctx,
+                                 weft_error *err);

@@ -314,6 +314,27 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
                && path < weft__pair_distance(pair, of->y0, of->own->points) + *gap);
 }
 
+/* Of one plane; bad: 0 or NaN. */
+typedef struct plane_bounds {
+    double low, high, bad;
+} plane_bounds;
+static const plane_bounds unbounded = { INFINITY, -INFINITY, 0.0 };
+
+static inline void add_drift(const double *from, const double *to, size_t j,
+                             plane_bounds *of)
+{
+    const double d = from != NULL ? to[j] - from[j] : to[j];
+    of->low = d < of->low ? d : of->low;
+    of->high = d > of->high ? d : of->high;
+    of->bad += d * 0.0;
+}
+
+static inline void set_drift(const plane_bounds *of, size_t k, weft__drift *to)
+{
+    to->low[k] = of->low;
+    to->high[k] = of->bad == 0.0 ? of->high : (double)INFINITY;
+}
+
 /* Of a tile of a skin, or of all points. */
 static void drift_points(const weft__self *own, const double *from, const double *to,
                          size_t level, size_t tile, weft__drift *of)
@@ -322,20 +343,16 @@ static void drift_points(const weft__self *own, const double *from, const double
     size_t run[2], more[2];
     weft__tile_points(skin, level, tile, run, more);
     for (size_t k = 0; k < 3; ++k) {
-        double low = INFINITY, high = -INFINITY, bad = 0.0;
+        plane_bounds sum = unbounded;
         const size_t count = run[1] - run[0];
         for (size_t i = 0; i < count + (more[1] - more[0]); ++i) {
             const size_t j
                 = k * skin->points
                   + (i < count ? run[0] + i
                                : (size_t)skin->tile_point[more[0] + i - count]);
-            const double d = from != NULL ? to[j] - from[j] : to[j];
-            low = d < low ? d : low;
-            high = d > high ? d : high;
-            bad += d * 0.0;
+            add_drift(from, to, j, &sum);
         }
-        of->low[k] = low;
-        of->high[k] = bad == 0.0 ? high : (double)INFINITY;
+        set_drift(&sum, k, of);
     }
 }
 
@@ -350,18 +367,13 @@ void weft__drift_loops(const weft__self *own, const double *from, const double *
         size_t in[4];
         weft__patch_range(own->mesh, level, i, in);
         for (size_t k = 0; k < 3; ++k) {
-            double low = INFINITY, high = -INFINITY, bad = 0.0;
+            plane_bounds sum = unbounded;
             for (size_t r = in[0]; r < in[1]; ++r) {
                 for (size_t c = in[2]; c < in[3]; ++c) {
-                    const size_t j = k * n + r * own->mesh->cols + c;
-                    const double d = from != NULL ? to[j] - from[j] : to[j];
-                    low = d < low ? d : low;
-                    high = d > high ? d : high;
-                    bad += d * 0.0;
+                    add_drift(from, to, k * n + r * own->mesh->cols + c, &sum);
                 }
             }
-            of[i].low[k] = low;
-            of[i].high[k] = bad == 0.0 ? high : (double)INFINITY;
+            set_drift(&sum, k, &of[i]);
         }
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* skin.c -- the tables of skin.h, in linear time. */
-#include "forces/self/skin.h"
+#include "forces/self/self_tree.h"
 
 #include <stdlib.h>
 
@@ -183,10 +183,16 @@ static void add_edges(const weft__skin_draft *of, side *sides, size_t count,
     sum_up(to->edge_first, of->points);
 }
 
+/* Of points in a tile. */
+static size_t tile_width(size_t points)
+{
+    return (size_t)1 << 2 * weft__tile_level((weft__nodes){ 1, points, 2 });
+}
+
 /* seen: zeros, of all points */
 static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to)
 {
-    const size_t wide = (size_t)1 << 2 * of->tile_level;
+    const size_t wide = tile_width(of->points);
     size_t count = 0;
     for (size_t first = 0, tile = 0; first < of->points; first += wide) {
         const size_t end = first + wide < of->points ? first + wide : of->points;
@@ -224,7 +230,7 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
 {
     const size_t points = of->points, triangles = of->triangles;
     const size_t sides = 3 * triangles + (of->chain > 0.0 ? of->particles : 0);
-    const size_t tiles = ((points - 1) >> 2 * of->tile_level) + 1;
+    const size_t tiles = (points - 1) / tile_width(points) + 1;
     weft__skin *to = weft__zeroed(memory, 1, sizeof *to);
     side *list = weft__alloc(memory, sides, sizeof *list);
     uint32_t *work = weft__alloc(memory, points, sizeof *work);
@@ -268,7 +274,7 @@ void weft__skin_destroy(weft__skin *of, const weft_allocator *memory)
 size_t weft__skin_bytes(const weft__skin *of)
 {
     const size_t points = of->points, triangles = of->triangles, sides = of->edges;
-    const size_t tiles = (points - 1) / 64 + 1;
+    const size_t tiles = (points - 1) / tile_width(points) + 1;
 #define BYTES(array, number) +(number) * sizeof *of->array
     return sizeof *of + of->lip_count * sizeof *of->lips ARRAYS(BYTES);
 }

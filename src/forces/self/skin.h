@@ -43,9 +43,8 @@ typedef struct weft__skin_draft {
     uint32_t (*corner)[3];
     double (*side)[3];
     double *density;
-    size_t tile_level; /* of weft__tile_level */
-    double thickness;  /* [m] */
-    double chain;      /* [m] between particles of a grid without triangles; 0 */
+    double thickness; /* [m] */
+    double chain;     /* [m] between particles of a grid without triangles; 0 */
 } weft__skin_draft;
 
 /* Room for so many; false: no memory. */

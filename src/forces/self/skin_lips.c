@@ -175,7 +175,6 @@ bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
         weft__skin_draft_mesh(&draft, of);
         memcpy(draft.corner, of->place, of->count * sizeof *draft.corner);
         draft.thickness = thickness;
-        draft.tile_level = weft__tile_level((weft__nodes){ 1, draft.points, 2 });
         flat.skin = weft__skin_create(&draft, memory);
     }
     weft__skin_draft_destroy(&draft, memory);
