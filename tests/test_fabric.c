@@ -405,6 +405,69 @@ START_TEST(keys_beside_a_preset_replace_its_values)
 }
 END_TEST
 
+/* Sheets of laboratories, converted by hand: 1 gf/cm = 0.980665 N/m; 500 gf/cm / 4 % =
+ * 12258.3125 N/m; 0.7 gf/(cm degree) = 39.33157593 N/m; 100 gf/cm / 4 % = 2451.6625
+ * N/m; 123 / 3 = 41 N/m; 0.18 kg/m^2 x 9.81 m/s^2 x (18 mm)^3 = 1.02981456e-5 N m. */
+START_TEST(sheets_of_laboratories_are_in_their_own_units)
+{
+    static const struct {
+        const char *text;
+        weft_fabric fabric;
+    } sheets[]
+        = { { "kes: {LT: 0.6, WT: 12, RT: 50, EMT: [4, 5], G: [0.6, 0.8], 2HG: 1.1, "
+              "2HG5: [2, 2.5], B: [0.1, 0.05], 2HB: 0.04, T: 0.5, W: 18}",
+              { .stretch = { 12258.3125, 9806.65 },
+                .shear = 39.33157593,
+                .bend = { 9.80665e-6, 4.903325e-6 } } },
+            { "fast: {E5: 0.2, E20: 1, E100: [4, 5], EB5: 3, C: [18, 16], T2: 0.6, "
+              "T100: 0.5, W: 180}",
+              { .stretch = { 2451.6625, 1961.33 },
+                .shear = 41.0,
+                .bend = { 1.02981456e-5, 7.2327168e-6 } } } };
+    char text[512];
+    (void)snprintf(text, sizeof text, GRID "  fabric: {%s, damping: 1.0e-5}\n" ENDED,
+                   sheets[_i].text);
+    weft_scene *scene = good_text(text);
+    const weft_fabric *fabric = weft_scene_fabric(scene), *want = &sheets[_i].fabric;
+    near(fabric->density, 0.18, 1e-15);
+    near(fabric->shear, want->shear, 1e-9);
+    near(fabric->coupling, want->shear, 1e-9);
+    for (size_t way = 0; way < 2; ++way) {
+        near(fabric->stretch[way], want->stretch[way], 1e-15);
+        near(fabric->bend[way], want->bend[way], 1e-15);
+        ck_assert_double_eq(fabric->damping[way], 1e-5);
+    }
+    near(weft_fabric_of(weft_scene_cloth(scene)).twist,
+         sqrt(want->bend[0] * want->bend[1]), 1e-15);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(one_sheet_stands_instead_of_own_numbers)
+{
+    static const struct {
+        const char *fabric, *found;
+    } wrong[] = {
+        { "kes: {EMT: 4, G: 1, B: 0.1, W: 18}, preset: royal-target",
+          ":3:48: error: preset excludes kes (line 3, column 12)" },
+        { "fast: {E100: 4, EB5: 3, C: 18, W: 180}, bend: 1.0e-5",
+          ":3:52: error: bend excludes fast (line 3, column 12)" },
+        { "kes: {EMT: 0, G: 1, B: 0.1, W: 18}",
+          ":3:23: error: EMT must be a number > 0 [%], not '0'" },
+        { "kes: {EMT: 4, G: 1, B: 0.1}",
+          ":3:17: error: kes lacks the required key 'W' [mg/cm^2]" },
+        { "fast: {E100: 4, EB5: 3, C: 18, W: 180, G: 41}",
+          ":3:51: error: unknown key 'G' in fast" },
+        { "shear: 3", "which is required without 'preset', 'kes' or 'fast'" },
+    };
+    char text[512];
+    (void)snprintf(text, sizeof text, GRID "  fabric: {%s}\n" ENDED, wrong[_i].fabric);
+    const weft_scene_def def = scene_of_text(text);
+    const char *message = bad_scene(&def);
+    ck_assert_msg(strstr(message, wrong[_i].found) != NULL, "%s", message);
+}
+END_TEST
+
 START_TEST(springs_of_a_scene_have_pairs_rim_and_rigidity)
 {
     weft_scene *scene = good_text(
@@ -469,6 +532,8 @@ TEST_SUITE(fabric)
     tcase_add_test(tcase, shear_springs_have_no_pair);
     tcase_add_test(tcase, scene_has_the_cloth_of_the_interface);
     tcase_add_test(tcase, keys_beside_a_preset_replace_its_values);
+    tcase_add_loop_test(tcase, sheets_of_laboratories_are_in_their_own_units, 0, 2);
+    tcase_add_loop_test(tcase, one_sheet_stands_instead_of_own_numbers, 0, 6);
     tcase_add_test(tcase, springs_of_a_scene_have_pairs_rim_and_rigidity);
     tcase_add_loop_test(tcase, misfit_is_reported_where_an_override_made_it, 0, 2);
     suite_add_tcase(suite, tcase);

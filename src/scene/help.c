@@ -96,7 +96,8 @@ static void print_text(const printer *to)
         "A place is a corner (top-left, top-right, bottom-left, bottom-right), an",
         "edge (top, bottom, left, right), [row, column], or {rows: ..., cols: ...}",
         "with an index, an inclusive [first, last] or all for each. Negative indices",
-        "count from the end. Units are SI and are never written in a scene.",
+        "count from the end. Units are SI, but for the sheets kes and fast, and are",
+        "never written in a scene.",
     };
     print_beside(to, "key", "type [unit]; default");
     print_beside(to, "", "meaning");

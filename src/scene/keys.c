@@ -202,13 +202,62 @@ static const weft__key springs_keys[] = {
                  "the rim carry half their values" },
 };
 
-/* The preset comes first: the other keys replace its values. */
+/* A quantity of a sheet by its name there: of {warp, weft}, or one for both. */
+#define OF_SHEET(field, unit_) AT(weft__sheet, field), .unit = unit_
+#define MEASURED(name, unit_, range, field, text)                                      \
+    {                                                                                  \
+        name, WEFT__PAIR, .required = true, RANGE(range), OF_SHEET(field, unit_),      \
+                          .meaning = text                                              \
+    }
+#define UNUSED(name, unit_, text)                                                      \
+    {                                                                                  \
+        name, WEFT__PAIR, RANGE(.least = 0.0), OF_SHEET(unused, unit_),                \
+            .absent = "not needed", .meaning = text "; has no effect"                  \
+    }
+#define WEIGHT(unit_)                                                                  \
+    {                                                                                  \
+        "W", WEFT__NUMBER, .required = true, RANGE(.strict = true),                    \
+                           OF_SHEET(weight, unit_), .meaning = "mass per area"         \
+    }
+
+static const weft__key kes_keys[] = {
+    MEASURED("EMT", "%", .strict = true, extension, "extension at 500 gf/cm"),
+    MEASURED("G", "gf/(cm degree)", .least = 0.0, shear, "shear rigidity"),
+    MEASURED("B", "gf cm^2/cm", .least = 0.0, bend, "bending rigidity"),
+    WEIGHT("mg/cm^2"),
+    UNUSED("LT", NULL, "linearity of extension"),
+    UNUSED("WT", "gf cm/cm^2", "work of extension"),
+    UNUSED("RT", "%", "resilience of extension"),
+    UNUSED("2HG", "gf/cm", "hysteresis of shear at 0.5 degrees"),
+    UNUSED("2HG5", "gf/cm", "hysteresis of shear at 5 degrees"),
+    UNUSED("2HB", "gf cm/cm", "hysteresis of bending"),
+    UNUSED("T", "mm", "thickness"),
+};
+
+static const weft__key fast_keys[] = {
+    MEASURED("E100", "%", .strict = true, extension, "extension at 100 gf/cm"),
+    MEASURED("EB5", "%", .strict = true, shear, "bias extension at 5 gf/cm"),
+    MEASURED("C", "mm", .least = 0.0, bend, "bending length"),
+    WEIGHT("g/m^2"),
+    UNUSED("E5", "%", "extension at 5 gf/cm"),
+    UNUSED("E20", "%", "extension at 20 gf/cm"),
+    UNUSED("T2", "mm", "thickness at 2 gf/cm^2"),
+    UNUSED("T100", "mm", "thickness at 100 gf/cm^2"),
+};
+
+/* The preset and the sheets come first: the other keys replace a preset's values. */
 static const weft__key fabric_keys[] = {
     { "preset", WEFT__PRESET, .absent = "none",
       .meaning = "a measured fabric; keys beside it replace its values" },
-    { "density", WEFT__NUMBER, .absent = "density or preset", NUMBER(fabric, density),
-      .meaning = "mass per area" },
-    { "stretch", WEFT__PAIR, .absent = "stretch or preset", NUMBER(fabric, stretch),
+    { "kes", WEFT__SHEET, SECTION(kes), .absent = "none", .first = WEFT__KES,
+      .meaning = "instead of density, stretch, shear and bend: a sheet of the KES-FB "
+                 "system in its units; a pair: [warp, weft]" },
+    { "fast", WEFT__SHEET, SECTION(fast), .absent = "none", .first = WEFT__FAST,
+      .meaning = "the same: a sheet of the FAST system" },
+    { "density", WEFT__NUMBER, .absent = "density, preset or a sheet",
+      NUMBER(fabric, density), .meaning = "mass per area" },
+    { "stretch", WEFT__PAIR, .absent = "stretch, preset or a sheet",
+      NUMBER(fabric, stretch),
       .meaning = "tension by strain; a pair: [along a column (warp), along a row "
                  "(weft)]" },
     { "shear", WEFT__NUMBER, .absent = "0 or the preset's", NUMBER(fabric, shear),

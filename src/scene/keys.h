@@ -23,6 +23,7 @@
       "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'")               \
     X(REST, rest, "true, false or a number > 0")          /* weft_stop_def */          \
     X(PRESET, preset, "a name that 'weft fabrics' lists") /* weft_fabric */            \
+    X(SHEET, sheet, "a mapping")                          /* the same */               \
     X(ATOL, atol, "a number")                             /* two doubles */            \
     X(INDEX, index, "an index, [first, last] or all")     /* weft_range */             \
     X(PLACE, place, "a corner, an edge, [row, column] or {rows, cols}")                \

@@ -102,6 +102,12 @@ typedef struct weft__fabrics {
     const weft__node *node; /* NULL: none */
 } weft__fabrics;
 
+/* A sheet of a laboratory in its own units, warp and weft. */
+enum { WEFT__KES, WEFT__FAST };
+typedef struct weft__sheet {
+    double weight, extension[2], shear[2], bend[2], unused[2];
+} weft__sheet;
+
 /* A line of cloth.cut, through points or around a disc. */
 typedef struct weft__cut_path {
     double radius, centre[2]; /* [m] of a disc; radius 0: none */

@@ -4,6 +4,8 @@
 #include "mesh/grid_def.h"
 #include "scene/read.h"
 
+static const double pi = 3.14159265358979323846;
+
 /* The names are those of the library's table. */
 void weft__read_preset(weft__reader *reader, const weft__key *key,
                        const weft__node *node, void *to)
@@ -22,10 +24,58 @@ void weft__read_preset(weft__reader *reader, const weft__key *key,
     }
 }
 
+/* What a sheet measures, in SI units: 1 gf/cm = 0.980665 N/m. The secant of an
+ * extension in per cent; FAST's shear rigidity 123 / EB5, its bending rigidity W g C^3.
+ */
+void weft__read_sheet(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, void *to)
+{
+    static const struct {
+        double density, stretch, shear, bend;
+    } units[]
+        = { [WEFT__KES] = { 1e-2, 500 * 98.0665, 180 * 0.980665 / pi, 9.80665e-5 },
+            [WEFT__FAST] = { 1e-3, 100 * 98.0665, 123.0, 9.81e-12 } };
+    const size_t mistakes = reader->report->mistakes;
+    weft_fabric *fabric = to;
+    weft__sheet sheet = { .weight = 0.0 };
+    weft__read_mapping(reader, key, node, &sheet);
+    if (reader->report->mistakes > mistakes) {
+        return;
+    }
+    fabric->density = units[key->first].density * sheet.weight;
+    for (size_t i = 0; i < 2; ++i) {
+        const double b = sheet.bend[i];
+        fabric->stretch[i] = units[key->first].stretch / sheet.extension[i];
+        fabric->bend[i] = units[key->first].bend
+                          * (key->first == WEFT__KES ? b : sheet.weight * b * b * b);
+    }
+    const double mean = 0.5 * (sheet.shear[0] + sheet.shear[1]);
+    fabric->shear
+        = units[key->first].shear * (key->first == WEFT__KES ? mean : 1.0 / mean);
+}
+
+/* A sheet, of which there may be one, instead of a preset. Whether there is one. */
+static bool check_sheets(weft__reader *reader, const weft__match *match)
+{
+    static const char *const sources[] = { "preset", "kes", "fast", NULL };
+    static const char *const replaced[] = { "density", "stretch", "shear", "bend" };
+    (void)weft__check_exclusive(reader, match, sources);
+    const weft__node *sheet = weft__key_in(match, "kes");
+    sheet = sheet == NULL ? weft__key_in(match, "fast") : sheet;
+    for (size_t i = 0; sheet != NULL && i < sizeof replaced / sizeof replaced[0]; ++i) {
+        const weft__node *key = weft__key_in(match, replaced[i]);
+        if (key != NULL) {
+            weft__report_exclusive(reader->report, sheet, key);
+        }
+    }
+    return sheet != NULL;
+}
+
 void weft__check_fabric(weft__reader *reader, const weft__match *match, void *base)
 {
     static const char *const needed[] = { "density", "stretch" };
     weft_fabric *fabric = base;
+    const bool sheet = check_sheets(reader, match);
     if (weft__key_in(match, "coupling") == NULL
         && weft__key_in(match, "preset") == NULL) {
         fabric->coupling = fabric->shear;
@@ -36,9 +86,10 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; ++i) {
         char unit[32];
         const weft__key *key = weft__key_named(match->section, needed[i]);
-        if (weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
+        if (!sheet && weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
             ERROR_AT(reader, match->map,
-                     "%s lacks '%s'%s, which is required without 'preset'",
+                     "%s lacks '%s'%s, which is required without 'preset', 'kes' or "
+                     "'fast'",
                      match->title, needed[i], weft__unit_text(key, unit, sizeof unit));
         }
     }
