@@ -77,6 +77,35 @@ START_TEST(fabrics_are_listed_and_described)
 }
 END_TEST
 
+/* The strip of a KES sheet extends by the sheet's EMT; Peirce's test of a FAST sheet
+ * has its bending length C, to the 2 % of his formula. */
+START_TEST(laboratory_tests_of_a_scene_return_its_sheet)
+{
+    write_file(OUT "/kes.yaml",
+               "weft: 1\ncloth:\n  grid: {rows: 3, cols: 3, spacing: 0.01}\n"
+               "  fabric: {kes: {EMT: [4, 5], G: 0.7, B: 0.1, W: 18}}\n"
+               "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1}\n");
+    write_file(OUT "/fast.yaml",
+               "weft: 1\ncloth:\n  grid: {rows: 3, cols: 3, spacing: 0.01}\n"
+               "  fabric: {fast: {E100: 2, EB5: 3, C: [18, 16], W: 180}}\n"
+               "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1}\n");
+    const char *in_out = "cd " OUT " && $OLDPWD/" WEFT " lab ";
+    expect(shell("%sstrip kes.yaml 2>&1", in_out), 0);
+    says("EMT 4 % at 490 N/m");
+    expect(shell("%scantilever fast.yaml 2>&1", in_out), 0);
+    says("bending length is 18.");
+    expect(
+        shell("%sdrape fast.yaml --set cloth.cut.spacing=0.03 --set run.duration=0.3 "
+              "2>&1",
+              in_out),
+        0);
+    says("drape-fast.svg: the shadow");
+    expect(shell("grep -c '<path' " OUT "/drape-fast.svg"), 0);
+    expect(shell("%sdrape small.yaml 2>&1", in_out), 3);
+    says("small.yaml: its cloth has no fabric");
+}
+END_TEST
+
 START_TEST(what_a_mesh_is_made_of_is_said)
 {
     expect(shell(WEFT " check scenes/skirt.yaml"), 0);
@@ -305,6 +334,7 @@ TEST_SUITE(cli_output)
     tcase_add_test(program, help_leaves_room_for_the_margin_of_a_manual_page);
     tcase_add_loop_test(program, lists_are_at_most_80_characters_wide, 0, 6);
     tcase_add_test(program, fabrics_are_listed_and_described);
+    tcase_add_test(program, laboratory_tests_of_a_scene_return_its_sheet);
     tcase_add_test(program, what_a_mesh_is_made_of_is_said);
     tcase_add_loop_test(program, what_is_said_of_a_scene_is_at_most_80_characters_wide,
                         0, 2);

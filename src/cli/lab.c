@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* lab.c -- weft lab: tests of the textile laboratory on a preset. Each is a scene,
+/* lab.c -- weft lab: tests of the textile laboratory on a fabric. Each is a scene,
  * which is written, and a number that is measured when the cloth has come to rest. */
 #include <errno.h>
 #include <math.h>
@@ -22,13 +22,28 @@ typedef struct specimen {
     const weft_cloth *cloth;
     const double *start, *x;
     size_t count;
+    const char *picture; /* file of the drape's */
 } specimen;
+
+static weft_status write_text(const char *path, const char *text, weft_error *err)
+{
+    FILE *to = fopen(path, "w");
+    const bool written = to != NULL && fputs(text, to) >= 0 && fflush(to) == 0;
+    const int why = errno;
+    if (to != NULL) {
+        (void)fclose(to);
+    }
+    return written ? WEFT_OK
+                   : weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
+}
 
 /* ---- drape ---- */
 
-/* Paints the triangle on a raster of `side` cells a side of `cell` [m], from above. */
-static void paint(unsigned char *raster, size_t side, double cell, const specimen *self,
-                  const uint32_t corner[3])
+enum { SIDE = 608 };               /* cells of the raster, each way */
+static const double cell = 0.5e-3; /* [m] */
+
+/* Paints the triangle on the raster, from above. */
+static void paint(unsigned char *raster, const specimen *self, const uint32_t corner[3])
 {
     double p[3][2], low = INFINITY, high = -INFINITY;
     for (size_t k = 0; k < 3; ++k) {
@@ -38,8 +53,8 @@ static void paint(unsigned char *raster, size_t side, double cell, const specime
         high = fmax(high, p[k][1]);
     }
     for (double y = fmax(0.5, ceil(low - 0.5) + 0.5);
-         y <= fmin(high, (double)side - 0.5); y += 1.0) {
-        double left = (double)side, right = 0.0;
+         y <= fmin(high, (double)SIDE - 0.5); y += 1.0) {
+        double left = (double)SIDE, right = 0.0;
         for (size_t k = 0; k < 3; ++k) {
             const double *a = p[k], *b = p[(k + 1) % 3];
             if ((a[1] <= y) != (b[1] <= y)) {
@@ -49,8 +64,8 @@ static void paint(unsigned char *raster, size_t side, double cell, const specime
             }
         }
         for (double c = fmax(0.0, ceil(left - 0.5));
-             c + 0.5 <= fmin(right, (double)side); c += 1.0) {
-            raster[(size_t)y * side + (size_t)c] = 1;
+             c + 0.5 <= fmin(right, (double)SIDE); c += 1.0) {
+            raster[(size_t)y * SIDE + (size_t)c] = 1;
         }
     }
 }
@@ -83,10 +98,47 @@ static size_t count_nodes(const specimen *self, size_t count)
     return nodes;
 }
 
+/* The shadow that is measured, row by row, and the rims of the disc and the support. */
+static weft_status draw(const specimen *self, const unsigned char *raster,
+                        const char *title, weft_error *err)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *to = open_memstream(&text, &length);
+    if (to == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the picture");
+    }
+    fprintf(
+        to,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\">\n"
+        "<title>%s</title>\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n"
+        "<path stroke=\"#9db8d9\" shape-rendering=\"crispEdges\" d=\"",
+        SIDE, SIDE, title);
+    for (size_t row = 0; row < SIDE; ++row) {
+        const unsigned char *at = raster + row * SIDE, *const end = at + SIDE;
+        while ((at = memchr(at, 1, (size_t)(end - at))) != NULL) {
+            const unsigned char *gap = memchr(at, 0, (size_t)(end - at));
+            gap = gap == NULL ? end : gap;
+            fprintf(to, "M%td %zu.5h%td", at - (end - SIDE), row, gap - at);
+            at = gap;
+        }
+    }
+    fprintf(
+        to,
+        "\"/>\n<g fill=\"none\" stroke=\"#333\" stroke-width=\"2\">"
+        "<circle cx=\"%d\" cy=\"%d\" r=\"%g\"/>"
+        "<circle cx=\"%d\" cy=\"%d\" r=\"%g\" stroke-dasharray=\"6\"/></g>\n</svg>\n",
+        SIDE / 2, SIDE / 2, INNER / cell, SIDE / 2, SIDE / 2, OUTER / cell);
+    const bool whole = fclose(to) == 0;
+    const weft_status status
+        = whole ? write_text(self->picture, text, err)
+                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the picture");
+    free(text);
+    return status;
+}
+
 static weft_status report_drape(const specimen *self, weft_error *err)
 {
-    enum { SIDE = 608 };
-    const double cell = 0.5e-3;
     const size_t triangles = weft_cloth_triangles(self->cloth, NULL);
     uint32_t *corners = malloc(3 * triangles * sizeof *corners);
     unsigned char *raster = calloc((size_t)SIDE * SIDE, 1);
@@ -98,7 +150,7 @@ static weft_status report_drape(const specimen *self, weft_error *err)
     }
     (void)weft_cloth_triangles(self->cloth, corners);
     for (size_t t = 0; t < triangles; ++t) {
-        paint(raster, SIDE, cell, self, &corners[3 * t]);
+        paint(raster, self, &corners[3 * t]);
     }
     for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
         painted += raster[i];
@@ -108,12 +160,19 @@ static weft_status report_drape(const specimen *self, weft_error *err)
         ++rim;
     }
     const double inner = pi * INNER * INNER, area = (double)painted * cell * cell;
-    print_item("drape", "coefficient %.1f %%, %zu nodes",
-               100.0 * (area - inner) / (pi * OUTER * OUTER - inner),
-               count_nodes(self, rim));
+    char title[64];
+    (void)snprintf(title, sizeof title, "coefficient %.1f %%, %zu nodes",
+                   100.0 * (area - inner) / (pi * OUTER * OUTER - inner),
+                   count_nodes(self, rim));
+    print_item("drape", "%s", title);
+    const weft_status status = draw(self, raster, title, err);
+    if (status == WEFT_OK) {
+        print_item("picture", "%s: the shadow, the support and the disc before",
+                   self->picture);
+    }
     free(corners);
     free(raster);
-    return WEFT_OK;
+    return status;
 }
 
 /* ---- cantilever and strip ---- */
@@ -148,6 +207,27 @@ static weft_status report_strip(const specimen *self, weft_error *err)
 
 /* ---- the scenes ---- */
 
+/* A preset by its name; another fabric by its numbers, of a mesh with its coupling. */
+static void write_fabric(FILE *to, const weft_fabric *fabric, bool mesh)
+{
+    if (weft_fabric_find(fabric->name) == fabric) {
+        fprintf(to, "  fabric: {preset: %s}\n", fabric->name);
+        return;
+    }
+    fprintf(to,
+            "  fabric: {density: %.17g, stretch: [%.17g, %.17g], shear: %.17g, bend: "
+            "[%.17g, %.17g]",
+            fabric->density, fabric->stretch[0], fabric->stretch[1], fabric->shear,
+            fabric->bend[0], fabric->bend[1]);
+    if (fabric->twist >= 0.0) {
+        fprintf(to, ", twist: %.17g", fabric->twist);
+    }
+    if (mesh) {
+        fprintf(to, ", coupling: %.17g", fabric->coupling);
+    }
+    fputs("}\n", to);
+}
+
 static void write_drape(FILE *to, const weft_fabric *fabric)
 {
     fprintf(
@@ -156,10 +236,10 @@ static void write_drape(FILE *to, const weft_fabric *fabric)
         "it.\nweft: 1\nname: drape of %s\n\ncloth:\n"
         "  cut: {outline: {disc: 0.15}, lines: [{disc: 0.09}], spacing: 7.5e-3, "
         "down: [0, 0, 1]}\n"
-        "  fabric: {preset: %s}\n"
-        "  pins: [{inside: {shape: sphere, at: [0, 0, 0], radius: 0.09}}]\n\n"
-        "forces: {wind: {velocity: [0, 0, 0], drag: 1}}\n",
-        fabric->name, fabric->name);
+        "  pins: [{inside: {shape: sphere, at: [0, 0, 0], radius: 0.09}}]\n",
+        fabric->name);
+    write_fabric(to, fabric, true);
+    fputs("\nforces: {wind: {velocity: [0, 0, 0], drag: 1}}\n", to);
 }
 
 static void write_cantilever(FILE *to, const weft_fabric *fabric)
@@ -173,11 +253,10 @@ static void write_cantilever(FILE *to, const weft_fabric *fabric)
         "weft: 1\nname: cantilever of %s\n\ncloth:\n"
         "  grid: {rows: %d, cols: 1, spacing: %.9g, origin: [%.9g, 0, 0], right: [0, "
         "0, 1], down: [1, 0, 0]}\n"
-        "  fabric: {preset: %s}\n"
-        "  pins: [{rows: [0, 1], cols: all}]\n\n"
-        "forces: {damping: %.9g}\n",
-        fabric->name, ROWS, spacing, -0.5 * spacing, fabric->name,
-        50.0 * fabric->density * spacing);
+        "  pins: [{rows: [0, 1], cols: all}]\n",
+        fabric->name, ROWS, spacing, -0.5 * spacing);
+    write_fabric(to, fabric, false);
+    fprintf(to, "\nforces: {damping: %.9g}\n", 50.0 * fabric->density * spacing);
 }
 
 /* A chain is 1 m wide. In the mean of its length, weight included, it carries PULL. */
@@ -187,12 +266,11 @@ static void write_strip(FILE *to, const weft_fabric *fabric)
             "# The KES strip: 0.2 m along the warp, pulled with 490 N/m by a weight.\n"
             "weft: 1\nname: strip of %s\n\ncloth:\n"
             "  grid: {rows: 11, cols: 1, spacing: 0.02}\n"
-            "  fabric: {preset: %s}\n"
             "  pins: [top]\n"
-            "  loads: [{at: bottom, mass: %.17g}]\n\n"
-            "forces: {damping: %.9g}\n",
-            fabric->name, fabric->name, PULL / GRAVITY - 0.5 * fabric->density * STRIP,
-            PULL);
+            "  loads: [{at: bottom, mass: %.17g}]\n",
+            fabric->name, PULL / GRAVITY - 0.5 * fabric->density * STRIP);
+    write_fabric(to, fabric, false);
+    fprintf(to, "\nforces: {damping: %.9g}\n", PULL);
 }
 
 static const struct {
@@ -229,19 +307,13 @@ static weft_status write_scene(const char *path, size_t test, const weft_fabric 
                                     "replaces it",
                                     path);
     }
-    to = fopen(path, "w");
-    const bool written = to != NULL && fputs(text, to) >= 0 && fflush(to) == 0;
-    const int why = errno;
-    if (to != NULL) {
-        (void)fclose(to);
-    }
-    return written ? WEFT_OK
-                   : weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
+    return write_text(path, text, err);
 }
 
 /* ---- the run ---- */
 
-static weft_status measure(const weft_scene *scene, size_t test, weft_error *err)
+static weft_status measure(const weft_scene *scene, size_t test, const char *picture,
+                           weft_error *err)
 {
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
@@ -262,7 +334,8 @@ static weft_status measure(const weft_scene *scene, size_t test, weft_error *err
                                 .cloth = cloth,
                                 .start = places,
                                 .x = places + 3 * n,
-                                .count = n };
+                                .count = n,
+                                .picture = picture };
         status = tests[test].report(&self, err);
     }
     free(places);
@@ -271,28 +344,70 @@ static weft_status measure(const weft_scene *scene, size_t test, weft_error *err
     return status;
 }
 
-static int lab_verb(const arguments *given)
+/* That of a scene, as it is without the overrides, with the name of the file. */
+static int read_fabric(const arguments *given, weft_fabric *out, char *name)
+{
+    arguments plain = *given;
+    weft_error err;
+    weft_scene *scene = NULL;
+    plain.set_count = 0;
+    plain.operands = &given->operands[1];
+    int code = open_scene(plain.operands[0], &plain, &scene, NULL);
+    const weft_fabric *fabric = code == EXIT_DONE ? weft_scene_fabric(scene) : NULL;
+    if (code == EXIT_DONE && fabric == NULL) {
+        (void)weft_error_set(&err, WEFT_BAD_SCENE, "%s: its cloth has no fabric",
+                             plain.operands[0]);
+        code = report_error(&err);
+    }
+    if (fabric != NULL) {
+        *out = *fabric;
+        out->name = out_directory(&plain, "", name);
+    }
+    weft_scene_destroy(scene);
+    return code;
+}
+
+/* A preset, or what is read of a scene. */
+static int choose_fabric(const arguments *given, weft_fabric *read, char *name,
+                         const weft_fabric **fabric)
 {
     enum { MOST = 64 };
     const char *names[MOST + 1] = { NULL };
-    size_t count, test = 0, chosen = 0;
-    char path[RECORD_PATH];
-    weft_error err = { 0 };
-    weft_scene *scene = NULL;
+    size_t count, chosen = 0;
     const weft_fabric *presets = weft_fabric_presets(&count);
+    *fabric = read;
+    if (strstr(given->operands[1], ".yaml") != NULL) {
+        return read_fabric(given, read, name);
+    }
     for (size_t i = 0; i < count && i < MOST; ++i) {
         names[i] = presets[i].name;
     }
-    if (choose(given, "TEST", given->operands[0], test_names, &test) != EXIT_DONE
-        || choose(given, "FABRIC", given->operands[1], names, &chosen) != EXIT_DONE) {
-        return EXIT_USAGE;
+    const int code = choose(given, "FABRIC", given->operands[1], names, &chosen);
+    *fabric = &presets[chosen];
+    return code;
+}
+
+static int lab_verb(const arguments *given)
+{
+    size_t test = 0;
+    char path[2 * RECORD_PATH], picture[2 * RECORD_PATH], name[RECORD_PATH];
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    weft_fabric read;
+    const weft_fabric *fabric = NULL;
+    int code = choose(given, "TEST", given->operands[0], test_names, &test);
+    code = code == EXIT_DONE ? choose_fabric(given, &read, name, &fabric) : code;
+    if (code != EXIT_DONE) {
+        return code;
     }
-    (void)snprintf(path, sizeof path, "%s-%s.yaml", test_names[test], names[chosen]);
-    if (write_scene(path, test, &presets[chosen], given->force, &err) != WEFT_OK) {
+    (void)snprintf(path, sizeof path, "%s-%s.yaml", test_names[test], fabric->name);
+    (void)snprintf(picture, sizeof picture, "%s-%s.svg", test_names[test],
+                   fabric->name);
+    if (write_scene(path, test, fabric, given->force, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    int code = open_scene(path, given, &scene, NULL);
-    if (code == EXIT_DONE && measure(scene, test, &err) != WEFT_OK) {
+    code = open_scene(path, given, &scene, NULL);
+    if (code == EXIT_DONE && measure(scene, test, picture, &err) != WEFT_OK) {
         code = report_error(&err);
     } else if (code == EXIT_DONE) {
         print_item("scene", "%s; 'weft run %s --view' draws it", path, path);
@@ -306,11 +421,11 @@ const verb verb_lab = {
     .summary = "test a measured fabric as a textile laboratory does",
     .help
     = "usage: weft lab TEST FABRIC [OPTIONS]\n\n"
-      "Writes the scene of a test of a preset (weft fabrics) to TEST-FABRIC.yaml in "
-      "the "
-      "working directory, which it replaces, runs it to rest and prints the result:\n\n"
-      "  drape                Cusick: drape coefficient [%] and nodes of a disc of 30 "
-      "cm on a support of 18 cm, which clamps it\n"
+      "Writes the scene of a test of a fabric to TEST-FABRIC.yaml in the working "
+      "directory, runs it to rest and prints the result. FABRIC is a preset (weft "
+      "fabrics) or a scene, FILE.yaml, whose cloth.fabric is tested:\n\n"
+      "  drape                Cusick: drape coefficient [%], nodes and shadow "
+      "(drape-FABRIC.svg) of a disc of 30 cm on a support of 18 cm, which clamps it\n"
       "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as long "
       "as "
       "its bending length, and the bending length by Peirce's formula\n"
@@ -320,7 +435,8 @@ const verb verb_lab = {
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "examples:\n"
       "  weft lab drape 11oz-black-denim\n"
-      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n\n"
+      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n"
+      "  weft lab cantilever my.yaml\n\n"
       "exit codes: 0 done, 1 the run failed, 2 wrong command line, 3 wrong scene, 4 "
       "the "
       "scene could not be written\n",
