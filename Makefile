@@ -10,6 +10,7 @@ $(if $(filter 3.% 4.0 4.0.% 4.1 4.1.% 4.2 4.2.%,$(MAKE_VERSION)),$(error weft ne
 
 BUILD  ?= build
 CFLAGS ?= -O2 -g
+CXXFLAGS ?= $(CFLAGS)
 SAN    ?=
 # In a cross build: a weft that runs on this machine, which manual pages and completions quote.
 HOST_WEFT ?= $(BUILD)/weft
@@ -317,7 +318,7 @@ $(BUILD)/examples/%: examples/%.c $(BUILD)/libweft.so $(BUILD)/plugins/weft-verl
 
 $(BUILD)/examples/%: examples/%.cpp include/weft/weft.hpp $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so
 	@mkdir -p $(@D)
-	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude $(CPPFLAGS) $(CFLAGS) $(SAN) $(LDFLAGS) \
+	$(call say,CXX)$(CXX) -std=c++17 -Wall -Wextra -Wpedantic -Werror -Iinclude $(CPPFLAGS) $(CXXFLAGS) $(SAN) $(LDFLAGS) \
 	    -o $@ $(filter-out %.hpp,$^) $(call rpath,.. ../plugins) -lm -pthread $(LDLIBS)
 
 # A cloth to be dragged with the mouse; check-window runs it without a screen.
@@ -429,10 +430,11 @@ demo: deps
 demo-run: all
 	@tools/demo $(BUILD)
 
-# Debian's place of HDF5, though it may be there only once the package is installed.
+# The one target that installs packages: with WITH_MPI=1, WITH_CHECKS=1 (what .ci/run and `make nightly` call) or WITH_DIST=1,
+# those too. Debian's place of HDF5, though it may be there only once the package is installed.
 deps:
 	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial $(MPI_CFLAGS)' \
-	    WITH_MPI='$(WITH_MPI)' tools/deps
+	    WITH_MPI='$(WITH_MPI)' WITH_CHECKS='$(WITH_CHECKS)' WITH_DIST='$(WITH_DIST)' tools/deps
 
 include install.mk
 include wasm/build.mk

@@ -326,7 +326,7 @@ static size_t scale_modes(const weft_stiffness *polygon, double h, double *w, do
         const double *p = polygon->corners[i / 2];
         const double *q = polygon->corners[(i + 1) / 2 % polygon->count];
         for (int part = 1; part <= PARTS; ++part) {
-            const double s = h * part / PARTS;
+            const double s = h * part / (double)PARTS;
             w[count] = 0.5 * (p[0] + q[0]) * s * s;
             c[count++] = 0.5 * (p[1] + q[1]) * s;
         }
@@ -422,7 +422,7 @@ static weft_status ask(const weft_stability *of, const weft_stiffness *polygon,
     for (int k = 0; k < ASKED && *stable; ++k) {
         *stable = probe_step(&run, y) == WEFT_OK;
     }
-    *calls = (double)(probe_calls(&run) - before) / ASKED;
+    *calls = (double)(probe_calls(&run) - before) / (double)ASKED;
     of->type->destroy(run.self);
     return WEFT_OK;
 }
