@@ -15,8 +15,8 @@ const scene = (name) => read(here(`../scenes/${name}.yaml`));
 const texts = { [OWN]: read(here('src/playground-scene.yaml')), ...Object.fromEntries(SCENES.map((name) => [name, scene(name)])) };
 const files = Object.fromEntries(FILES.map((name) => [name, read(here(`../scenes/${name}`))]));
 const notices = [
-    ['libyaml 0.2.5 (MIT)', `${wasm}/sources/libyaml-0.2.5/License`],
-    ['SUNDIALS 6.4.1 (BSD-3-Clause)', `${wasm}/sources/sundials-6.4.1/LICENSE`],
+    ['libyaml 0.2.5 (MIT)', `${wasm}/sources/libyaml/License`],
+    ['SUNDIALS 6.4.1 (BSD-3-Clause)', `${wasm}/sources/sundials/LICENSE`],
     ['wasi-libc', '/usr/share/doc/wasi-libc/copyright'],
 ].map(([name, path]) => `${name}\n\n${read(path).trim()}`);
 

@@ -52,8 +52,9 @@ static void paint(unsigned char *raster, const specimen *self, const uint32_t co
         low = fmin(low, p[k][1]);
         high = fmax(high, p[k][1]);
     }
-    for (double y = fmax(0.5, ceil(low - 0.5) + 0.5);
-         y <= fmin(high, (double)SIDE - 0.5); y += 1.0) {
+    const size_t end = (size_t)ceil(fmin(fmax(high + 0.5, 0.0), (double)SIDE));
+    for (size_t row = (size_t)fmax(0.0, ceil(low - 0.5)); row < end; ++row) {
+        const double y = (double)row + 0.5;
         double left = (double)SIDE, right = 0.0;
         for (size_t k = 0; k < 3; ++k) {
             const double *a = p[k], *b = p[(k + 1) % 3];
@@ -63,9 +64,10 @@ static void paint(unsigned char *raster, const specimen *self, const uint32_t co
                 right = fmax(right, at);
             }
         }
-        for (double c = fmax(0.0, ceil(left - 0.5));
-             c + 0.5 <= fmin(right, (double)SIDE); c += 1.0) {
-            raster[(size_t)y * SIDE + (size_t)c] = 1;
+        right = fmin(right, (double)SIDE);
+        for (size_t c = (size_t)fmax(0.0, ceil(left - 0.5)); (double)c + 0.5 <= right;
+             ++c) {
+            raster[row * SIDE + c] = 1;
         }
     }
 }

@@ -198,10 +198,13 @@ bool weft__start_check(const weft_cloth_def *def, size_t shape, char *text, size
     size_t i = 0;
     const double gap = start_gap(def, &def->contact.shapes[shape], &i);
     char name[64];
+    if (gap > 0.0) { /* perhaps there are no particles to name */
+        return true;
+    }
     (void)weft_text_format(text, size, "%s is %.3g mm inside shapes[%zu]",
                            weft__particle_text(def, i, name, sizeof name),
                            1e3 * fabs(gap), shape);
-    return gap > 0.0;
+    return false;
 }
 
 static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
