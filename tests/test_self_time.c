@@ -546,6 +546,26 @@ START_TEST(a_list_has_the_pairs_of_a_search)
 }
 END_TEST
 
+/* Preconditioners take them along the list. */
+START_TEST(blocks_have_the_same_bits_with_a_list)
+{
+    static double blocks[2][15 * 17 * 17];
+    size_t filled = 0;
+    start_pile();
+    go(0.43);
+    const weft__self *own = &sim->cloth->self;
+    const weft__state at = { .t = weft_sim_time(sim), .y = weft_sim_state(sim) };
+    ck_assert(sim->forces.self->valid);
+    ck_assert_int_eq(weft__self_blocks(own, sim->forces.self, &at, blocks[0]), 0);
+    ck_assert_int_eq(weft__self_blocks(own, NULL, &at, blocks[1]), 0);
+    ck_assert_mem_eq(blocks[0], blocks[1], sizeof blocks[0]);
+    for (size_t i = 0; i < 9 * 17 * 17; ++i) {
+        filled += blocks[0][i] != 0.0;
+    }
+    ck_assert_uint_gt(filled, 100);
+}
+END_TEST
+
 /* The list keeps the masses of pairs, which depend on pins. */
 START_TEST(a_list_follows_pins)
 {
@@ -691,6 +711,7 @@ TEST_SUITE(self_time)
     tcase_add_test(threads, threads_do_not_change_results);
     tcase_add_test(bits, a_list_changes_no_bit);
     tcase_add_test(bits, a_list_has_the_pairs_of_a_search);
+    tcase_add_test(bits, blocks_have_the_same_bits_with_a_list);
     tcase_add_test(bits, a_list_follows_pins);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);

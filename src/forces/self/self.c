@@ -235,9 +235,10 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
     }
 }
 
-void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
-                      const weft__pushes *pushes, size_t count, weft__unit unit,
-                      double *to)
+/* One function for each kind, as above. */
+static inline void add_kind(const weft__self *own, weft__pair_kind kind,
+                            const weft__pushes *pushes, size_t count, weft__unit unit,
+                            double *to)
 {
     const size_t n = own->mesh->particles;
     for (size_t i = 0; i < count; ++i) {
@@ -250,10 +251,26 @@ void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
             }
             const double scale
                 = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[at];
-            for (size_t j = 0; j < 3 && scale > 0.0; ++j) {
-                to[j * n + at] += scale * from->force[k][j][lane];
+            if (scale > 0.0) {
+                to[at] += scale * from->force[k][0][lane];
+                to[n + at] += scale * from->force[k][1][lane];
+                to[2 * n + at] += scale * from->force[k][2][lane];
             }
         }
+    }
+}
+
+void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
+                      const weft__pushes *pushes, size_t count, weft__unit unit,
+                      double *to)
+{
+    switch (kind) {
+#define CASE(kind)                                                                     \
+    case kind:                                                                         \
+        add_kind(own, kind, pushes, count, unit, to);                                  \
+        break;
+        EACH_KIND(CASE)
+#undef CASE
     }
 }
 

@@ -8,6 +8,7 @@ enum { HALVINGS = 60 };
 typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
+    double way; /* [m] no particles go further against each other; INFINITY: unknown */
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
@@ -16,7 +17,12 @@ typedef struct stride_search {
 static bool look_at(void *ctx, const weft__pair *pair)
 {
     stride_search *of = ctx;
+    const weft__stride *stride = of->stride;
     double gap;
+    if (of->way < (double)INFINITY
+        && weft__pair_distance(pair, stride->y1, stride->own->points) > of->way) {
+        return true;
+    }
     if (weft__stride_clear(of->stride, pair, &gap)) {
         return true;
     }
@@ -31,13 +37,19 @@ static bool look_at(void *ctx, const weft__pair *pair)
 
 enum { EXTENTS = 5 };
 
+/* [m] As far as particles go against each other in the step. */
+static double way_of(const weft__stride *of, const double extent[EXTENTS])
+{
+    return fmax(extent[2], of->h * fmax(extent[3], extent[4]));
+}
+
 /* [m] As far as two primitives may have been apart that can have met: half of what they
  * move against each other in the step, and from the list to both its ends. By the
  * extents of the displacements to both ends and in the step, and of the velocities. */
 static double reach(const weft__stride *of, const double extent[EXTENTS])
 {
-    const double way = fmax(extent[2], of->h * fmax(extent[3], extent[4]));
-    return 0.5 * (extent[0] + extent[1] + way) * (1.0 + WEFT__SELF_ROUNDOFF);
+    return 0.5 * (extent[0] + extent[1] + way_of(of, extent))
+           * (1.0 + WEFT__SELF_ROUNDOFF);
 }
 
 /* Whether the list has all pairs that can have met; then the reach of its groups is
@@ -62,7 +74,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
                 extent[k]
                     = weft__self_extent_between(list, k, list->between[group->tiles]);
             }
-            group->reach = reach(of, extent);
+            group->reach = reach(of, extent), group->way = way_of(of, extent);
             has = group->reach < list->clear[group->tiles];
         }
     }
@@ -78,6 +90,7 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
     for (size_t g = 0; g < in->now.count && goes_on; ++g) {
         const weft__self_group *to = &in->now.at[g];
         const double reach = to->reach + to->loss;
+        of->way = to->way;
         const size_t end = in->now.spans[g].end[kind];
         size_t i = weft__self_first(&in->now, g, kind);
         for (; i < end && goes_on && !(to->nearest > reach); ++i) {
@@ -104,6 +117,7 @@ static void look(weft__self_list *list, stride_search *of)
         return;
     }
     const size_t velocities = 3 * list->own->points;
+    of->way = INFINITY;
     const double moved = weft__extent(list->own, stride->y0, stride->y1);
     double extent[EXTENTS] = { moved, 0.0, moved };
     for (size_t k = 3; k < EXTENTS && stride->h > 0.0; ++k) {

@@ -53,6 +53,7 @@ typedef struct weft__self_group {
     double nearest; /* [m] of its pairs that the step check looks at */
     double loss;    /* [m] moved between where its pairs were measured and `place` */
     double reach;   /* [m] as far as they matter in a step */
+    double way;     /* [m] of the tiles against each other in that step, at most */
 } weft__self_group;
 
 typedef struct weft__self_groups {
