@@ -355,6 +355,9 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	$(call say,LD)$(LINK) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(BUILD)/libweft.a \
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
+# Where the time goes: these are called through the bench.
+$(BUILD)/bench/self: private LDFLAGS += $(foreach f,self_list_add self_sum self_chunk_begin path_clear,-Xlinker --wrap=weft__$(f))
+
 $(BUILD)/bench/mpi: $(MPI_SO)
 
 # Without what debuggers want: older valgrinds cannot read what clang writes of it.
