@@ -181,8 +181,23 @@ def smallest_eigenvalues(k, m, count):
     return sorted(a[i][i] for i in range(n))[:count]
 
 
-def cantilever_plate(poisson, count=3, terms=7):
-    """omega a^2 sqrt(density/B) of a square plate that one edge clamps, by Ritz with x^2 times Legendre polynomials."""
+def lateral_buckling():
+    """density g w L^3 / sqrt(EI GJ) at which a thin strip, clamped edge-on, buckles sideways by its weight.
+
+    phi'' + (k^2 / 4) s^4 phi = 0, s from the tip, phi'(0) = 0 and phi(1) = 0: the first zero of its power series."""
+    def tip(k):
+        total = term = 1.0
+        for i in range(1, 40):
+            term *= -0.25 * k * k / (6 * i * (6 * i - 1))
+            total += term
+        return total
+
+    return bisect(tip, 10.0, 15.0)
+
+
+def square_plate(poisson, held, count=3, terms=7):
+    """omega a^2 sqrt(density/B) of a square plate with one clamped edge ("cantilever") or four ("clamped"), by Ritz with
+    Legendre polynomials times what is flat at the clamps: x^2, or x^2 (1 - x)^2 both ways."""
     points, weights = gauss(16)
 
     def legendre(j, x):
@@ -196,12 +211,17 @@ def cantilever_plate(poisson, count=3, terms=7):
 
     def along(j, x):
         p, dp, ddp = legendre(j, x)
-        return x * x * p, 2.0 * x * p + x * x * dp, 2.0 * p + 4.0 * x * dp + x * x * ddp
+        if held == "cantilever":
+            f, df, ddf = x * x, 2.0 * x, 2.0
+        else:
+            b, db = x * (1.0 - x), 1.0 - 2.0 * x
+            f, df, ddf = b * b, 2.0 * b * db, 2.0 * db * db - 4.0 * b
+        return f * p, df * p + f * dp, ddf * p + 2.0 * df * dp + f * ddp
 
     def products(f, g, d, e):
         return [[sum(w * f(i, x)[d] * g(j, x)[e] for x, w in zip(points, weights)) for j in range(terms)] for i in range(terms)]
 
-    fx, fy = along, legendre
+    fx, fy = along, legendre if held == "cantilever" else along
     x00, x11, x22, x02 = (products(fx, fx, *d) for d in ((0, 0), (1, 1), (2, 2), (0, 2)))
     y00, y11, y22, y02 = (products(fy, fy, *d) for d in ((0, 0), (1, 1), (2, 2), (0, 2)))
     size = range(terms * terms)
