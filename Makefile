@@ -378,7 +378,8 @@ core:
 	@tools/core $(BUILD)/core
 
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
-	@for name in $(BENCH); do $(BUILD)/bench/$$name || exit 1; done
+	@for name in $(filter-out peers,$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
+	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) tools/bench-peers)
 
 # Exact and published results, computed by the program; writes docs/validation.md. CASE='elastica-grid capstan': of these alone.
 .PHONY: validate check-validation

@@ -36,9 +36,17 @@ programs used too: they give the order of magnitude.
 The tolerance of a case is the uncertainty of its source, or of the method by which an exact value is approached (the
 finest mesh, the step). It is stated with the case. A case that disagrees stays in the table with the reason.
 
-What this page does not show: the twisted ribbon, stick and slip, other simulators on the same work. And no drape of a fabric is compared here with the measured drape of that same fabric. That needs a
+Numbers that are expected come from programs of the folder validation (exact.py computes elastica, plates and buckling) or from
+formulas that stand with the case. Of the sources, those of the bands and coefficients of drapes, of the plate with nu = 0.3
+and the abstract on twisted ribbons were read when this page was written; Provot's paper is followed in
+[physics.md](physics.md). The others are cited from memory, for who came first: no number is taken from them.
+
+What this page does not show: stick and slip, and the wrinkles of a twisted ribbon. The drapes are clamped at the rim of the
+support, without contact; [contact.md](contact.md) has contact and friction. Other simulators on the same work are in
+[peers.md](peers.md). And no drape of a fabric is compared here with the measured drape of that same fabric. That needs a
 table with bending, shear and drape of each fabric; none could be read in full when this page was written (ARS 72-17 of the
-USDA, 1963, would be the first to take). Until then the Cusick cases compare with published *bands* and with one other program.
+USDA, 1963, would be the first to take): **this comparison is owed**. Until then the Cusick cases compare with published
+*bands* and with one other program.
 
 """
 
