@@ -279,6 +279,8 @@ typedef struct weft_cloth_def {
                        to scale, mass, density, law, springs, across, bending, rim_half
                        and bands are not used, and pins and loads have vertices */
     weft_track wind;           /* [m/s] unless count is 0, instead of wind_velocity */
+    double untangle; /* [s] >= 0; > 0: a start may pass through itself and shapes, and
+                       weft_sim_create calls weft_cloth_untangle */
 } weft_cloth_def;
 
 /* Particles of the whole cloth. */
@@ -625,6 +627,28 @@ WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                                      weft_primitive pair[2]);
 
 WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
+
+/* Two parts of a cloth, or one and a shape of triangles, that cross or touch; or a free
+ * particle inside another shape. Fixed for ever. */
+typedef struct weft_crossing {
+    char text[224];        /* "edge (3, 4)-(3, 5) passes through cell (9, 2)" */
+    size_t count[2];       /* points of both: 1 to 3; 0: none */
+    double place[2][3][3]; /* [m] of each */
+} weft_crossing;
+
+/* Calls `each`, unless it is NULL, for all that make a state at t = 0 an error of
+ * weft_cloth_create, but cloth inside a closed body; returns their number, SIZE_MAX: no
+ * memory. */
+typedef void weft_crossing_fn(void *ctx, const weft_crossing *one);
+WEFT_API size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
+                                         weft_crossing_fn *each, void *ctx);
+
+/* Relaxes a start of a cloth with weft_cloth_def.untangle, for so long at most, by its
+ * elastic forces, strongly damped, while what crosses is moved apart; then free
+ * particles are at rest. A y without crossings is not changed. Errors: WEFT_SOLVER,
+ * with what is left; WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y,
+                                         weft_error *err);
 
 /* The contact that a cloth was defined with, without the shapes, and its shape
  * k < weft_cloth_shapes. */

@@ -39,6 +39,7 @@ typedef struct arguments {
     size_t set_count, at_count;
     bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
     bool csv, clamp_midway, watch;
+    bool silent;             /* mistakes of a scene are not printed */
     progress_mode mode;      /* by `progress` and `quiet` */
     const struct verb *verb; /* that was given */
     char **argv;             /* of the verb, NULL at the end */

@@ -173,7 +173,9 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     const weft_status status = sweep == NULL
                                    ? weft_scene_load(&def, scene, found, &err)
                                    : weft_sweep_load(&def, sweep, found, &err);
-    print_found(found);
+    if (!given->silent) {
+        print_found(found);
+    }
     const bool printed = found->errors > 0;
     free(found);
     return status == WEFT_OK ? EXIT_DONE : printed ? EXIT_SCENE : report_error(&err);

@@ -8,7 +8,7 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
-#include "forces/self/self.h"
+#include "forces/self/crossing.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
@@ -76,11 +76,12 @@ weft_status weft__crossings_error(const weft_cloth *cloth, double t, const doubl
 
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
 {
-    if (!cloth->self.law.self && !cloth->bodies.pairs.law.self) {
-        return WEFT_OK;
-    }
     if (weft__notch_error(&cloth->self, err) != WEFT_OK) {
         return WEFT_INVALID;
+    }
+    if (cloth->untangle > 0.0
+        || (!cloth->self.law.self && !cloth->bodies.pairs.law.self)) {
+        return WEFT_OK;
     }
     double *y = weft__alloc(&cloth->memory, weft_cloth_dim(cloth), sizeof *y);
     if (y == NULL) {
@@ -250,6 +251,7 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     attach(cloth);
     cloth->mesh.motion_count = def->pin_count;
     cloth->memory = memory;
+    cloth->untangle = def->untangle;
     status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);

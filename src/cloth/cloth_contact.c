@@ -4,7 +4,7 @@
 
 #include "base/sized.h"
 #include "cloth/model.h"
-#include "forces/self/self.h"
+#include "forces/self/crossing.h"
 #include "mesh/surface.h"
 
 size_t weft_cloth_shapes(const weft_cloth *cloth)
@@ -142,7 +142,7 @@ size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
         weft__skin_destroy(own.skin, &cloth->memory);
     }
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
-        pair[k] = weft__primitive_of(&cloth->mesh, found.first[k]);
+        pair[k] = weft__primitive_of(&cloth->mesh, found.first.side[k]);
     }
     return found.count;
 }

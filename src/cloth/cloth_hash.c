@@ -43,5 +43,5 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks)
             hash = weft__table[k].force->hash(weft__own(cloth, k), hash);
         }
     }
-    return hash;
+    return cloth->untangle > 0.0 ? weft__hash_real(hash, cloth->untangle) : hash;
 }

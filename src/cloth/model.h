@@ -12,7 +12,8 @@ struct weft_cloth {
     double *rows; /* row_count of them, of all tracks: of paths, then of the wind */
     size_t row_count;
     weft__isa isa;
-    bool copied; /* shares masses, motions and rows with its model */
+    double untangle; /* [s] */
+    bool copied;     /* shares masses, motions and rows with its model */
     weft_allocator memory;
 };
 #undef WEFT_FORCE_MEMBER

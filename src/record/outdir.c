@@ -39,7 +39,8 @@ const char *const record_names[] = {
     "scene.yaml", "manifest.yaml",   "series.csv",  "shapes.csv", "run.vtkhdf",
     "final.csv",  "checkpoint.weft", "result.yaml", "frames",     "run.mdd",
     "run.pc2",    "run.pvd",         "rest.obj",    "final.obj",  "final.ply",
-    "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  NULL,
+    "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  RECORD_CROSSINGS,
+    NULL,
 };
 
 /* Meshes of several cloths, and what exports add beside the names above, and the files
@@ -91,7 +92,7 @@ static long look_through(const char *directory, sweep what)
         if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
             continue;
         }
-        ++found;
+        found += strcmp(name, RECORD_CROSSINGS) != 0;
         const bool ours = what == SWEEP_FRAMES ? matches(name, FRAME) : is_ours(name);
         if (what != KEEP_ALL && ours
             && record_path(directory, name, path, NULL) == WEFT_OK) {
@@ -120,6 +121,10 @@ weft_status record_outdir(const char *directory, bool force, weft_error *err)
     TRY(record_directory(directory, err));
     const long found = look_through(directory, force ? SWEEP_RUN : KEEP_ALL);
     if (found <= 0 || force) {
+        char path[RECORD_PATH];
+        if (record_path(directory, RECORD_CROSSINGS, path, NULL) == WEFT_OK) {
+            (void)unlink(path);
+        }
         return found < 0 ? record_failed(directory, err) : WEFT_OK;
     }
     const bool unfinished = record_unfinished(directory);

@@ -61,6 +61,12 @@ void record_file_discard(record_file *file);
 /* Writes text in quotes, with those inside doubled (RFC 4180). */
 void record_csv_quoted(FILE *stream, const char *text);
 
+/* What crosses or touches in a start, if anything does, as points, lines and faces with
+ * the names of each pair. */
+#define RECORD_CROSSINGS "start-crossings.obj"
+weft_status record_crossings(const char *directory, const weft_cloth *cloth,
+                             const double *y, weft_error *err);
+
 /* The copy of a scene's mesh in its results. */
 #define RECORD_MESH "scene.obj"
 
@@ -87,8 +93,9 @@ uint64_t record_bytes_sum(const char *path, size_t begin, size_t end);
 /* Makes `directory` and its parents unless they exist. */
 weft_status record_directory(const char *directory, weft_error *err);
 
-/* Makes `directory`, or accepts an empty one. One that is not empty is
- * refused unless `force`, which removes the files of an earlier run of weft. */
+/* Makes `directory`, or accepts an empty one; its RECORD_CROSSINGS is removed. One that
+ * is not empty is refused unless `force`, which removes the files of an earlier run of
+ * weft. */
 weft_status record_outdir(const char *directory, bool force, weft_error *err);
 
 /* Makes `directory` if need be and locks it for this process until *lock is closed or

@@ -523,6 +523,10 @@ static const weft__key contact_keys[] = {
     { "self", WEFT__BOOLEAN, .fallback = "false", AT(weft_contact_def, self),
       .meaning = "whether the cloth touches itself; the thickness is then at most half "
                  "the smaller spacing, of a mesh half the smallest height" },
+    { "untangle", WEFT__NUMBER, .fallback = "0.0", .number = &weft__untangle,
+      .at = -offsetof(weft_cloth_def, contact),
+      .meaning = "a start that passes through itself or shapes relaxes before t = 0, "
+                 "for so long at most; 0: it is an error" },
     { "shapes", WEFT__ITEMS,
       ITEMS(weft_contact_def, shapes, shape_count, weft__read_shape),
       .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },

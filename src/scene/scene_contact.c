@@ -111,7 +111,7 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     if (reader->report->found->errors > 0 || reader->report->no_memory) {
         return;
     }
-    if (contact->shape_count > 0) {
+    if (contact->shape_count > 0 && reader->scene->cloth.untangle == 0.0) {
         check_start(reader, weft__value_in(match, "shapes"));
     }
     if (reader->scene->body_files != NULL && reader->report->found->errors == 0) {

@@ -57,7 +57,8 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               refusal);
     }
     if (def->comm != NULL
-        && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self)) {
+        && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self
+            || def->cloth->untangle > 0.0)) {
         return weft_error_set(
             err, WEFT_UNSUPPORTED,
             "contact of the cloth with itself or a mesh needs the whole cloth: "
@@ -136,7 +137,6 @@ static weft_sim *make_sim(const weft_sim_def *def)
         sim->def.log = (weft_log){ write_log, sim };
     }
     weft_cloth_start(sim->cloth, sim->y);
-    weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     return sim;
 }
 
@@ -159,6 +159,8 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     }
     status = weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err);
     status = status == WEFT_OK ? take_config(sim, err) : status;
+    status = status == WEFT_OK ? weft_cloth_untangle(sim->cloth, sim->y, err) : status;
+    weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     status = status == WEFT_OK ? make_forces(sim, err) : status;
     status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
     status = status == WEFT_OK && weft__sim_checks(sim) ? weft__sim_make_start(sim, err)

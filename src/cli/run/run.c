@@ -297,6 +297,9 @@ static int refuse(const run *self, const weft_error *why)
     (void)report_error(why);
     if (self->from == NULL && ranks_first(self->comm)
         && (record_scene_text(self->out, self->scene, &err) != WEFT_OK
+            || (why->status == WEFT_SOLVER
+                && crossings_write(self->given, self->out, self->scene, true, &err)
+                       != WEFT_OK)
             || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
     }
@@ -432,6 +435,8 @@ static int run_verb(const arguments *given)
     }
     if (code == EXIT_DONE) {
         code = run_scene(given, out_directory(given, ".run", out), scene, false, NULL);
+    } else if (code == EXIT_SCENE) {
+        crossings_of_mistake(given, out_directory(given, ".run", out));
     }
     weft_scene_destroy(scene);
     return code;
@@ -445,7 +450,9 @@ const verb verb_run = {
       "Runs a scene and writes to a directory: scene.yaml (as run), manifest.yaml "
       "(versions and options), series.csv (one row per frame), shapes.csv (with "
       "shapes: the forces on them), run.vtkhdf (the frames), final.csv (the final "
-      "state) and, last of all, result.yaml. Ends with a summary.\n\n"
+      "state) and, last of all, result.yaml. Ends with a summary. A start that passes "
+      "through itself or a body is an error, with the pairs in "
+      "start-crossings.obj.\n\n"
       "  --out DIR            the directory; default: ./SCENE.run. Must be new or "
       "empty\n"
       "  --force              replace the files of an earlier run\n"

@@ -70,6 +70,14 @@ weft_status run_in_place(const run *self, weft_error *err);
 int run_scene(const arguments *given, const char *out, const weft_scene *scene,
               bool claimed, record_checkpoint *from);
 
+/* crossings.c: writes start-crossings.obj, unless the start of a scene with
+ * contact.untangle crosses nothing. `claimed`: the directory is the run's, and the
+ * start is relaxed before. */
+weft_status crossings_write(const arguments *given, const char *out,
+                            const weft_scene *scene, bool claimed, weft_error *err);
+/* The same of a scene with mistakes, if it has no other. */
+void crossings_of_mistake(const arguments *given, const char *out);
+
 /* summary.c: the results of a run, in eight lines or as YAML. */
 void summary_step(summary *self); /* after each accepted step */
 /* After each frame, with the spring of the largest strain in it. */

@@ -63,4 +63,8 @@ void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
 weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
                                size_t loose, const char *where, weft_error *err);
 
+/* A weft__name_fn; ctx: a weft__bodies. */
+void weft__bodies_name(const void *ctx, const weft_primitive *of, char *text,
+                       size_t size);
+
 extern const weft__force weft__bodies_force;

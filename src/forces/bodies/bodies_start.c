@@ -7,10 +7,12 @@
 #include "base/memory.h"
 #include "base/plane.h"
 #include "forces/bodies/bodies.h"
+#include "forces/self/crossing.h"
 #include "mesh/surface.h"
 
 /* "edge (3, 4)-(3, 5)", or "shapes[1]". */
-static void name(const void *ctx, const weft_primitive *of, char *text, size_t size)
+void weft__bodies_name(const void *ctx, const weft_primitive *of, char *text,
+                       size_t size)
 {
     const weft__bodies *own = ctx;
     const weft__mesh *mesh = own->pairs.mesh;
@@ -172,7 +174,8 @@ weft_status weft__bodies_error(const weft__bodies *own, double t, const double *
         = weft__alloc(&own->memory, own->pairs.mesh->particles, sizeof *label);
     weft_status status = all == NULL || label == NULL ? WEFT_NO_MEMORY : WEFT_OK;
     if (status == WEFT_OK) {
-        status = weft__named_crossing(&own->pairs, all, loose, where, name, own, err);
+        status = weft__named_crossing(&own->pairs, all, loose, where, weft__bodies_name,
+                                      own, err);
     } else {
         (void)weft_error_set(err, status, "no memory for a state");
     }

@@ -224,6 +224,7 @@ WEFT__NUMBERS(weft__contact_numbers, thickness, stopping_speed, exponent, dampin
               friction, slip, law);
 WEFT__NUMBERS(weft__shape_numbers, kind, at, velocity, amplitude, frequency, spin);
 WEFT__NUMBERS(weft__turn_numbers, axis, rate, amplitude, frequency);
+extern const weft__number weft__untangle;       /* of a weft_cloth_def */
 extern const weft__number weft__shape_radius;   /* of a sphere or capsule */
 extern const weft__number weft__shape_rounding; /* of a box */
 

@@ -38,6 +38,8 @@ const struct weft__turn_numbers weft__turn_numbers = {
     WEFT__FIELD(weft_turn, amplitude, "rad", .least = -HUGE_VAL),
     WEFT__FIELD(weft_turn, frequency, "Hz", NOT_NEGATIVE),
 };
+const weft__number weft__untangle
+    = { offsetof(weft_cloth_def, untangle), "untangle", "s", .least = 0.0 };
 const weft__number weft__shape_radius = { SHAPE(radius), "radius", "m", POSITIVE };
 const weft__number weft__shape_rounding
     = { SHAPE(rounding), "rounding", "m", POSITIVE };
@@ -211,7 +213,7 @@ static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
 {
     char inside[120];
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        if (weft__shape_check(&def->contact.shapes[k], k, to)
+        if (weft__shape_check(&def->contact.shapes[k], k, to) && def->untangle == 0.0
             && !weft__start_check(def, k, inside, sizeof inside)) {
             weft__fault(to, offsetof(weft_cloth_def, contact.shapes),
                         offsetof(weft_cloth_def, contact.shapes), "%s", inside);
@@ -221,6 +223,7 @@ static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
 
 void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
+    (void)weft__numbers_check(&weft__untangle, 1, def, to, "contact: ");
     if (def->contact.shape_count > 0 || def->contact.self) {
         weft__contact_check(&def->contact, to);
         check_shapes(def, to);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/self/self.h"
+#include "forces/self/crossing.h"
 
 #include "mesh/surface.h"
 
 typedef struct counting {
     const weft__quadtree *tree;
-    weft__crossings found;
-    size_t first[2]; /* the keys of the first: it is the least */
     size_t loose;
+    weft__crossing_fn *visit;
+    void *ctx;
 } counting;
 
 /* An edge, or what it is compared with. */
@@ -51,17 +51,11 @@ static bool any_free(const counting *of, const element *primitive)
 static void keep(counting *of, const element *edge, const element *other,
                  weft__meeting how)
 {
-    weft__crossings *found = &of->found;
-    if (how == WEFT__APART || (!any_free(of, edge) && !any_free(of, other))) {
-        return;
+    if (how != WEFT__APART && (any_free(of, edge) || any_free(of, other))) {
+        const weft__crossing one
+            = { { edge->key, other->key }, { edge->of, other->of }, how };
+        of->visit(of->ctx, &one);
     }
-    if (found->count == 0 || edge->key < of->first[0]
-        || (edge->key == of->first[0] && other->key < of->first[1])) {
-        of->first[0] = edge->key, of->first[1] = other->key;
-        found->first[0] = edge->of, found->first[1] = other->of;
-        found->how = how;
-    }
-    ++found->count;
 }
 
 /* ---- pairs ----------------------------------------------------------------------- */
@@ -123,18 +117,10 @@ static void meet(counting *of, const element *edge, const element *other)
     }
 }
 
-/* What a node owns of a kind: edges, or triangles, of three numbers; their keys, which
- * follow each other, and their numbers. */
-typedef struct items {
-    size_t count, size, key;
-    const uint32_t *at;
-    uint32_t room[9];
-} items;
-
-static void find_items(const weft__self *own, size_t i, size_t size, items *to)
+void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *to)
 {
     const weft__skin *skin = own->skin;
-    *to = (items){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
+    *to = (weft__items){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
     if (skin != NULL) {
         const uint32_t *first = size == 2 ? skin->edge_first : skin->triangle_first;
         to->key = first[i], to->count = first[i + 1] - first[i];
@@ -156,12 +142,12 @@ static void compare_nodes(counting *of, size_t i, size_t j)
     const weft__self *own = of->tree->own;
     const bool chain
         = own->skin == NULL && (own->mesh->rows == 1 || own->mesh->cols == 1);
-    items edges, others;
+    weft__items edges, others;
     if (chain && i >= j) {
         return;
     }
-    find_items(own, i, 2, &edges);
-    find_items(own, j, chain ? 2 : 3, &others);
+    weft__items_of(own, i, 2, &edges);
+    weft__items_of(own, j, chain ? 2 : 3, &others);
     for (size_t k = 0; k < edges.count * others.count; ++k) {
         const size_t e = k / others.count, o = k % others.count;
         const element edge = element_of(of, edges.key + e, 2, edges.at + 2 * e);
@@ -177,8 +163,8 @@ static void compare_nodes(counting *of, size_t i, size_t j)
 /* Edges of node i without length, as two particles. */
 static void keep_points(counting *of, size_t i)
 {
-    items edges;
-    find_items(of->tree->own, i, 2, &edges);
+    weft__items edges;
+    weft__items_of(of->tree->own, i, 2, &edges);
     for (size_t e = 0; e < edges.count; ++e) {
         const element a = element_of(of, edges.key + e, 1, edges.at + 2 * e);
         const element b = element_of(of, 0, 1, edges.at + 2 * e + 1);
@@ -186,7 +172,7 @@ static void keep_points(counting *of, size_t i)
     }
 }
 
-static bool visit(void *ctx, size_t i, size_t j)
+static bool compare_all(void *ctx, size_t i, size_t j)
 {
     counting *of = ctx;
     compare_nodes(of, i, j);
@@ -198,14 +184,31 @@ static bool visit(void *ctx, size_t i, size_t j)
     return true;
 }
 
-weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
+void weft__each_crossing(const weft__quadtree *tree, size_t loose,
+                         weft__crossing_fn *visit, void *ctx)
 {
-    counting of = { .tree = tree, .loose = loose };
-    (void)weft__tree_pairs(tree, 0.0, visit, &of);
-    return of.found;
+    counting of = { tree, loose, visit, ctx };
+    (void)weft__tree_pairs(tree, 0.0, compare_all, &of);
 }
 
-static void name(const void *ctx, const weft_primitive *of, char *text, size_t size)
+static void count(void *ctx, const weft__crossing *one)
+{
+    weft__crossings *found = ctx;
+    if (found->count == 0 || one->key[0] < found->first.key[0]
+        || (one->key[0] == found->first.key[0] && one->key[1] < found->first.key[1])) {
+        found->first = *one;
+    }
+    ++found->count;
+}
+
+weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
+{
+    weft__crossings found = { .count = 0 };
+    weft__each_crossing(tree, loose, count, &found);
+    return found;
+}
+
+void weft__self_name(const void *ctx, const weft_primitive *of, char *text, size_t size)
 {
     const weft__self *own = ctx;
     const weft_primitive named = weft__primitive_of(own->mesh, *of);
@@ -215,14 +218,25 @@ static void name(const void *ctx, const weft_primitive *of, char *text, size_t s
 weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft_error *err)
 {
-    return weft__named_crossing(own, y, loose, where, name, own, err);
+    return weft__named_crossing(own, y, loose, where, weft__self_name, own, err);
+}
+
+void weft__crossing_names(const weft__crossing *one, weft__name_fn *by, const void *ctx,
+                          char text[WEFT__CROSSING_TEXT])
+{
+    char names[2][96];
+    for (size_t k = 0; k < 2; ++k) {
+        by(ctx, &one->side[k], names[k], sizeof names[k]);
+    }
+    (void)snprintf(text, WEFT__CROSSING_TEXT, "%s %s %s", names[0],
+                   one->how == WEFT__PIERCE ? "passes through" : "touches", names[1]);
 }
 
 weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft__name_fn *by, const void *ctx,
                                  weft_error *err)
 {
-    char names[2][96], more[48] = "";
+    char text[WEFT__CROSSING_TEXT], more[48] = "";
     if (!own->law.self) {
         return WEFT_OK;
     }
@@ -234,10 +248,6 @@ weft_status weft__named_crossing(const weft__self *own, const double *y, size_t 
     if (found.count > 1) {
         (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
-    for (size_t k = 0; k < 2; ++k) {
-        by(ctx, &found.first[k], names[k], sizeof names[k]);
-    }
-    return weft_error_set(err, WEFT_INVALID, "%s%s %s %s%s", where, names[0],
-                          found.how == WEFT__PIERCE ? "passes through" : "touches",
-                          names[1], more);
+    weft__crossing_names(&found.first, by, ctx, text);
+    return weft_error_set(err, WEFT_INVALID, "%s%s%s", where, text, more);
 }

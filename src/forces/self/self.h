@@ -303,29 +303,3 @@ bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
 
 /* Whether an edge and a triangle have primitives that are. */
 bool weft__at_lips(const weft__skin *skin, size_t edge, size_t triangle);
-
-/* ---- crossing.c: where a cloth passes through itself -------------------------------
- */
-
-typedef struct weft__crossings {
-    size_t count;            /* of weft_cloth_crossings */
-    weft_primitive first[2]; /* an edge and a triangle; of a chain: two edges. Or two
-                                neighbours at the same place */
-    weft__meeting how;       /* of the first */
-} weft__crossings;
-
-/* Particle `loose` counts as free; SIZE_MAX: none does. The own of the tree must have a
- * skin unless it is of a grid. */
-weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
-
-/* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
- * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
-weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft_error *err);
-
-/* The same, with names of one's own for primitives. */
-typedef void weft__name_fn(const void *ctx, const weft_primitive *of, char *text,
-                           size_t size);
-weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft__name_fn *by, const void *ctx,
-                                 weft_error *err);
