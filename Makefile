@@ -461,8 +461,8 @@ docs: all
 	@tools/docs $(BUILD)
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
-# long what others run as well (ASAN_WITHOUT=: all).
-ASAN_WITHOUT ?= verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
+# long what others run as well, or whose wide kernels compile for minutes (ASAN_WITHOUT=: all).
+ASAN_WITHOUT ?= $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
                 self_time skin_time stability stepper_accuracy stiffness
 
 asan:
@@ -505,7 +505,7 @@ hashes: $(BUILD)/hashes $(PLUGIN_SO)
 
 # The same bits from every compiler and at every level of optimization.
 check-determinism: hashes
-	@MAKE="$(MAKE)" tools/check-determinism $(BUILD)
+	@MAKE="$(MAKE)" tools/check-determinism $(BUILD) $(WHOLE)
 
 # The same bits whatever libm and whatever processor; wants qemu-user.
 check-libm: all $(BUILD)/tests/test_libm $(PRELOADED)
@@ -585,6 +585,7 @@ nightly: all
 	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) asan ASAN_WITHOUT=
 	$(MAKE) verify
+	$(MAKE) check-determinism WHOLE=1
 	$(MAKE) check-validation WHOLE=1
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-self SECONDS=3600

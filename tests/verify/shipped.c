@@ -105,7 +105,7 @@ weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scen
         return run(registry, scene, &stepper, reference, out, err);
     }
     weft_status status = WEFT_OK;
-    for (stepper.fixed_step = 0x1p-8; stepper.fixed_step >= 0x1p-16;
+    for (stepper.fixed_step = 0x1p-8; stepper.fixed_step >= 0x1p-18;
          stepper.fixed_step /= 2.0) {
         status = run(registry, scene, &stepper, reference, out, err);
         if (status == WEFT_OK && out->energy <= VERIFY_ENERGY_BOUND) {
