@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Cloths of triangles from arrays and from other libraries' meshes."""
+import copy
 import pickle
 import warnings
 from types import SimpleNamespace
@@ -359,3 +360,92 @@ def test_several_cloths_have_names_and_vertices_of_their_own(tmp_path):
     assert weft.load(hung(sheet())).cloths == {}
     with pytest.raises(weft.SceneError, match="has no group 'waist'"):
         weft.load(two(pins=[{"group": "waist"}]))
+
+
+# ---- bodies of arrays -----------------------------------------------------------------
+
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+SIDES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+                  [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+
+
+class Trimesh:
+    """What a trimesh.Trimesh has of use here."""
+    vertices, faces = 0.03 * CUBE, SIDES
+
+
+def over_body(body, **more):
+    """A square of cloth that falls onto a body, 5 cm below it."""
+    return {"cloth": {"grid": {"rows": 9, "cols": 9, "spacing": 0.01, "origin": [-0.04, 0.05, -0.04], "down": [0, 0, 1]},
+                      "density": 0.2, "springs": {"stretch": {"stiffness": 50, "damping": 0.01}}},
+            "contact": {"thickness": 4e-3, "shapes": [{"shape": "mesh", "file": body, **more}]},
+            "stepper": {"plugin": "arkode", "method": "dormand_prince", "rtol": 1e-4, "atol": 1e-4},
+            "run": {"duration": 0.2}}
+
+
+def triangles_of(vertices, triangles):
+    """Each as the set of its corners: weft puts the vertices of a body into an order of its own."""
+    return {frozenset(map(tuple, corners)) for corners in np.asarray(vertices)[np.asarray(triangles).astype(int)].tolist()}
+
+
+def obj_file(folder, vertices):
+    path = folder / "body.obj"
+    path.write_text("".join("v %r %r %r\n" % tuple(v) for v in vertices.tolist())
+                    + "".join("f %d %d %d\n" % tuple(c) for c in SIDES + 1), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("form", [lambda v: Trimesh, lambda v: (v, SIDES), lambda v: (v.tolist(), SIDES.tolist()),
+                                  lambda v: [np.asfortranarray(v), SIDES.astype(np.int16)]])
+def test_a_body_of_arrays_is_that_of_a_file(form, tmp_path):
+    vertices = 0.03 * CUBE
+    sims = [weft.load(over_body(body)) for body in (obj_file(tmp_path, vertices), form(vertices))]
+    for sim in sims:
+        sim.advance(0.12)
+    assert sims[0].measure().hash == sims[1].measure().hash
+    assert sims[1].measure().touching > 0
+    shape = sims[1].shapes[0]
+    assert triangles_of(shape["vertices"], shape["triangles"]) == triangles_of(vertices, SIDES)
+    assert 'file: "scene-shape0.obj"' in sims[1].scene
+
+
+def test_key_frames_of_arrays_move_a_body():
+    keys = np.array([0.03 * CUBE + [0, height, 0] for height in (0, 0, 0.01)])
+    sim = weft.load(over_body((keys, SIDES), fps=20.0))
+    assert sim.shapes[0]["keys"].shape == (3, 8, 3) and sim.shapes[0]["fps"] == 20
+    still = weft.load(over_body((keys[0], SIDES)))
+    for one in (sim, still):
+        one.advance(0.15)
+    assert sim.positions[:, 1].max() > still.positions[:, 1].max() + 5e-3
+
+
+@pytest.mark.parametrize("again", [lambda sim: pickle.loads(pickle.dumps(sim)), copy.deepcopy, copy.copy])
+@pytest.mark.parametrize("cloth", [None, lambda: {"mesh": sheet(), "fabric": DENIM}])
+def test_a_simulation_with_a_body_of_arrays_is_copied(again, cloth):
+    vertices = 0.03 * CUBE + [0.04, -0.03, 0]
+    scene = over_body((vertices, SIDES), turn={"axis": [0, 1, 0], "rate": 2.0})
+    if cloth is not None:
+        scene = {**scene, "cloth": cloth()}
+        scene["contact"]["shapes"][0]["at"] = [0, -0.3, 0]
+    sim = weft.load(scene, {"contact.friction": 0.5})
+    vertices[:] = 7  # the simulation has its own
+    sim.advance(0.05)
+    other = again(sim)
+    sim.advance(0.1), other.advance(0.1)
+    assert other.measure().hash == sim.measure().hash and other.scene == sim.scene and "friction: 0.5" in other.scene
+    shape = other.shapes[0]
+    assert triangles_of(shape["vertices"], shape["triangles"]) == triangles_of(0.03 * CUBE + [0.04, -0.03, 0], SIDES)
+
+
+@pytest.mark.parametrize("body, error", [
+    ((CUBE[:, :2], SIDES), r"vertices of a body have the shape \(8, 2\)"), ((CUBE * np.nan, SIDES), "not finite"),
+    ((CUBE, SIDES[:, :2]), r"triangles of a body has the shape \(12, 2\)"), ((CUBE, SIDES + 1), "is 8, but there are 8"),
+    (7, "a path, a trimesh.Trimesh or"), ((CUBE,), "a path, a trimesh.Trimesh or")])
+def test_arrays_that_are_no_body_are_refused(body, error):
+    with pytest.raises((ValueError, TypeError, IndexError), match=error):
+        weft.load(over_body(body))
+
+
+def test_a_run_keeps_the_body_of_arrays(tmp_path):
+    run = weft.run(over_body((np.array([0.03 * CUBE, 0.03 * CUBE + [0, 1e-3, 0]]), SIDES), fps=20.0), tmp_path / "run")
+    assert run.shapes["fy"].min() < 0 and (tmp_path / "run" / "scene-shape0-0001.obj").exists()

@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Optional
 
@@ -437,28 +437,45 @@ def has_bodies(scene: Mapping[str, Any]) -> bool:
     return any(isinstance(shape, Mapping) and "file" in shape for shape in _shapes(scene))
 
 
-def _body_file(value: Any, folder: Path, stem: str) -> str:
-    """Writes the OBJ file of a body, (vertices, triangles) or a trimesh.Trimesh, or one for each of its key frames."""
-    if isinstance(value, str):
+def _body(value: Any) -> Any:
+    """The path of a body's file, or copies of its arrays: (vertices, triangles), of key frames (keys, n, 3)."""
+    if isinstance(value, (str, os.PathLike)):
         return os.path.abspath(value)
-    vertices, triangles = value if isinstance(value, tuple) else (value.vertices, value.faces)
-    places = np.asarray(vertices, dtype=float)
-    if places.ndim not in (2, 3) or places.shape[-1] != 3:
-        raise ValueError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (places.shape,))
-    corners = _corners(triangles, "triangles", None, places.shape[-2], "vertices").astype(int)
-    name = str(folder / (stem + ("-%04d.obj" if places.ndim == 3 else ".obj")))
-    for key, place in enumerate(places if places.ndim == 3 else places[None]):
-        lines = ["v %.17g %.17g %.17g" % tuple(x) for x in place] + ["f %d %d %d" % tuple(c + 1) for c in corners]
-        Path(name % key if places.ndim == 3 else name).write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return name
+    pair = value if isinstance(value, (tuple, list)) else (getattr(value, "vertices", None), getattr(value, "faces", None))
+    if len(pair) != 2 or pair[0] is None or pair[1] is None:
+        raise TypeError("the file of a body is a path, a trimesh.Trimesh or (vertices, triangles), not %.100r" % (value,))
+    array = _array(pair[0], "vertices of a body")
+    if array.ndim not in (2, 3) or array.shape[-1] != 3 or 0 in array.shape:
+        raise ValueError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (array.shape,))
+    places = _numbers(array.reshape(-1, 3), "vertices of a body", 3).reshape(array.shape)
+    return places, _corners(pair[1], "triangles of a body", None, places.shape[-2], "vertices")
 
 
-def with_bodies(scene: Mapping[str, Any], folder: Path, stem: str = "body") -> dict[str, Any]:
-    """The scene with files of its bodies, those of arrays written to a folder."""
-    shapes = [{**shape, "file": _body_file(shape["file"], folder, "%s-%d" % (stem, k))}
-              if isinstance(shape, Mapping) and "file" in shape else shape
+def _each_body(scene: Mapping[str, Any], change: Callable[[int, Any], Any]) -> dict[str, Any]:
+    shapes = [{**shape, "file": change(k, shape["file"])} if isinstance(shape, Mapping) and "file" in shape else shape
               for k, shape in enumerate(_shapes(scene))]
     return {**scene, "contact": {**scene["contact"], "shapes": shapes}}
+
+
+def own_bodies(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """The scene with paths or copies of the arrays of its bodies."""
+    return _each_body(scene, lambda k, value: _body(value))
+
+
+def with_bodies(scene: Mapping[str, Any], folder: Path, stem: str = "scene") -> dict[str, Any]:
+    """The scene with files of its bodies, those of arrays written to a folder."""
+    def write(k: int, value: Any) -> str:
+        body = _body(value)
+        if isinstance(body, str):
+            return body
+        keys = body[0] if body[0].ndim == 3 else body[0][None]
+        faces = "".join("f %d %d %d\n" % tuple(c) for c in body[1].astype(int) + 1)
+        name = str(folder / ("%s-shape%d" % (stem, k)))
+        for key, places in enumerate(keys):
+            file = name + ("-%04d" % key if body[0].ndim == 3 else "") + ".obj"
+            Path(file).write_text("".join("v %.17g %.17g %.17g\n" % tuple(x) for x in places) + faces, encoding="utf-8")
+        return name + ("-%04d.obj" if body[0].ndim == 3 else ".obj")
+    return _each_body(scene, write)
 
 
 def _override(node: Any, path: str, value: Any) -> Any:

@@ -7,7 +7,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
@@ -18,7 +18,7 @@ from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
                           numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
-from weft.mesh import ClothsScene, MeshScene, has_bodies, has_mesh, mesh_scene, with_bodies
+from weft.mesh import ClothsScene, MeshScene, has_bodies, has_mesh, mesh_scene, own_bodies, with_bodies
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
@@ -153,9 +153,13 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     (0.5, (80, 3))
     """
     own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
-    bodies = isinstance(scene, Mapping) and has_bodies(scene)
-    with tempfile.TemporaryDirectory() if bodies else nullcontext() as folder:
-        return Sim(*_form(with_bodies(scene, Path(folder)) if bodies else scene, overrides), own)
+    if not isinstance(scene, Mapping) or not has_bodies(scene):
+        return Sim(*_form(scene, overrides), own)
+    with tempfile.TemporaryDirectory() as folder:  # libweft reads bodies from files
+        kept = own_bodies(scene)
+        sim = Sim(*_form(with_bodies(kept, Path(folder)), overrides), own)
+    sim._bodies = (kept, overrides, folder)
+    return sim
 
 
 def _form(scene: Scene, overrides: Optional[Mapping[str, Any]]) -> tuple[Any, Any, list[Any]]:
@@ -174,6 +178,12 @@ def _revive(name: str, content: Any, saved: bytes, own: dict[str, Any]) -> Sim:
     return sim
 
 
+def _revive_with_bodies(scene: Scene, overrides: Any, saved: bytes, own: dict[str, Any]) -> Sim:
+    sim = load(scene, overrides, **own)
+    sim.restore(saved)
+    return sim
+
+
 class Sim:
     """A simulation; make it with load(). While one thread changes, steps or measures it, another one gets an Error.
     Many may run simulations of their own: the interpreter lock is free while weft computes. Ctrl-C ends advance() after
@@ -188,6 +198,7 @@ class Sim:
                  own: dict[str, Any]) -> None:
         self._exclusion, self._process = Exclusion(), os.getpid()
         self._name, self._given = file or "scene", own
+        self._bodies: Any = None  # the scene, its overrides and the folder where the files of its bodies were
         self._meshed = None if content is None or isinstance(content, str) else content
         self._scene, found = (read_scene(file, content, sets)  # type: ignore[arg-type]
                               if self._meshed is None else self._meshed.read())
@@ -255,6 +266,8 @@ class Sim:
             text(lib.weft_scene_plugin(self._scene)), text(lib.weft_scene_method(self._scene)), self.time)
 
     def __reduce__(self) -> Any:
+        if self._bodies is not None:
+            return _revive_with_bodies, (*self._bodies[:2], self.save(), self._given)
         content = self.scene if self._meshed is None else self._meshed.scene
         return _revive, (self._name, content, self.save(), self._given)
 
@@ -275,8 +288,9 @@ class Sim:
     @property
     def scene(self) -> str:
         """The scene as it runs, in YAML: with overrides applied. One of a weft.Mesh names the file scene.obj, for
-        Mesh.write()."""
-        return text(lib.weft_scene_text(self._scene)) if self._meshed is None else self._meshed.text()
+        Mesh.write(); bodies of arrays are called scene-shape0.obj, ..."""
+        found = text(lib.weft_scene_text(self._scene)) if self._meshed is None else self._meshed.text()
+        return found if self._bodies is None else found.replace(self._bodies[2] + os.sep, "")
 
     @property
     def rows(self) -> int:
