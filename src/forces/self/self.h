@@ -89,7 +89,8 @@ typedef struct weft__drift {
 } weft__drift;
 
 /* Sets the bounds of displacements from one state to another, from NULL: from 0, of
- * patches [first, end) of a level; infinite ones where a number is not finite. */
+ * patches [first, end) of a level; infinite ones where a number is not finite. Those
+ * of a skin that are not tiles have the points of a run, whatever its order. */
 typedef void weft__drift_fn(const weft__self *own, const double *from, const double *to,
                             size_t level, size_t first, size_t end, weft__drift *of);
 

@@ -319,17 +319,17 @@ INLINE void narrow(const run_bounds of[3], weft__drift *to)
     }
 }
 
-/* Of a tile of a skin, or of all points. */
+/* Of a skin. */
 INLINE void drift_points(const weft__self *own, const double *from, const double *to,
-                         size_t level, size_t tile, weft__drift *patch)
+                         size_t level, bool tile, size_t i, weft__drift *patch)
 {
     const size_t n = own->points;
     vec trouble = splat(0.0);
     run_bounds of[3];
     size_t run[2], more[2];
-    weft__tile_points(own->skin, level, tile, run, more);
+    weft__patch_points(own->skin, level, tile, i, run, more);
     if (run[1] < LANES) {
-        weft__drift_loops(own, from, to, level, tile, tile + 1, patch - tile);
+        weft__drift_loops(own, from, to, level, i, i + 1, patch - i);
         return;
     }
     for (size_t k = 0; k < 3; ++k) {
@@ -354,8 +354,9 @@ void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double 
 {
     const size_t n = own->points, cols = own->mesh->cols;
     if (own->skin != NULL) {
+        const bool tile = level == weft__tile_level(weft__nodes_of(own));
         for (size_t i = first; i < end; ++i) {
-            drift_points(own, from, to, level, i, &patches[i]);
+            drift_points(own, from, to, level, tile, i, &patches[i]);
         }
         return;
     }

@@ -27,13 +27,23 @@ enum { SHELVES = 64 };
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
 
-/* A quarter of the spacing is near the best of piles; thick cloth has less, so that
- * flat cells, whose primitives are 0.7 spacings apart, are not listed. */
+/* A quarter of the spacing is near the best of piles, and beside bodies; thick cloth
+ * has less by itself, so that flat cells, whose primitives are 0.7 spacings apart, are
+ * not listed. */
 static double skin_of(const weft__self *own)
 {
     const double a
         = own->skin != NULL ? own->skin->spacing : weft__shortest_edge(own->mesh);
-    return fmin(0.25 * a, fmax(0.1 * a, 0.65 * a - own->law.thickness));
+    const double flat = fmax(0.1 * a, 0.65 * a - own->law.thickness);
+    return own->between ? 0.25 * a : fmin(0.25 * a, flat);
+}
+
+/* Tiles that a thread takes, and runs of 4^RUN_LEVELS tiles' points. */
+enum { TILES_PART = 32, RUNS_PART = 2, RUN_LEVELS = 2 };
+
+static size_t run_count(const weft__self *own)
+{
+    return (weft__tile_count(own) - 1) / (1 << 2 * RUN_LEVELS) + 1;
 }
 
 /* ---- room ------------------------------------------------------------------------ */
@@ -100,13 +110,16 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
         .tiles = { weft__alloc(memory, tiles, 5 * sizeof(weft__drift)) },
         .between = weft__alloc(memory, most, sizeof *list->between),
         .clear = weft__alloc(memory, most, sizeof *list->clear),
+        .runs = weft__alloc(memory, run_count(own), sizeof *list->runs),
+        .grouped = weft__alloc(memory, tiles + 1, sizeof *list->grouped),
         .skin = skin_of(own),
     };
     for (size_t k = 1; k < 5 && list->tiles[0] != NULL; ++k) {
         list->tiles[k] = list->tiles[k - 1] + tiles;
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
-        || list->tiles[0] == NULL || list->between == NULL || list->clear == NULL
+        || list->runs == NULL || list->grouped == NULL || list->tiles[0] == NULL
+        || list->between == NULL || list->clear == NULL
         || !weft__tile_pairs(own, keep_tiles, list) || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
@@ -124,40 +137,66 @@ void weft__self_list_destroy(weft__self_list *list)
         weft__self_chunk_free(&memory, &list->chunks[i]);
     }
     WEFT__FREE_ALL(&memory, list->chunks, list->knots, list->place, list->marks,
-                   list->tiles[0], list->between, list->clear, list);
+                   list->tiles[0], list->runs, list->grouped, list->between,
+                   list->clear, list);
 }
 
 /* ---- displacements --------------------------------------------------------------- */
 
-enum { DRIFT_PART = 32 }; /* tiles */
-
 typedef struct drifting {
     const weft__self *own;
     const double *from, *to;
-    weft__drift *tiles;
+    const uint32_t *which; /* of tiles; NULL: all */
+    size_t count, level, part;
+    weft__drift *patches;
 } drifting;
 
 static void drift_part(void *ctx, size_t part)
 {
     const drifting *of = ctx;
-    const size_t tiles = weft__tile_count(of->own), first = part * DRIFT_PART;
-    of->own->drift(of->own, of->from, of->to, weft__tile_level(weft__nodes_of(of->own)),
-                   first, first + DRIFT_PART < tiles ? first + DRIFT_PART : tiles,
-                   of->tiles);
+    const size_t first = part * of->part;
+    const size_t end = first + of->part < of->count ? first + of->part : of->count;
+    if (of->which == NULL) {
+        of->own->drift(of->own, of->from, of->to, of->level, first, end, of->patches);
+    }
+    for (size_t i = first; of->which != NULL && i < end; ++i) {
+        of->own->drift(of->own, of->from, of->to, of->level, of->which[i],
+                       of->which[i] + 1, of->patches);
+    }
 }
 
-/* [m] The extent of a displacement, and the bounds k of tiles; infinite if a number is
- * not finite. */
-static double drift_tiles(weft__self_list *list, const double *from, const double *to,
-                          size_t k)
+static void drift_patches(const weft__self_list *list, const drifting *of)
 {
-    const size_t tiles = weft__tile_count(list->own);
-    drifting of = { list->own, from, to, list->tiles[k] };
-    weft__drift all;
-    weft__pool_run(list->pool, drift_part, &of, (tiles - 1) / DRIFT_PART + 1);
-    all = of.tiles[0];
-    for (size_t i = 1; i < tiles; ++i) {
-        weft__drift_add(&all, &of.tiles[i]);
+    drifting copy = *of;
+    weft__pool_run(list->pool, drift_part, &copy, (of->count - 1) / of->part + 1);
+}
+
+/* [m] The extent of a displacement, and the bounds k of tiles `which`, else those of
+ * all; infinite if a number is not finite. */
+static double drift_tiles(weft__self_list *list, const double *from, const double *to,
+                          const uint32_t *which, size_t count, size_t k)
+{
+    const weft__self *own = list->own;
+    const size_t level = weft__tile_level(weft__nodes_of(own));
+    const size_t tiles = weft__tile_count(own);
+    weft__drift *at = list->tiles[k], all;
+    drifting of = { own, from, to, NULL, tiles, level, TILES_PART, at };
+    if (own->skin != NULL) {
+        of.count = run_count(own), of.level += RUN_LEVELS;
+        of.part = RUNS_PART, of.patches = list->runs;
+    }
+    drift_patches(list, &of);
+    all = of.patches[0];
+    for (size_t i = 1; i < of.count; ++i) {
+        weft__drift_add(&all, &of.patches[i]);
+    }
+    if (own->skin != NULL) {
+        for (size_t i = 0; which != NULL && i < tiles; ++i) {
+            at[i] = all;
+        }
+        of.which = which, of.count = which != NULL ? count : tiles, of.level = level;
+        of.part = TILES_PART, of.patches = at;
+        drift_patches(list, &of);
     }
     return weft__drift_extent(&all, &all);
 }
@@ -165,8 +204,9 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
 double weft__self_drift(weft__self_list *list, const double *from, const double *to,
                         size_t k)
 {
-    return list->group_count == 0 ? weft__extent(list->own, from, to)
-                                  : drift_tiles(list, from, to, k);
+    return list->group_count == 0
+               ? weft__extent(list->own, from, to)
+               : drift_tiles(list, from, to, list->grouped, list->grouped_count, k);
 }
 
 /* ---- making ---------------------------------------------------------------------- */
@@ -345,6 +385,21 @@ static bool is_needed(const weft__self_list *list, const weft__self_groups *of,
     return any;
 }
 
+static void find_grouped(weft__self_list *list)
+{
+    memset(list->marks, 0, weft__tile_count(list->own));
+    list->grouped_count = 0;
+    for (size_t i = 0; i < list->chunk_count; ++i) {
+        const weft__self_groups *of = &list->chunks[i].now;
+        for (size_t g = 0; g < 2 * of->count; ++g) {
+            const uint32_t tile = list->between[of->at[g / 2].tiles][g % 2];
+            list->grouped[list->grouped_count] = tile;
+            list->grouped_count += list->marks[tile] == 0;
+            list->marks[tile] = 1;
+        }
+    }
+}
+
 /* Where no group is needed none is watched: nearly flat cloth has no groups. */
 static void end_making(weft__self_list *list)
 {
@@ -364,6 +419,7 @@ static void end_making(weft__self_list *list)
     for (size_t i = 0; i < list->chunk_count && !needed; ++i) {
         list->group_count = list->chunks[i].now.count = 0;
     }
+    find_grouped(list);
 }
 
 /* Of a list that is valid tiles[0] has the displacements since. */
@@ -374,7 +430,7 @@ static void make(weft__self_list *list, const double *y)
     list->y = y;
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
-    (void)drift_tiles(list, NULL, y, 1);
+    (void)drift_tiles(list, NULL, y, NULL, 0, 1);
     weft__pool_run(list->pool, age_part, list, list->chunk_count);
     memset(list->marks, 0, weft__tile_count(own));
     for (size_t i = 0; i < list->between_count; ++i) {

@@ -96,6 +96,9 @@ struct weft__self_list {
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles */
     weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
+    weft__drift *runs;     /* of a skin, of many points each */
+    uint32_t *grouped;     /* tiles that groups have; of a grid all */
+    size_t grouped_count;
     uint32_t (*between)[2];
     double *clear; /* [m] of each pair of tiles */
     size_t between_count;
@@ -140,7 +143,8 @@ static inline size_t weft__self_first(const weft__self_groups *of, size_t i,
 /* ---- self_list.c ----------------------------------------------------------------- */
 
 /* [m] The extent of a displacement, infinite if a number is not finite, and the bounds
- * k of tiles, which are not needed without groups. */
+ * k of tiles, which are not needed without groups; of those that no group has, the
+ * bounds of all. */
 double weft__self_drift(weft__self_list *list, const double *from, const double *to,
                         size_t k);
 

@@ -335,13 +335,14 @@ static inline void set_drift(const plane_bounds *of, size_t k, weft__drift *to)
     to->high[k] = of->bad == 0.0 ? of->high : (double)INFINITY;
 }
 
-/* Of a tile of a skin, or of all points. */
+/* Of a skin. */
 static void drift_points(const weft__self *own, const double *from, const double *to,
-                         size_t level, size_t tile, weft__drift *of)
+                         size_t level, size_t patch, weft__drift *of)
 {
     const weft__skin *skin = own->skin;
+    const bool tile = level == weft__tile_level(weft__nodes_of(own));
     size_t run[2], more[2];
-    weft__tile_points(skin, level, tile, run, more);
+    weft__patch_points(skin, level, tile, patch, run, more);
     for (size_t k = 0; k < 3; ++k) {
         plane_bounds sum = unbounded;
         const size_t count = run[1] - run[0];

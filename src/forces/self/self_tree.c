@@ -94,9 +94,10 @@ static inline void bound_slopes(const double a[3], const double b[3], const doub
 }
 
 /* Of a skin: what it owns has one point, or ends of its edges. */
-static void bound_point(const weft__quadtree *tree, size_t i, weft__knot *to)
+static void bound_point(const weft__quadtree *tree, size_t node, weft__knot *to)
 {
     const weft__skin *skin = tree->own->skin;
+    const size_t i = weft__skin_point(skin, node);
     const uint32_t *ends = skin->edge[skin->edge_first[i]];
     const size_t count = 2 * (skin->edge_first[i + 1] - skin->edge_first[i]);
     *to = nothing;
@@ -407,6 +408,11 @@ static void find_quarters(const tree_search *of, size_t level, tree_patch at,
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
     const size_t cols = across(&of->tree->nodes, of->floor);
+    const weft__skin *skin = of->tree->own->skin;
+    if (of->floor == 0 && skin != NULL) {
+        return of->visit(of->ctx, weft__skin_point(skin, a.c),
+                         weft__skin_point(skin, b.c));
+    }
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
 }
 

@@ -39,7 +39,7 @@ typedef struct weft__knot {
 } weft__knot;
 
 /* Nodes in rows and columns, of which level k has patches of 2^k x 2^k, or those of a
- * skin in one row, by 4^k. */
+ * skin, its points in its order, in one row, by 4^k. */
 typedef struct weft__nodes {
     size_t rows, cols;
     unsigned fold; /* 1; of a skin 2 */

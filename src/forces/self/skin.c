@@ -68,6 +68,7 @@ void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
         to->side[j / 3][j % 3] = weft__dot(d, d);
     }
     to->chain = count == 0 ? weft__shortest_edge(mesh) : 0.0;
+    to->rows = mesh->rows, to->cols = mesh->cols;
 }
 
 /* ---- tables ---------------------------------------------------------------------- */
@@ -189,6 +190,39 @@ static size_t tile_width(size_t points)
     return (size_t)1 << 2 * weft__tile_level((weft__nodes){ 1, points, 2 });
 }
 
+/* The particles of a grid in square patches: G. M. Morton's order. Returns how many it
+ * has added, of the patch of side 2^level from (r, c) on. */
+static size_t order_grid(const weft__skin_draft *of, size_t level, size_t r, size_t c,
+                         uint32_t *to)
+{
+    size_t count = 0;
+    if (r >= of->rows || c >= of->cols) {
+        return 0;
+    }
+    if (level == 0) {
+        *to = (uint32_t)(r * of->cols + c);
+        return 1;
+    }
+    for (size_t j = 0; j < 4; ++j) {
+        const size_t half = (size_t)1 << (level - 1);
+        count += order_grid(of, level - 1, r + j / 2 * half, c + j % 2 * half,
+                            to + count);
+    }
+    return count;
+}
+
+/* Rows of a grid would make tiles that are long and narrow. */
+static void add_order(const weft__skin_draft *of, uint32_t *to)
+{
+    size_t level = 0;
+    while ((size_t)1 << level < of->rows || (size_t)1 << level < of->cols) {
+        ++level;
+    }
+    for (size_t i = order_grid(of, level, 0, 0, to); i < of->points; ++i) {
+        to[i] = (uint32_t)i;
+    }
+}
+
 /* seen: zeros, of all points */
 static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to)
 {
@@ -197,15 +231,25 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
     for (size_t first = 0, tile = 0; first < of->points; first += wide) {
         const size_t end = first + wide < of->points ? first + wide : of->points;
         to->tile_first[tile++] = count;
-        for (size_t e = to->edge_first[first]; e < to->edge_first[end]; ++e) {
-            const uint32_t high = to->edge[e][1];
-            if (high >= end && seen[high] != tile) {
-                seen[high] = (uint32_t)tile;
-                to->tile_point[count++] = (int32_t)high;
+        for (size_t node = first; node < end; ++node) {
+            const size_t i = weft__skin_point(to, node);
+            seen[i] = (uint32_t)tile;
+            if (to->order != NULL && first < of->particles) {
+                to->tile_point[count++] = (int32_t)i;
+            }
+        }
+        for (size_t node = first; node < end; ++node) {
+            const size_t i = weft__skin_point(to, node);
+            for (size_t e = to->edge_first[i]; e < to->edge_first[i + 1]; ++e) {
+                const uint32_t high = to->edge[e][1];
+                if (seen[high] != tile) {
+                    seen[high] = (uint32_t)tile;
+                    to->tile_point[count++] = (int32_t)high;
+                }
             }
         }
         while (count % WEFT__SKIN_RUN != 0) {
-            to->tile_point[count++] = (int32_t)first;
+            to->tile_point[count++] = (int32_t)weft__skin_point(to, first);
         }
         to->tile_first[tile] = count;
     }
@@ -224,7 +268,7 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
     X(area, points)                                                                    \
     X(density, points)                                                                 \
     X(tile_first, tiles + 1)                                                           \
-    X(tile_point, sides + WEFT__SKIN_RUN * tiles)
+    X(tile_point, sides + points + WEFT__SKIN_RUN * tiles)
 
 weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *memory)
 {
@@ -235,6 +279,10 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
     side *list = weft__alloc(memory, sides, sizeof *list);
     uint32_t *work = weft__alloc(memory, points, sizeof *work);
     bool made = to != NULL && list != NULL && work != NULL;
+    if (made && of->rows > 1) {
+        to->order = weft__alloc(memory, points, sizeof *to->order);
+        made = to->order != NULL;
+    }
 #define TAKE(array, number)                                                            \
     to->array = weft__zeroed(memory, number, sizeof *to->array);                       \
     made = made && to->array != NULL;
@@ -248,6 +296,9 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
         add_triangles(of, work, to);
         add_edges(of, list, list_sides(of, list), to);
         memset(work, 0, points * sizeof *work);
+        if (to->order != NULL) {
+            add_order(of, to->order);
+        }
         add_tiles(of, work, to);
         double area = 0.0;
         for (size_t i = 0; i < of->particles; ++i) {
@@ -267,7 +318,7 @@ void weft__skin_destroy(weft__skin *of, const weft_allocator *memory)
     if (of != NULL) {
 #define FREE(array, number) weft__free(memory, of->array);
         ARRAYS(FREE)
-        WEFT__FREE_ALL(memory, of->lips, of->at_lip, of);
+        WEFT__FREE_ALL(memory, of->lips, of->at_lip, of->order, of);
     }
 }
 
@@ -276,7 +327,8 @@ size_t weft__skin_bytes(const weft__skin *of)
     const size_t points = of->points, triangles = of->triangles, sides = of->edges;
     const size_t tiles = (points - 1) / tile_width(points) + 1;
 #define BYTES(array, number) +(number) * sizeof *of->array
-    return sizeof *of + of->lip_count * sizeof *of->lips ARRAYS(BYTES);
+    return sizeof *of + of->lip_count * sizeof *of->lips
+           + (of->order != NULL ? points * sizeof *of->order : 0) ARRAYS(BYTES);
 }
 
 bool weft__is_lip(const weft__skin *skin, const uint64_t key[2])

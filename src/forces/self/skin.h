@@ -23,8 +23,9 @@ typedef struct weft__skin {
     double *edge_window;     /* 1 / x0 of its ends */
     double *triangle_window; /* of corner k of triangle t: [k triangles + t] */
     double spacing;          /* [m] between particles, on average */
-    /* Further points of the primitives of each tile (self_tree.h); one of its own fills
-     * the last run. */
+    uint32_t *order; /* of points as nodes of the tree; NULL: that of their numbers */
+    /* Points of the primitives of each tile (self_tree.h), without an order those that
+     * are not in its run; one of its own fills the last run. */
     size_t *tile_first;
     int32_t *tile_point;
     /* Pairs of lips, which never act (skin_lips.c), in order; and the nearest other
@@ -43,8 +44,9 @@ typedef struct weft__skin_draft {
     uint32_t (*corner)[3];
     double (*side)[3];
     double *density;
-    double thickness; /* [m] */
-    double chain;     /* [m] between particles of a grid without triangles; 0 */
+    double thickness;  /* [m] */
+    double chain;      /* [m] between particles of a grid without triangles; 0 */
+    size_t rows, cols; /* of a grid */
 } weft__skin_draft;
 
 /* Room for so many; false: no memory. */
@@ -62,17 +64,24 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
 void weft__skin_destroy(weft__skin *of, const weft_allocator *memory);
 size_t weft__skin_bytes(const weft__skin *of);
 
-/* The points of a tile, and where its further ones begin and end in tile_point; of
- * another level all points. */
-static inline void weft__tile_points(const weft__skin *skin, size_t level, size_t tile,
-                                     size_t run[2], size_t more[2])
+/* The point that is a node. */
+static inline size_t weft__skin_point(const weft__skin *skin, size_t node)
+{
+    return skin->order != NULL ? skin->order[node] : node;
+}
+
+/* Points run[0], run[0] + 1, ... before run[1] of patch i of a level, and where further
+ * ones begin and end in tile_point; tile: the patch is one. */
+static inline void weft__patch_points(const weft__skin *skin, size_t level, bool tile,
+                                      size_t i, size_t run[2], size_t more[2])
 {
     const size_t wide = level < 32 ? (size_t)1 << 2 * level : SIZE_MAX;
-    const bool whole = wide >= skin->points;
-    run[0] = whole ? 0 : tile * wide;
+    const bool whole = wide >= skin->points, some = tile && !whole;
+    const bool lists = some && skin->order != NULL && i * wide < skin->particles;
+    run[0] = whole ? 0 : lists ? skin->points : i * wide;
     run[1] = whole || run[0] + wide > skin->points ? skin->points : run[0] + wide;
-    more[0] = whole ? 0 : skin->tile_first[tile];
-    more[1] = whole ? 0 : skin->tile_first[tile + 1];
+    more[0] = some ? skin->tile_first[i] : 0;
+    more[1] = some ? skin->tile_first[i + 1] : 0;
 }
 
 /* The edge between two points, and the triangle of three in this turn; they must exist.
