@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* start_crossings.c -- start-crossings.obj: what crosses or touches in the start of a run. */
+/* start_crossings.c -- start-crossings.obj: what crosses or touches in the start of a
+ * run. */
 #include "record/record.h"
 
 typedef struct listing {
