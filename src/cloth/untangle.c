@@ -93,6 +93,15 @@ static void place(const tangle *of, size_t i, double x[3])
     }
 }
 
+/* "particle (3, 4) is 2 mm inside shapes[1]", by the number of its definition. */
+static void inside(const weft__mesh *mesh, size_t i, double gap, size_t shape,
+                   char text[WEFT__CROSSING_TEXT])
+{
+    char name[64];
+    (void)snprintf(text, WEFT__CROSSING_TEXT, "%s is %.3g mm inside shapes[%zu]",
+                   weft__particle_name(mesh, i, name, sizeof name), -1e3 * gap, shape);
+}
+
 size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
                                 weft_crossing_fn *each, void *ctx)
 {
@@ -129,13 +138,9 @@ size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
          = weft__touches_of(&cloth->contact, 0.0, y, 0, mesh->particles);
          weft__each_touch(&at);) {
         if (!(at.touch.gap > 0.0)) {
-            char name[64];
             out = (weft_crossing){ .count = { 1, 0 } };
-            (void)snprintf(out.text, sizeof out.text,
-                           "%s is %.3g mm inside shapes[%zu]",
-                           weft__particle_name(mesh, weft__vertex_of(mesh, at.i), name,
-                                               sizeof name),
-                           -1e3 * at.touch.gap, at.shapes - 1);
+            inside(mesh, weft__vertex_of(mesh, at.i), at.touch.gap, at.shapes - 1,
+                   out.text);
             for (size_t k = 0; k < 3; ++k) {
                 out.place[0][0][k] = y[k * mesh->particles + at.i];
             }
@@ -418,31 +423,29 @@ static void destroy(relaxation *of)
     weft_cloth_destroy(of->elastic);
 }
 
-/* At most for the time that the cloth has; whether nothing crosses at the end. */
-static bool relax(relaxation *of, bool *no_memory)
+/* From a state that crosses, whose moves are found, for the time of the cloth at most.
+ * false: no memory. */
+static bool relax(relaxation *of)
 {
-    const size_t n = of->cloth->mesh.particles;
+    const size_t size = 3 * of->cloth->mesh.particles;
     const weft_stiffness most = weft_cloth_stiffness(of->elastic, 0.0, of->y);
     const double step = PART / (sqrt(fmax(most.omega2, 0.0)) + most.damping);
     const double time = of->cloth->untangle, h = isfinite(step) ? step : 0.01 * time;
-    bool free = false, crosses = true;
+    bool free = false, crosses = true, found = true;
     rest(of);
-    for (double t = 0.0;; t += h) {
-        *no_memory = !find_moves(of, &crosses);
+    for (double t = 0.0; found && t < time && (crosses || of->near > 0); t += h) {
+        take_step(of, h);
+        found = find_moves(of, &crosses);
         if (!crosses) {
-            memcpy(of->kept, of->y, 3 * n * sizeof *of->kept);
+            memcpy(of->kept, of->y, size * sizeof *of->kept);
             free = true;
         }
-        if (*no_memory || (!crosses && of->near == 0) || !(t < time)) {
-            break;
-        }
-        take_step(of, h);
     }
     if (free) {
-        memcpy(of->y, of->kept, 3 * n * sizeof *of->kept);
+        memcpy(of->y, of->kept, size * sizeof *of->kept);
     }
     rest(of);
-    return free;
+    return found;
 }
 
 /* The error of what is left. */
@@ -455,10 +458,9 @@ static weft_status tangled(const weft_cloth *cloth, const double *y, weft_error 
     weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, where, err);
     const double gap = weft_cloth_gap(cloth, 0.0, y, &i, &k);
     if (status == WEFT_OK && !(gap > 0.0)) {
-        char name[64];
-        status = weft_error_set(
-            err, WEFT_INVALID, "%s%s is %.3g mm inside shapes[%zu]", where,
-            weft__particle_name(&cloth->mesh, i, name, sizeof name), -1e3 * gap, k);
+        char text[WEFT__CROSSING_TEXT];
+        inside(&cloth->mesh, i, gap, k, text);
+        status = weft_error_set(err, WEFT_INVALID, "%s%s", where, text);
     }
     if (status == WEFT_INVALID && err != NULL) {
         err->status = WEFT_SOLVER;
@@ -468,21 +470,14 @@ static weft_status tangled(const weft_cloth *cloth, const double *y, weft_error 
 
 weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y, weft_error *err)
 {
-    bool crosses = false, no_memory = false;
+    bool crosses = false;
     relaxation of;
     if (cloth->untangle == 0.0) {
         return WEFT_OK;
     }
-    if (!create(&of, cloth, y)) {
-        no_memory = true;
-    } else {
-        no_memory = !find_moves(&of, &crosses);
-        if (!no_memory && crosses) {
-            (void)relax(&of, &no_memory);
-        }
-    }
+    const bool done = create(&of, cloth, y) && find_moves(&of, &crosses)
+                      && (!crosses || relax(&of));
     destroy(&of);
-    return no_memory
-               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact.untangle")
-               : tangled(cloth, y, err);
+    return done ? tangled(cloth, y, err)
+                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact.untangle");
 }
