@@ -57,58 +57,34 @@ static double complete(double axes[3][3])
     return length;
 }
 
-/* What becomes of an arm from the axis of a turn. */
-static void turn_by(const weft_turn *turn, double t, double arm[3])
-{
-    const double *axis = turn->axis, length = sqrt(dot(axis, axis));
-    double sine, cosine, old[3];
-    if (length > 0.0) {
-        weft_sincos_turns(turn->frequency, t, &sine, &cosine);
-        const double angle = turn->rate * t + turn->amplitude * sine;
-        weft_sincos_turns(angle / (2.0 * acos(-1.0)), 1.0, &sine, &cosine);
-        memcpy(old, arm, sizeof old);
-        const double along = dot(axis, old) / (length * length);
-        for (size_t k = 0; k < 3; ++k) {
-            const size_t a = (k + 1) % 3, b = (k + 2) % 3;
-            arm[k] = cosine * old[k] + (1.0 - cosine) * along * axis[k]
-                     + sine / length * (axis[a] * old[b] - axis[b] * old[a]);
-        }
-    }
-}
-
+/* Its centre and the ends of its axes move as the vertices of a mesh do. */
 static solid solid_of(const weft_shape *shape, double t)
 {
-    const bool box = shape->kind == WEFT_BOX;
-    double sine, cosine;
+    const bool box = shape->kind == WEFT_BOX, plane = shape->kind == WEFT_PLANE;
     solid made = { .kind = shape->kind,
                    .axes = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } },
                    .radius = box ? shape->rounding : shape->radius };
-    const bool apart = !isnan(shape->turn.about[0]);
-    const double *about = apart ? shape->turn.about : shape->at;
-    double arm[3], way[3];
+    double rest[4][3] = { { 0.0 } }, now[4][3];
     for (size_t k = 0; k < 3; ++k) {
-        arm[k] = shape->at[k] - about[k];
-        way[k] = shape->kind == WEFT_PLANE ? shape->normal[k]
-                                           : shape->to[k] - shape->at[k];
-    }
-    turn_by(&shape->turn, t, arm);
-    turn_by(&shape->turn, t, way);
-    weft_sincos_turns(shape->frequency, t, &sine, &cosine);
-    for (size_t k = 0; k < 3; ++k) {
-        made.centre[k]
-            = about[k] + arm[k] + shape->velocity[k] * t + shape->amplitude[k] * sine;
-        turn_by(&shape->turn, t, made.axes[k]);
         made.core[k] = box ? shape->half[k] - shape->rounding : 0.0;
     }
-    if (shape->kind == WEFT_CAPSULE) {
+    if (shape->kind == WEFT_CAPSULE || plane) {
         for (size_t k = 0; k < 3; ++k) {
-            made.axes[2][k] = way[k];
-            made.centre[k] += 0.5 * made.axes[2][k];
+            made.axes[2][k] = plane ? shape->normal[k] : shape->to[k] - shape->at[k];
+            rest[0][k] = plane ? 0.0 : 0.5 * made.axes[2][k];
         }
         made.core[2] = 0.5 * complete(made.axes);
-    } else if (shape->kind == WEFT_PLANE) {
-        memcpy(made.axes[2], way, sizeof way);
-        (void)complete(made.axes);
+    }
+    for (size_t k = 0; k < 9; ++k) {
+        rest[1 + k / 3][k % 3] = rest[0][k % 3] + made.axes[k / 3][k % 3];
+    }
+    const weft_body frame = { .vertices = 4, .keys = 1, .places = rest[0] };
+    weft_shape moves = *shape;
+    moves.kind = WEFT_MESH, moves.body = &frame;
+    weft_shape_vertices(&moves, t, now[0]);
+    memcpy(made.centre, now[0], sizeof made.centre);
+    for (size_t k = 0; k < 9; ++k) {
+        made.axes[k / 3][k % 3] = now[1 + k / 3][k % 3] - now[0][k % 3];
     }
     return made;
 }

@@ -104,11 +104,12 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
                  "slip has no effect without friction: it is 0 everywhere");
     }
     weft__contact_check(contact, &match->faults);
-    if (weft__particles_in(reader->scene) > 0
+    const bool cloth = weft__particles_in(reader->scene) > 0;
+    if (cloth
         && (reader->scene->cloth.mesh == NULL || reader->report->found->errors == 0)) {
         weft__self_check(&reader->scene->cloth, &match->faults);
     }
-    if (reader->report->found->errors > 0 || reader->report->no_memory) {
+    if (!cloth || reader->report->found->errors > 0 || reader->report->no_memory) {
         return;
     }
     if (contact->shape_count > 0 && reader->scene->cloth.untangle == 0.0) {
