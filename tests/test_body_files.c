@@ -113,6 +113,28 @@ START_TEST(key_frames_follow_the_law_of_paths)
 }
 END_TEST
 
+/* Whichever of its diagonals is the shorter later. */
+START_TEST(key_frames_divide_quadrilaterals_as_the_first)
+{
+    put("kite-0.obj",
+        "v 0 0 -2\\nv 1 0 0\\nv 0 0 2\\nv -1 0 0\\nf 1 2 3 4\\nf 4 3 2\\n");
+    put("kite-1.obj",
+        "v 0 0 -1\\nv 2 0 0\\nv 0 0 1\\nv -2 0 0\\nf 1 2 3 4\\nf 4 3 2\\n");
+    weft_scene *scene = load("    - {shape: mesh, file: kite-%d.obj, fps: 10}\n");
+    ck_assert_ptr_nonnull(scene);
+    const weft_body *body = weft_scene_cloth(scene)->contact.shapes[0].body;
+    static const uint32_t corners[] = { 1, 2, 3, 1, 3, 0, 3, 2, 1 };
+    ck_assert_uint_eq(body->keys, 2);
+    ck_assert_uint_eq(body->triangles, 3);
+    ck_assert_mem_eq(body->corners, corners, sizeof corners);
+    weft_scene_destroy(scene);
+    put("kite-1.obj",
+        "v 0 0 -1\\nv 2 0 0\\nv 0 0 1\\nv -2 0 0\\nf 4 1 2 3\\nf 4 3 2\\n");
+    refused("    - {shape: mesh, file: kite-%d.obj, fps: 10}\n",
+            "differs from the first", 5);
+}
+END_TEST
+
 START_TEST(a_run_can_be_repeated_from_its_results)
 {
     put("plate.obj", plate);
@@ -155,6 +177,7 @@ TEST_SUITE(body_files)
     tcase_add_test(tcase, v_and_f_alone_are_read);
     tcase_add_test(tcase, mistakes_have_their_place);
     tcase_add_test(tcase, key_frames_follow_the_law_of_paths);
+    tcase_add_test(tcase, key_frames_divide_quadrilaterals_as_the_first);
     tcase_add_test(tcase, a_run_can_be_repeated_from_its_results);
     suite_add_tcase(suite, tcase);
     return suite;

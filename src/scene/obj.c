@@ -97,6 +97,10 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
 {
     const uint32_t *v = face->vertex;
     const double *x[4];
+    const size_t t = obj->def.triangles;
+    if (obj->like != NULL && t < obj->like->triangles) {
+        return obj->like->corners[3 * t] == obj->vertex_of[v[1]];
+    }
     for (size_t k = 0; k < 4; ++k) {
         x[k] = obj->body ? obj->vertex[v[k]] : obj->place[face->place[k]];
     }

@@ -36,6 +36,8 @@ typedef struct weft__obj {
     weft__mark at;    /* where the scene names the file */
     const char *path; /* as messages name it */
     bool body;        /* no cloth: v and f alone are read, and it has no rest shape */
+    const weft_body
+        *like; /* whose quadrilaterals are divided alike; NULL: by lengths */
     /* while it is read */
     char *text; /* ends with NUL */
     size_t length;

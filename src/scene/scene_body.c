@@ -113,7 +113,11 @@ static void read_key_frame(weft__reader *reader, weft__mark at, const char *path
                            double unit, size_t key, weft_body *to)
 {
     const size_t before = reader->report->mistakes;
-    weft__obj obj = { .report = reader->report, .at = at, .path = path, .body = true };
+    weft__obj obj = { .report = reader->report,
+                      .at = at,
+                      .path = path,
+                      .body = true,
+                      .like = key == 0 ? NULL : to };
     if (path != NULL && weft__obj_load(&obj, path)
         && reader->report->mistakes == before) {
         take_key(reader, &obj, unit, key, to);
