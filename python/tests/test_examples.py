@@ -75,6 +75,18 @@ def test_the_garments_are_those_of_the_scenes(name, in_a_tree, capsys):
     assert abs(made.positions - shipped.positions).max() < 1e-5
 
 
+def test_the_mannequin_is_that_of_the_scenes(in_a_tree, capsys, monkeypatch):
+    script = str(TREE / "examples" / "mannequin.py")
+    monkeypatch.setattr(sys, "argv", [script])
+    runpy.run_path(script)
+    assert capsys.readouterr().out == (TREE / "scenes" / "mannequin.obj").read_text()
+    monkeypatch.setattr(sys, "argv", [script, "walk-%02d.obj"])
+    runpy.run_path(script)
+    made, shipped = sorted(in_a_tree.glob("walk-*.obj")), sorted((TREE / "scenes").glob("walk-*.obj"))
+    assert [f.name for f in made] == [f.name for f in shipped] and len(made) == 13
+    assert all(a.read_text() == b.read_text() for a, b in zip(made, shipped))
+
+
 UNDER_VALGRIND = """
 import gc, warnings, weft
 from weft._weft import ffi, lib
