@@ -310,12 +310,47 @@ START_TEST(wrong_options_exit_with_2)
         "x.yaml --out o --shard 1/",
         "x.yaml --out o --shard 1/2/3",
         "x.yaml --out o --shard ''",
+        "x.yaml --out o --sample 0",
+        "x.yaml --out o --sample -3",
+        "x.yaml --out o --sample 2.5",
+        "x.yaml --out o --sample 100001",
+        "x.yaml --out o --sample 3 --seed x",
+        "x.yaml --out o --sample 3 --seed 2147483648",
+        "x.yaml --out o --seed 3",
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         ck_assert_msg(shell(WEFT " batch %s 2>&1", wrong[i]) == 2, "weft batch %s: %s",
                       wrong[i], output);
     }
     expect(shell(WEFT " run " OUT "/small.yaml -j 2 2>&1"), 2);
+}
+END_TEST
+
+/* --set gives it another range; the shards of a sample draw the same values. */
+START_TEST(a_sample_runs_what_the_scene_with_sample_runs)
+{
+    write_sweep("s.yaml", short_run,
+                "sweep: {cloth.springs.stretch.stiffness: [10, 90]}\n");
+    write_sweep("keys.yaml", short_run,
+                "sweep: {cloth.springs.stretch.stiffness: [10, 20], sample: 5, seed: "
+                "2}\n");
+    expect(shell(BATCH "/keys.yaml --out " OUT "/a --quiet && mv " OUT "/keys.yaml " OUT
+                       "/k.yaml && mv " OUT "/s.yaml " OUT "/keys.yaml"),
+           0);
+    for (int i = 1; i <= 2; ++i) {
+        expect(shell(BATCH "/keys.yaml --out " OUT "/b --quiet --shard %d/2 --sample 5 "
+                           "--seed 2 --set "
+                           "'sweep={cloth.springs.stretch.stiffness: [10, 20]}'",
+                     i),
+               0);
+    }
+    expect(shell(BATCH "/keys.yaml --out " OUT "/b --quiet --summary --sample 5 "
+                       "--seed 2 --set "
+                       "'sweep={cloth.springs.stretch.stiffness: [10, 20]}'"),
+           0);
+    expect_same_summaries(OUT "/a", OUT "/b");
+    expect(shell("ls " OUT "/b | wc -l"), 0);
+    ck_assert_str_eq(output, "6\n");
 }
 END_TEST
 
@@ -360,6 +395,7 @@ TEST_SUITE(cli_batch)
     tcase_add_test(program, two_runs_of_one_name_are_refused_before_anything_is_run);
     tcase_add_test(program, a_wrong_run_is_told_before_anything_is_run);
     tcase_add_test(program, wrong_options_exit_with_2);
+    tcase_add_test(program, a_sample_runs_what_the_scene_with_sample_runs);
     tcase_add_test(program, a_terminal_gets_a_table_that_moves);
     suite_add_tcase(all, program);
     return all;

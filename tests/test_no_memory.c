@@ -191,17 +191,20 @@ static weft_status load_sweep(const void *ctx, weft_error *err)
 START_TEST(sweeps_survive_every_failing_allocation)
 {
     static const char *const sets[] = { "cloth.springs.shear.stiffness=7" };
-    static const char sweep[] = "sweep:\n"
-                                "  zip: true\n"
-                                "  stepper.fixed_step: [1.0e-3, 5.0e-4]\n"
-                                "  cloth.loads: [null, [{at: [0, 1], mass: 1}]]\n";
-    char text[sizeof scene_text + sizeof sweep];
+    static const char *const sweeps[]
+        = { "sweep:\n"
+            "  zip: true\n"
+            "  stepper.fixed_step: [1.0e-3, 5.0e-4]\n"
+            "  cloth.loads: [null, [{at: [0, 1], mass: 1}]]\n",
+            "sweep: {sample: 2, stepper.fixed_step: [1.0e-3, 5.0e-4]}\n" };
+    const char *sweep = sweeps[_i / 2];
+    char text[sizeof scene_text + 256];
     weft_scene_def def = whole_scene();
     (void)strcpy(stpcpy(text, scene_text), sweep);
     def.text = text;
     def.length = strlen(text);
     def.sets = sets;
-    def.set_count = _i == 0 ? 0 : 1;
+    def.set_count = (size_t)(_i % 2);
     (void)every_allocation_fails(load_sweep, &def, "sweep");
 }
 END_TEST
@@ -441,7 +444,7 @@ int main(void)
     tcase_add_test(tcase, contact_survives_every_failing_allocation);
     tcase_add_test(tcase, mistakes_survive_every_failing_allocation);
     tcase_add_loop_test(tcase, names_of_files_survive_every_failing_allocation, 0, 2);
-    tcase_add_loop_test(tcase, sweeps_survive_every_failing_allocation, 0, 2);
+    tcase_add_loop_test(tcase, sweeps_survive_every_failing_allocation, 0, 4);
     tcase_add_loop_test(tcase, a_simulation_under_way_survives_every_failing_allocation,
                         0, 3);
     tcase_add_loop_test(tcase, every_method_survives_every_failing_allocation, 0,

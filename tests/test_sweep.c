@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sweeps: which runs a scene stands for, and what is said of wrong ones. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "scene_load.h"
@@ -339,6 +340,67 @@ START_TEST(one_scene_is_not_read_from_a_sweep_and_the_error_names_batch)
 }
 END_TEST
 
+/* The values of each key are a permutation of one number in each of n equal parts of
+ * its range; of stiffness, the parts have equal ratios. */
+START_TEST(a_sample_hits_each_part_of_each_range_once)
+{
+    static const size_t sizes[] = { 1, 2, 5, 100, 1000 };
+    const size_t n = sizes[_i];
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   HEAD "sweep: {sample: %zu, seed: 9, run.fps: [30, 10, 20], "
+                        "cloth.springs.stretch.stiffness: [1, 1.0e+6], "
+                        "forces.damping: [0, 1], "
+                        "log: [cloth.springs.stretch.stiffness]}\n",
+                   n);
+    weft_sweep *sweep = sweep_of(text);
+    char *hit = calloc(3 * n, 1);
+    ck_assert_uint_eq(weft_sweep_runs(sweep), n);
+    for (size_t i = 1; i <= n; ++i) {
+        const double x[]
+            = { (strtod(weft_sweep_value(sweep, 0, i), NULL) - 10.0) / 20.0,
+                log10(strtod(weft_sweep_value(sweep, 1, i), NULL)) / 6.0,
+                strtod(weft_sweep_value(sweep, 2, i), NULL) };
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert(x[k] >= 0.0 && x[k] < 1.0);
+            const size_t part = (size_t)(x[k] * (double)n);
+            ck_assert_int_eq(hit[k * n + part]++, 0);
+        }
+        weft_scene *scene = run_of(sweep, i);
+        ck_assert(weft_scene_run(scene)->fps
+                  == strtod(weft_sweep_value(sweep, 0, i), NULL));
+        weft_scene_destroy(scene);
+    }
+    free(hit);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
+/* They were computed from the definition in docs/batch.md by another program. */
+START_TEST(a_sample_has_the_same_values_everywhere)
+{
+    static const char *const values[2][5]
+        = { { "37.53468469833024", "86.28017812478356", "79.38240027683787",
+              "23.993304813979194", "51.68558233627118" },
+            { "0.18375427422379279", "0.1273854017620838", "0.37877443026025664",
+              "0.14844605515463574", "0.26912022904810917" } };
+    weft_sweep *sweep
+        = sweep_of(HEAD "sweep: {cloth.springs.stretch.stiffness: [100, 10], "
+                        "cloth.mass: [0.1, 0.4], log: [cloth.mass], sample: 5, "
+                        "seed: 3}\n");
+    weft_sweep *other
+        = sweep_of(HEAD "sweep: {cloth.springs.stretch.stiffness: [100, 10], "
+                        "run.fps: [1, 2], sample: 5}\n");
+    for (size_t i = 1; i <= 5; ++i) {
+        ck_assert_str_eq(weft_sweep_value(sweep, 0, i), values[0][i - 1]);
+        ck_assert_str_eq(weft_sweep_value(sweep, 1, i), values[1][i - 1]);
+        ck_assert_str_ne(weft_sweep_value(other, 0, i), values[0][i - 1]);
+    }
+    weft_sweep_destroy(other);
+    weft_sweep_destroy(sweep);
+}
+END_TEST
+
 /* Told at the place in the sweep, once, whatever the number of runs. */
 static const struct {
     const char *sweep, *told;
@@ -394,6 +456,37 @@ static const struct {
     { "sweep: {cloth.pins.9: [top]}\n", "scene.yaml:9:20: error: '9' is no element of "
                                         "this list of 2; the first is 0, the "
                                         "next free one 2\n" },
+    { "sweep: {sample: 0, run.fps: [1, 2]}\n",
+      "scene.yaml:9:17: error: sample must be an integer >= 1 and <= 100000, not '0'" },
+    { "sweep: {sample: 2.5, run.fps: [1, 2]}\n",
+      "scene.yaml:9:17: error: sample must be an integer >= 1 and <= 100000" },
+    { "sweep: {sample: 100001, run.fps: [1, 2]}\n", "9:17: error: sample must be" },
+    { "sweep: {seed: -1, run.fps: [1, 2]}\n", "9:15: error: seed must be" },
+    { "sweep: {sample: 2}\n", "scene.yaml:9:1: error: sweep varies no key\n" },
+    { "sweep: {sample: 2, stepper.method: [rk4, rkf45]}\n",
+      "scene.yaml:9:37: error: a sample draws stepper.method from finite numbers, not "
+      "'rk4'\n" },
+    { "sweep: {sample: 2, run.fps: [1, .inf]}\n", "finite numbers, not '.inf'\n" },
+    { "sweep: {sample: 2, forces.gravity: [[0, 0, 1], [0, 0, 2]]}\n",
+      "scene.yaml:9:37: error: a sample draws forces.gravity from finite numbers, not "
+      "a "
+      "list of 3\n" },
+    { "sweep: {sample: 2, run.fps: [3, 3.0]}\n",
+      "scene.yaml:9:29: error: a sample needs a range of run.fps: two numbers that "
+      "differ\n" },
+    { "sweep: {sample: 2, run.fps: [-1.7e+308, 1.7e+308]}\n", "that differ less\n" },
+    { "sweep: {sample: 2, log: [forces.damping], forces.damping: [0, 1]}\n",
+      "scene.yaml:9:60: error: a sample draws forces.damping from finite numbers > 0, "
+      "not '0'\n" },
+    { "sweep: {log: run.fps, run.fps: [1, 2]}\n",
+      "scene.yaml:9:14: error: log must be a list of keys of the sweep, not "
+      "'run.fps'\n" },
+    { "sweep: {log: [run.fp], run.fps: [1, 2]}\n",
+      "scene.yaml:9:15: error: log must name keys of the sweep, not 'run.fp'\n" },
+    { "sweep: {sample: 2, zip: true, run.fps: [1, 2]}\n",
+      "scene.yaml:9:1: error: sample and zip exclude each other\n" },
+    { "sweep: {sample: 2, cloth.grid.rows: [3, 9]}\n",
+      "scene.yaml:9:37: error: rows must be an integer" },
     { "sweep: {run.fps.x: [1]}\n",
       "scene.yaml:9:17: error: 'fps' is a single value: nothing can be set inside\n" },
 };
@@ -521,6 +614,8 @@ TEST_SUITE(sweep)
     tcase_add_test(runs, overrides_reach_the_sweep_and_are_part_of_every_run);
     tcase_add_test(runs, a_key_that_an_override_removes_from_a_value_is_shown_as_null);
     tcase_add_test(runs, one_scene_is_not_read_from_a_sweep_and_the_error_names_batch);
+    tcase_add_loop_test(runs, a_sample_hits_each_part_of_each_range_once, 0, 5);
+    tcase_add_test(runs, a_sample_has_the_same_values_everywhere);
     suite_add_tcase(all, runs);
     TCase *errors = tcase_create("errors");
     tcase_set_timeout(errors, 120);

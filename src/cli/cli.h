@@ -33,6 +33,7 @@ typedef enum progress_mode {
 typedef struct arguments {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until, *sizes, *bands, *port, *garment;
+    const char *sample, *seed;
     size_t jobs;  /* 0: not given */
     size_t finer; /* weft_scene_def.refine */
     const char **sets, **ats;

@@ -29,6 +29,8 @@ static const struct option all_options[] = {
     { "bands", TEXT(bands) },
     { "timeout", TEXT(timeout) },
     { "shard", TEXT(shard) },
+    { "sample", TEXT(sample) },
+    { "seed", TEXT(seed) },
     { "retry-failed", FLAG(retry_failed) },
     { "summary", FLAG(summary) },
     { "yaml", FLAG(yaml) },

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/random.h"
 #include "cloth/model.h"
 
 /* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
@@ -268,14 +269,11 @@ static void multiply(const weft_cloth *cloth, const weft__state *at, const matri
     }
 }
 
-/* Numbers in [-1, 1) that are orthogonal to nothing: the bits of SplitMix64
- * (G. L. Steele et al., OOPSLA 2014). */
+/* Numbers in [-1, 1) that are orthogonal to nothing: the j-th of a random sequence. */
 static double scatter(uint64_t j)
 {
-    uint64_t z = (j + 1) * UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
+    uint64_t state = j * UINT64_C(0x9e3779b97f4a7c15);
+    return (double)(weft__random(&state) >> 11) * 0x1p-52 - 1.0;
 }
 
 /* x* M z over the free particles, block by block */

@@ -793,8 +793,10 @@ static const weft__key root_keys[] = {
     { "record", WEFT__MAPPING, CHECKED(record), .absent = "defaults",
       AT(weft_scene, record), .meaning = "output of a run" },
     { "sweep", WEFT__SWEEP, .absent = "one run",
-      .meaning = "weft batch runs every combination of the values, or, with zip: "
-                 "true, the first value of each list, then the second, ..." },
+      .meaning
+      = "weft batch runs every combination of the values, or, with zip: "
+        "true, the first value of each list, then the second, ...; with sample: "
+        "N, N values drawn from the range of each list (docs/batch.md)" },
 };
 
 const weft__section weft__root

@@ -13,12 +13,15 @@
 /* A key that is varied, and the list of its values. */
 typedef struct weft__axis {
     const weft__node *key, *list;
+    bool log; /* a sample has them in ratios */
 } weft__axis;
 
 typedef struct weft__sweep {
     bool present, zip;
-    weft__mark at;     /* of its key */
-    size_t keys, runs; /* runs 1 without a sweep, 0 if something is wrong with it */
+    weft__mark at;         /* of its key */
+    size_t keys, runs;     /* runs 1 without a sweep, 0 if something is wrong with it */
+    size_t sample, seed;   /* how many values are drawn of each list; 0: its own */
+    const weft__node *log; /* names of keys; NULL: none */
     weft__axis axis[WEFT__SWEEP_KEYS];
 } weft__sweep;
 
@@ -26,6 +29,10 @@ typedef struct weft__sweep {
  * there. Keys that one of set_count overrides sets as well are mistakes, and so are so
  * many runs that reading them all would take more than half a minute. */
 void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out);
+
+/* sample.c: reports mistakes of `sample` and `log`; draws the values if they are asked
+ * for, so that the sweep is one of zipped lists. */
+void weft__sweep_sample(weft__tree *tree, weft__sweep *sweep);
 
 /* Whether it varies the key at a path, or a part of its value. */
 bool weft__sweep_varies(const weft__sweep *sweep, const char *path);

@@ -67,13 +67,20 @@ static void take_axis(taker *self, const weft__node *key, const weft__node *list
         ERROR_AT(self, key, "more than %d keys", WEFT__SWEEP_KEYS);
     } else {
         check_overlap(self, key);
-        self->out->axis[self->out->keys++] = (weft__axis){ key, list };
+        self->out->axis[self->out->keys++] = (weft__axis){ .key = key, .list = list };
     }
 }
 
 static void take_pairs(taker *self, const weft__node *map)
 {
-    static const weft__key zip = { .name = "zip", .kind = WEFT__BOOLEAN };
+    static const weft__number runs
+        = { .type = WEFT__SIZE, .least = 1, .most = MAX_RUNS },
+        any = { .type = WEFT__SIZE };
+    static const weft__key zip
+        = { .name = "zip", .kind = WEFT__BOOLEAN },
+        sample = { .name = "sample", .number = &runs, .kind = WEFT__INTEGER },
+        seed = { .name = "seed", .number = &any, .kind = WEFT__INTEGER };
+    weft__reader reader = { .report = self->report };
     for (size_t i = 0; i < map->count; ++i) {
         const weft__node *key = map->entries[i].key, *value = map->entries[i].value;
         const char *name = weft__text_of(key);
@@ -82,9 +89,14 @@ static void take_pairs(taker *self, const weft__node *map)
         }
         if (name == NULL) {
             ERROR_AT(self, key, "the keys of a sweep are paths as stepper.method");
+        } else if (strcmp(name, "log") == 0) {
+            self->out->log = value;
         } else if (strcmp(name, "zip") == 0) {
-            weft__read_boolean(&(weft__reader){ .report = self->report }, &zip, value,
-                               &self->out->zip);
+            weft__read_boolean(&reader, &zip, value, &self->out->zip);
+        } else if (strcmp(name, "sample") == 0) {
+            weft__read_integer(&reader, &sample, value, &self->out->sample);
+        } else if (strcmp(name, "seed") == 0) {
+            weft__read_integer(&reader, &seed, value, &self->out->seed);
         } else {
             take_axis(self, key, value);
         }
@@ -167,7 +179,7 @@ void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out)
     taker self = { tree, report, set_count, out };
     const size_t errors = report->found->errors;
     char shown[64];
-    *out = (weft__sweep){ .runs = 1 };
+    *out = (weft__sweep){ .runs = 1, .seed = 1 };
     const weft__entry pair = take_out(&self);
     if (pair.key == NULL) {
         return;
@@ -181,6 +193,7 @@ void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out)
                            weft__show(pair.value, shown, sizeof shown));
     } else {
         take_pairs(&self, pair.value);
+        weft__sweep_sample(tree, out);
     }
     if (report->found->errors == errors && out->keys == 0) {
         weft__report_error(report, out->at, "sweep varies no key");

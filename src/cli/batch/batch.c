@@ -34,6 +34,25 @@ static int take_options(batch *self)
         return usage_error(given, "--shard %s: not i/n with i from 1 to n",
                            given->shard);
     }
+    return given->seed != NULL && given->sample == NULL
+               ? usage_error(given, "--seed goes with --sample N")
+               : EXIT_DONE;
+}
+
+/* --KEY N as --set sweep.KEY=N, for which `sets` has the place of the option. */
+static int set_in_sweep(arguments *given, const char *key, const char *typed,
+                        size_t least, size_t most, char set[64])
+{
+    size_t number = 0;
+    if (typed == NULL) {
+        return EXIT_DONE;
+    }
+    if (!option_count(typed, '\0', &number) || number < least || number > most) {
+        return usage_error(given, "--%s %s: not a number from %zu to %zu", key, typed,
+                           least, most);
+    }
+    (void)snprintf(set, 64, "sweep.%s=%zu", key, number);
+    given->sets[given->set_count++] = set;
     return EXIT_DONE;
 }
 
@@ -158,8 +177,15 @@ static int run_batch(batch *self)
 
 static int batch_verb(const arguments *given)
 {
-    batch self = { .given = given };
+    char sample[64], seed[64];
+    arguments all = *given;
+    batch self = { .given = &all };
     int code = take_options(&self);
+    code = code == EXIT_DONE
+               ? set_in_sweep(&all, "sample", given->sample, 1, 100000, sample)
+               : code;
+    code = code == EXIT_DONE ? set_in_sweep(&all, "seed", given->seed, 0, INT_MAX, seed)
+                             : code;
     code = code == EXIT_DONE ? batch_plan(&self) : code;
     code = code == EXIT_DONE ? run_batch(&self) : code;
     batch_free(&self);
@@ -182,12 +208,16 @@ const verb verb_batch = {
       "  --shard I/N          only every N-th run, from the I-th (1 to N) on; no "
       "summary\n"
       "  --summary            run nothing, only write summary.csv\n"
+      "  --sample N           N runs with values drawn from the ranges of the sweep "
+      "instead of all combinations\n"
+      "  --seed S             draws other values; default: 1\n"
       "  --set KEY.PATH=VALUE override a key of all scenes; may be repeated\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --quiet              no progress, no summary line\n\n"
       "examples:\n"
       "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
-      "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n\n"
+      "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n"
+      "  weft batch sweep.yaml --out sample --sample 100 --seed 7\n\n"
       "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written, or a directory holds another "
       "scene's run, 130 SIGINT, 143 SIGTERM\n",
