@@ -62,9 +62,14 @@ void weftpy_index(const weft_cloth *, size_t *);
 weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
 void weftpy_stop(weft_sim_def *, const weft_run_def *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
+typedef struct weftpy_added { size_t count; const double *force; } weftpy_added;
+int weftpy_add(void *, double, const double *, double *);
+void weftpy_advance_some(weft_sim *const *, const double *, size_t, size_t *, const bool *, weft_status *, weft_error *);
+void weftpy_states(weft_sim *const *, size_t, const size_t *, double *);
 """
 
 SOURCE = r"""
+#include <stdatomic.h>
 #include <time.h>
 #include <weft/weft.h>
 
@@ -223,6 +228,50 @@ static weft_status weftpy_advance(weft_sim *sim, double t_end, double seconds, c
         }
     }
     return status;
+}
+
+/* A weft_force_fn: numbers that stay. */
+typedef struct weftpy_added {
+    size_t count;
+    const double *force;
+} weftpy_added;
+
+static int weftpy_add(void *ctx, double t, const double *y, double *f)
+{
+    const weftpy_added *added = (const weftpy_added *)ctx;
+    (void)t, (void)y;
+    for (size_t i = 0; i < added->count; ++i) {
+        f[i] += added->force[i];
+    }
+    return 0;
+}
+
+/* Advances one simulation after the other, each to its end or an event, until all are taken; several threads share
+ * `next`. `stop` ends each after a step. */
+static void weftpy_advance_some(weft_sim *const *sims, const double *ends, size_t count, size_t *next,
+                                const bool *stop, weft_status *status, weft_error *errors)
+{
+    const volatile bool *stopped = stop;
+    for (size_t i; !*stopped && (i = atomic_fetch_add((_Atomic size_t *)next, 1)) < count;) {
+        bool event = false;
+        while (weft_sim_time(sims[i]) != ends[i] && status[i] == WEFT_OK && !event && !*stopped) {
+            status[i] = weft_sim_step(sims[i], ends[i], &errors[i]);
+            event = weft_sim_event(sims[i]);
+        }
+    }
+}
+
+/* (count, 2, N, 3) of the states of simulations of N particles. */
+static void weftpy_states(weft_sim *const *sims, size_t count, const size_t *index, double *out)
+{
+    const size_t n = weft_cloth_particles(weft_sim_cloth(sims[0]));
+    for (size_t i = 0; i < 2 * count; ++i) {
+        const double *planes = weft_sim_state(sims[i / 2]) + i % 2 * 3 * n;
+        for (size_t p = 0; p < n; ++p, out += 3) {
+            const size_t at = index == NULL ? p : index[p];
+            out[0] = planes[at], out[1] = planes[n + at], out[2] = planes[2 * n + at];
+        }
+    }
 }
 """
 

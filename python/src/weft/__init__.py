@@ -24,17 +24,19 @@ from weft import garment
 from weft._weft import ffi as _ffi
 from weft._weft import lib as _lib
 from weft.callbacks import CORRECT, EVENT, FORCE, PerformanceWarning
+from weft.executors import map
 from weft.library import (Diagnostic, Error, Failure, Method, SceneError, SceneWarning, Spring, StepError,
                           amplification, fabrics, load_plugin, methods, scene_help)
 from weft.mesh import Mesh
+from weft.parallel import Batch, BatchError
 from weft.runs import (Difference, Page, Run, RunError, batch, compare, converge, diff, export, open, program, run, scene,
                        view)
 from weft.simulation import Energy, Ledger, Measures, Sim, Stats, Stiffness, load
 
 __version__: str = _ffi.string(_lib.weft_version()).decode()
 
-__all__ = ["CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure", "Ledger", "Measures", "Mesh",
-           "Method", "Page", "PerformanceWarning", "Run", "RunError", "SceneError", "SceneWarning", "Sim", "Spring",
-           "Stats", "StepError", "Stiffness", "amplification", "batch", "compare", "converge", "diff", "export",
-           "fabrics", "garment", "load", "load_plugin", "methods", "open", "program", "run", "scene", "scene_help",
-           "view"]
+__all__ = ["Batch", "BatchError", "CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure",
+           "Ledger", "Measures", "Mesh", "Method", "Page", "PerformanceWarning", "Run", "RunError", "SceneError",
+           "SceneWarning", "Sim", "Spring", "Stats", "StepError", "Stiffness", "amplification", "batch", "compare", "converge",
+           "diff", "export", "fabrics", "garment", "load", "load_plugin", "map", "methods", "open", "program", "run", "scene",
+           "scene_help", "view"]

@@ -67,31 +67,44 @@ def scene(name: str) -> Path:
     return path
 
 
-def _call(arguments: Sequence[str], folder: str = "", directory: PathLike = "", allowed: Sequence[int] = (0,),
-          own: Optional[Mapping[str, Method]] = None) -> tuple[int, str]:
-    """Runs the program on scenes in a temporary folder, which no message names; its exit code, and what it printed.
-    Ctrl-C passes one SIGINT on, which ends the run with its files complete."""
+def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[str, Method]] = None,
+             stop: Optional[Path] = None) -> tuple[int, str, str]:
+    """Runs the program on scenes in a temporary folder, which no message names; its exit code, and what it wrote to
+    stdout and stderr. Ctrl-C passes one SIGINT on, which ends the run with its files complete; so does a file `stop`."""
     with served(own) as (environment, server):
         process = subprocess.Popen([str(program()), *arguments], stdin=subprocess.DEVNULL, text=True, env=environment,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
         if server is not None:
             server.stop = process.terminate
         try:
-            printed, said = process.communicate()
+            while True:
+                try:
+                    printed, said = process.communicate(timeout=None if stop is None else 0.5)
+                    break
+                except subprocess.TimeoutExpired:
+                    if stop is not None and stop.exists():
+                        process.send_signal(signal.SIGINT)
+                        stop = None
         except BaseException:
             process.send_signal(signal.SIGINT)
             process.communicate()
             raise
         if server is not None and server.error is not None:
             raise server.error
-    said = said.strip().replace(folder + os.sep, "") if folder else said.strip()
-    if process.returncode == 3:
+    return process.returncode, printed, said.strip().replace(folder + os.sep, "") if folder else said.strip()
+
+
+def _call(arguments: Sequence[str], folder: str = "", directory: PathLike = "", allowed: Sequence[int] = (0,),
+          own: Optional[Mapping[str, Method]] = None) -> tuple[int, str]:
+    """_process(), whose exit code is one of `allowed`, else an error; stderr becomes a warning."""
+    code, printed, said = _process(arguments, folder, own)
+    if code == 3:
         raise SceneError(said)
-    if process.returncode not in allowed:
-        raise RunError(said, process.returncode, Path(directory))
+    if code not in allowed:
+        raise RunError(said, code, Path(directory))
     if said:
         warnings.warn(said, SceneWarning, stacklevel=3)
-    return process.returncode, printed
+    return code, printed
 
 
 def _files(scenes: Iterable[Scene], folder: str) -> list[str]:

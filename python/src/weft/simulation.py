@@ -196,22 +196,28 @@ class Sim:
 
     def __init__(self, file: Optional[str], content: Union[str, MeshScene, ClothsScene, None], sets: list[str],
                  own: dict[str, Any]) -> None:
-        self._exclusion, self._process = Exclusion(), os.getpid()
-        self._name, self._given = file or "scene", own
+        self._name = file or "scene"
         self._bodies: Any = None  # the scene, its overrides and the folder where the files of its bodies were
         self._meshed = None if content is None or isinstance(content, str) else content
         self._scene, found = (read_scene(file, content, sets)  # type: ignore[arg-type]
                               if self._meshed is None else self._meshed.read())
         for warning in found:
             warnings.warn(warning, SceneWarning, stacklevel=3)
-        err, cloth, sim = ffi.new("weft_error *"), ffi.new("weft_cloth **"), ffi.new("weft_sim **")
+        err, cloth = ffi.new("weft_error *"), ffi.new("weft_cloth **")
         made, _alive = (lib.weft_scene_cloth(self._scene), None) if self._meshed is None else \
             self._meshed.definition(self._scene)
         check(lib.weft_cloth_create(made, cloth, err), err)
         self._cloth = ffi.gc(cloth[0], lib.weft_cloth_destroy)
+        self._begin(own)
+
+    def _begin(self, own: dict[str, Any]) -> None:
+        """Makes the simulation of its scene and cloth, at t = 0."""
+        self._exclusion, self._process, self._given = Exclusion(), os.getpid(), own
+        err, sim = ffi.new("weft_error *"), ffi.new("weft_sim **")
         definition = ffi.new("weft_sim_def *", lib.weft_sim_def_default())
         definition.cloth, definition.method = self._cloth, lib.weft_scene_method_type(self._scene)
         definition.config = lib.weft_scene_config(self._scene)[0]
+        definition.config.threads = own.get("threads", definition.config.threads)
         definition.limit = lib.weft_scene_limit(self._scene)[0]
         definition.ledger = lib.weft_scene_record(self._scene).ledger
         definition.log = lib.weftpy_log_of()
