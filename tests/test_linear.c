@@ -484,6 +484,7 @@ END_TEST
 
 enum { MOST = 1 << 14 }; /* numbers of a state */
 
+#if defined HAVE_GSL && defined HAVE_ARKODE
 typedef struct course {
     const char *file;
     double end; /* [s] */
@@ -634,6 +635,7 @@ START_TEST(implicit_methods_know_triangles)
     }
 }
 END_TEST
+#endif
 
 TEST_SUITE(linear)
 {
