@@ -31,7 +31,7 @@ COMPILE = $(CC) $(STRICT) $(WARN) $(INCS) $(CPPFLAGS) $(CFLAGS) $(OWN) $(SAN) -M
 OWN = # flags of some files, whatever CFLAGS are
 LINK = $(CC) $(CFLAGS) $(SAN) $(LDFLAGS)
 ifneq ($(findstring darwin,$(TARGET)),)
-STRICT += -D_DARWIN_C_SOURCE # flock, dladdr and the like
+STRICT += -D_DARWIN_C_SOURCE -include xlocale.h # flock, dladdr and the like; uselocale
 soname = -Wl,-install_name,@rpath/$(1)
 rpath = $(foreach d,$(1),-Wl,-rpath,'@loader_path/$(d)')
 else
@@ -219,6 +219,12 @@ $(BUILD)/plugins/weft-$(1).so: $$(PLUGIN_OBJ_$(1))
 endef
 $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 
+# The program with its plugins linked in, but GSL's, for systems whose libraries are not known.
+BUILT_IN := $(filter-out gsl,$(PLUGINS))
+$(BUILD)/weft-static: private OWN += '-DWEFT_BUILT_IN=$(foreach p,$(BUILT_IN),X($p))'
+$(BUILD)/weft-static: wasm/built_in.c $(sort $(PROG_OBJ) $(filter-out %/loading.o,$(LIB_OBJ)) $(foreach p,$(BUILT_IN),$(PLUGIN_OBJ_$(p))))
+	$(call say,LD)$(COMPILE) -static -o $@ $^ $(LDFLAGS) $(foreach p,$(BUILT_IN),$(LIBS_$(p))) $(PROG_LIBS) $(LIB_LIBS)
+
 $(BUILD)/src/mpi/comm_mpi.o: INCS += $(MPI_CFLAGS)
 $(BUILD)/plugins/weft-mpi.so: $(BUILD)/src/mpi/comm_mpi.o
 	@mkdir -p $(@D)
@@ -239,7 +245,8 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_CXX),-DHAVE_CXX) $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
-TEST_LIBS = -lcheck -lsubunit -lrt $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
+# libutil has forkpty where glibc is older than 2.34.
+TEST_LIBS = -lcheck -lsubunit -lrt -lutil $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
 # All of the program but main, for tests of its parts; PARTS='conformance record': of these alone.
 PROGRAM := $(BUILD)/program.a
@@ -550,7 +557,7 @@ check-deb:
 
 # A bill of materials beside the artefacts.
 sbom:
-	@tools/sbom $(BUILD)
+	@tools/sbom $(BUILD)/dist
 
 # The tree is a release: checks that, and makes its tag.
 tag: all $(BUILD)/tests/run

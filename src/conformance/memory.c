@@ -2,10 +2,9 @@
 /* memory.c -- memory that a method takes must be given back. */
 #include "conformance/trial.h"
 
-#include <malloc.h>
-
 /* glibc since 2.33 reports it in numbers that do not wrap. */
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+#include <malloc.h>
 #define HEAP_IS_KNOWN 1
 static size_t heap_in_use(void)
 {
