@@ -366,6 +366,8 @@ static const struct {
     { "cloths[0].pins=[top]", "a pin of a mesh must be {vertices: ...}" },
     { "cloths=[]", "cloths must be a list of 1 to 64 mappings {name, keys as cloth}" },
     { "cloth={}", "excludes cloths" },
+    { "cloth={mesh: {file: a.obj}, fabric: {density: 0.2, stretch: 50}}",
+      "excludes cloths" },
     { "cloths=null", "the scene lacks 'cloth' or 'cloths': exactly one is required" },
     { "limit={method: provot, strain: 0.1}", "a strain limit needs a grid" },
 };

@@ -254,7 +254,8 @@ void weft__read_cloths(weft__reader *reader, const weft__key *key,
         read_part(reader, key, weft__item(node, i), i);
         check_pair(reader, node, i);
     }
-    if (reader->report->mistakes == before && !reader->report->no_memory) {
+    const bool alone = scene->obj.report == NULL; /* no mesh of `cloth` beside them */
+    if (alone && reader->report->mistakes == before && !reader->report->no_memory) {
         join(reader, node);
     }
 }
