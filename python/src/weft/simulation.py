@@ -249,7 +249,7 @@ class Sim:
             warnings.warn("%s is a Python function: every %s calls it under the interpreter lock, which takes some "
                           "10 us and a copy of the state; a C function (numba.cfunc(weft.%s)) needs neither"
                           % (name, "evaluation of the right-hand side" if name == "force" else "step", name.upper()),
-                          PerformanceWarning, stacklevel=4)
+                          PerformanceWarning, stacklevel=5)
         else:
             raise TypeError("%s is neither a function nor a C function: %r" % (name, given))
         setattr(self._definition, name, pointer)
