@@ -48,8 +48,14 @@ static herr_t on_failure(hid_t stack, void *why)
     return H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_errno, why);
 }
 
+#define HAS_LOCKING                                                                    \
+    (H5_VERSION_GE(1, 10, 7) && (H5_VERS_MINOR != 12 || H5_VERS_RELEASE > 0))
+
 void hdf_begin(int *why)
 {
+#if !HAS_LOCKING
+    (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+#endif
     (void)H5dont_atexit();
     (void)H5Eset_auto2(H5E_DEFAULT, why == NULL ? NULL : on_failure, why);
 }
@@ -60,7 +66,7 @@ hid_t hdf_access(void)
     (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
     (void)H5Pset_sieve_buf_size(access, 0);
     (void)H5Pset_meta_block_size(access, 1 << 15);
-#if H5_VERSION_GE(1, 10, 7) && (H5_VERS_MINOR != 12 || H5_VERS_RELEASE > 0)
+#if HAS_LOCKING
     (void)H5Pset_file_locking(access, false, true);
 #endif
     return access;
