@@ -7,8 +7,12 @@
 
 #define LIST(...) ((const double[]){ __VA_ARGS__ })
 
-const weft_butcher weft__ark_euler
-    = { .stages = 1, .order = 1, .a = LIST(0), .b = LIST(1), .c = LIST(0) };
+const weft_butcher weft__ark_euler = { .stages = 1,
+                                       .order = 1,
+                                       .a = LIST(0),
+                                       .b = LIST(1),
+                                       .c = LIST(0),
+                                       .b_embedded = NULL };
 
 const weft_butcher weft__ark_midpoint = {
     .stages = 2,
@@ -16,6 +20,7 @@ const weft_butcher weft__ark_midpoint = {
     .a = LIST(0, 0, 0.5, 0),
     .b = LIST(0, 1),
     .c = LIST(0, 0.5),
+    .b_embedded = NULL,
 };
 
 const weft_butcher weft__ark_heun = {
@@ -24,6 +29,7 @@ const weft_butcher weft__ark_heun = {
     .a = LIST(0, 0, 1, 0),
     .b = LIST(0.5, 0.5),
     .c = LIST(0, 1),
+    .b_embedded = NULL,
 };
 
 const weft_butcher weft__ark_rk4 = {
@@ -32,6 +38,7 @@ const weft_butcher weft__ark_rk4 = {
     .a = LIST(0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1, 0),
     .b = LIST(1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6),
     .c = LIST(0, 0.5, 0.5, 1),
+    .b_embedded = NULL,
 };
 
 const weft_butcher weft__ark_rk38 = {
@@ -40,6 +47,7 @@ const weft_butcher weft__ark_rk38 = {
     .a = LIST(0, 0, 0, 0, 1.0 / 3, 0, 0, 0, -1.0 / 3, 1, 0, 0, 1, -1, 1, 0),
     .b = LIST(0.125, 0.375, 0.375, 0.125),
     .c = LIST(0, 1.0 / 3, 2.0 / 3, 1),
+    .b_embedded = NULL,
 };
 
 /* Row sums of coefficients that were rounded when they were written. */
