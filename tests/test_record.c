@@ -81,7 +81,8 @@ static void record(const weft_record_def *wanted)
                                     .record = wanted,
                                     .last = LAST,
                                     .series = &series };
-    ck_assert_int_eq(record_series_open(&series, OUT "/r", 0, false, &err), WEFT_OK);
+    ck_assert_int_eq(record_series_open(&series, OUT "/r", 0, NULL, false, &err),
+                     WEFT_OK);
     ck_assert_int_eq(record_vtkhdf_create(&def, &frames, &err), WEFT_OK);
     for (size_t i = 0; i <= LAST; ++i) {
         ck_assert_int_eq(weft_sim_advance(sim, (double)i / 20.0, &err), WEFT_OK);

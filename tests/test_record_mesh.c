@@ -148,7 +148,7 @@ static void record(void)
                                     .record = &wanted,
                                     .last = LAST,
                                     .series = &series };
-    ck_assert_int_eq(record_series_open(&series, OUT, 0, false, &err), WEFT_OK);
+    ck_assert_int_eq(record_series_open(&series, OUT, 0, NULL, false, &err), WEFT_OK);
     ck_assert_int_eq(record_vtkhdf_create(&def, &frames, &err), WEFT_OK);
     for (size_t i = 0; i <= LAST; ++i) {
         const record_frame frame = { .index = i, .sim = sim };

@@ -32,6 +32,21 @@ typedef struct weft_record_def {
     bool final;   /* the state at the end, as text */
 } weft_record_def;
 
+/* The numbers by which a run is differentiated: `sensitivity` of the scene. Fixed for
+ * ever. */
+typedef struct weft_scene_sensitivity {
+    size_t count; /* 0: none */
+    const char
+        *keys[WEFT_SENSITIVITIES]; /* "forces.gravity.1", as overrides write it */
+    const char
+        *before[WEFT_SENSITIVITIES];   /* of a default, an override that must come
+                                          before one of the key: "forces.gravity=[0,
+                                          -9.81, 0]"; NULL: none */
+    double values[WEFT_SENSITIVITIES]; /* p */
+    bool relative;                     /* results are p dy/dp, else dy/dp */
+    bool control;                      /* weft_sensitivity_def */
+} weft_scene_sensitivity;
+
 /* One error or one warning. Fixed for ever. */
 typedef struct weft_diagnostic {
     bool warning;
@@ -127,6 +142,8 @@ WEFT_API const weft_fabric *weft_scene_fabric(const weft_scene *scene);
 WEFT_API const weft_limit_def *weft_scene_limit(const weft_scene *scene);
 WEFT_API const weft_run_def *weft_scene_run(const weft_scene *scene);
 WEFT_API const weft_record_def *weft_scene_record(const weft_scene *scene);
+WEFT_API const weft_scene_sensitivity *
+weft_scene_sensitivities(const weft_scene *scene);
 WEFT_API const char *weft_scene_plugin(const weft_scene *scene);
 WEFT_API const char *weft_scene_method(const weft_scene *scene);
 /* NULL if the scene was loaded without find_plugin, or if it has a Butcher table whose
@@ -163,6 +180,20 @@ WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
  * written again with them applied. It includes the default name, if that came from the
  * file's name. */
 WEFT_API const char *weft_scene_text(const weft_scene *scene);
+
+/* The cloths with less and more of each number by which a scene is differentiated, for
+ * weft_sim_def: p (1 -+ 2^-22), of a p that is 0 -+ 2^-22, in the number's unit; the
+ * scene's own p where a value is out of range. u of weft_number_of_cloth is p, or 1
+ * where that is 0. `def`: find_plugin, mesh_cut, refine and allocator of it are used,
+ * as the scene was loaded. */
+typedef struct weft_scene_twins weft_scene_twins;
+WEFT_API weft_status weft_scene_twins_create(const weft_scene *scene,
+                                             const weft_scene_def *def,
+                                             weft_scene_twins **out, weft_error *err);
+WEFT_API void weft_scene_twins_destroy(weft_scene_twins *twins); /* NULL is allowed */
+/* NULL: the scene has no `sensitivity`. */
+WEFT_API const weft_sensitivity_def *
+weft_scene_twins_def(const weft_scene_twins *twins);
 
 /* A scene file with `sweep`: {key.path: [value, ...], ...} describes many runs: every
  * combination of the values, the last key varying fastest, or, with zip: true, one run

@@ -51,6 +51,29 @@ typedef bool weft_stop_fn(void *ctx);
 typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
                              const double *y);
 
+/* A number of the definition by which a simulation is differentiated: two cloths with
+ * less and more of it, which must outlive the simulation and differ from its cloth in
+ * that number alone, by some 2e-7 of it. Fixed for ever. */
+typedef struct weft_number_of_cloth {
+    const char *name; /* in messages */
+    const weft_cloth *less, *more;
+    double span; /* > 0: of the number between the two, in the unit u of
+                    s = u dy/dp; u = p, the derivative by log p: 2 d for p (1 +- d) */
+} weft_number_of_cloth;
+
+enum { WEFT_SENSITIVITIES = 16 }; /* the most */
+
+/* The sensitivities s = u dy/dp of the state by numbers p. Each follows
+ * s' = J s + u df/dp by the method of the simulation, with the state: the derivative of
+ * the discrete map in fixed steps, of the map with its steps held in adaptive ones. */
+typedef struct weft_sensitivity_def {
+    size_t count; /* 1 to WEFT_SENSITIVITIES */
+    const weft_number_of_cloth *numbers;
+    bool control; /* s takes part in error control, at the tolerances of the state.
+                     false: the steps and the state are those without; not with the rms
+                     norm */
+} weft_sensitivity_def;
+
 /* No callback -- those below, `log`, `put`, `get` and `tell` -- may call a function
  * that changes or saves the simulation: that function then returns WEFT_INVALID. Those
  * of weft_play may, as it says. None may destroy it. All callbacks must return. After
@@ -83,6 +106,10 @@ typedef struct weft_sim_def {
     double event_hold; /* [s] > 0: the event is when the function has been 0 or below at
                           the end of every step for so long; that it was so at the start
                           counts. Saved. 0: when it falls to 0, as weft_event_fn says */
+    const weft_sensitivity_def *sensitivity; /* NULL: none. Explicit one-step methods;
+                          not with a limit, `correct`, `force`, `event`, a ledger,
+                          `dense`, a comm or an untangled start: WEFT_UNSUPPORTED. Then
+                          no function may change state, pins, wind or shapes */
 } weft_sim_def;
 
 /* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
@@ -278,6 +305,9 @@ static inline bool weft_sim_failure(const weft_sim *sim, weft_failure *out)
 WEFT_API double weft_sim_time(const weft_sim *sim); /* [s] */
 WEFT_API const double *
 weft_sim_state(const weft_sim *sim); /* y[6 N], valid until the next step */
+/* s = u dy/dp [m], [m/s] per unit of the span, of number 0, 1, ... of the definition's
+ * sensitivity: planes as the state, valid until the next step. NULL: there is none. */
+WEFT_API const double *weft_sim_sensitivity(const weft_sim *sim, size_t number);
 /* The definition's cloth with the present pins, shapes and wind of the simulation.
  * Valid until the simulation is destroyed. */
 WEFT_API const weft_cloth *weft_sim_cloth(const weft_sim *sim);

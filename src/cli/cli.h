@@ -205,8 +205,12 @@ int scene_accepted(const weft_scene *scene);
 
 /* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              weft_log log, weft_cloth **cloth, weft_sim **sim,
-                              weft_error *err);
+                              const weft_sensitivity_def *sensitivity, weft_log log,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err);
+
+/* The cloths of its sensitivities, which must outlive a simulation; none: NULL. */
+weft_status twins_create(const arguments *given, const weft_scene *scene,
+                         weft_scene_twins **out, weft_error *err);
 
 /* ---- run/records.c ---- */
 

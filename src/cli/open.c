@@ -147,11 +147,34 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
+/* What is loaded by the options. */
+static weft_scene_def scene_def(const arguments *given)
+{
+    weft_scene_def def = weft_scene_def_default();
+    def.find_plugin = find_plugin;
+    def.find_ctx = given->registry;
+    def.refine = given->finer;
+#ifdef WEFT_QHULL
+    def.mesh_cut = cut_mesh;
+#endif
+    return def;
+}
+
+weft_status twins_create(const arguments *given, const weft_scene *scene,
+                         weft_scene_twins **out, weft_error *err)
+{
+    const weft_scene_def def = scene_def(given);
+    *out = NULL;
+    return weft_scene_sensitivities(scene)->count == 0
+               ? WEFT_OK
+               : weft_scene_twins_create(scene, &def, out, err);
+}
+
 static int load_scene(const char *file, const arguments *given, weft_scene **scene,
                       weft_sweep **sweep, const char *text)
 {
     weft_error err = { 0 };
-    weft_scene_def def = weft_scene_def_default();
+    weft_scene_def def = scene_def(given);
     weft_diagnostics *found = calloc(1, sizeof *found);
     if (found == NULL) {
         return report_status(WEFT_NO_MEMORY, "out of memory");
@@ -161,12 +184,6 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     def.length = text == NULL ? 0 : strlen(text);
     def.sets = given->sets;
     def.set_count = text == NULL ? given->set_count : 0;
-    def.find_plugin = find_plugin;
-    def.find_ctx = given->registry;
-    def.refine = given->finer;
-#ifdef WEFT_QHULL
-    def.mesh_cut = cut_mesh;
-#endif
     if (given->comm != NULL) {
         def.bands = (size_t)given->comm->size;
     }
@@ -329,8 +346,8 @@ static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
 }
 
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              weft_log log, weft_cloth **cloth, weft_sim **sim,
-                              weft_error *err)
+                              const weft_sensitivity_def *sensitivity, weft_log log,
+                              weft_cloth **cloth, weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
     *cloth = NULL;
@@ -340,6 +357,7 @@ weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
         weft_sim_def def = define(scene, comm, *cloth);
         const weft_run_def *run = weft_scene_run(scene);
         def.log = log;
+        def.sensitivity = sensitivity;
         def.dense = run->interpolate;
         def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
         def.event_ctx = (void *)&run->stop; /* which reads it alone */
@@ -362,8 +380,8 @@ int scene_accepted(const weft_scene *scene)
     if (type == NULL || (type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
         return EXIT_DONE;
     }
-    const weft_status status
-        = simulation_create(scene, NULL, (weft_log){ NULL, NULL }, &cloth, &sim, &err);
+    const weft_status status = simulation_create(
+        scene, NULL, NULL, (weft_log){ NULL, NULL }, &cloth, &sim, &err);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     if (status != WEFT_INVALID && status != WEFT_UNSUPPORTED) {

@@ -36,11 +36,17 @@ static bool make_directories(const char *directory)
 }
 
 const char *const record_names[] = {
-    "scene.yaml", "manifest.yaml",   "series.csv",  "shapes.csv", "run.vtkhdf",
-    "final.csv",  "checkpoint.weft", "result.yaml", "frames",     "run.mdd",
-    "run.pc2",    "run.pvd",         "rest.obj",    "final.obj",  "final.ply",
-    "run.html",   "compare.html",    "compare.csv", RECORD_MESH,  RECORD_CROSSINGS,
-    NULL,
+    "scene.yaml",       "manifest.yaml",
+    "series.csv",       "shapes.csv",
+    "run.vtkhdf",       "final.csv",
+    "checkpoint.weft",  "result.yaml",
+    "frames",           "run.mdd",
+    "run.pc2",          "run.pvd",
+    "rest.obj",         "final.obj",
+    "final.ply",        "run.html",
+    "compare.html",     "compare.csv",
+    RECORD_MESH,        RECORD_CROSSINGS,
+    RECORD_SENSITIVITY, NULL,
 };
 
 /* Meshes of several cloths, and what exports add beside the names above, and the files

@@ -113,8 +113,9 @@ weft_status record_table_close(record_table *table, weft_error *err)
 
 #define EVERY 0u
 
-/* [bytes] A cell has at most 24 characters and a comma. */
-enum { LINE = 32 * RECORD_COLUMNS_MAX };
+/* [bytes] A cell has at most 24 characters and a comma, and the name of a sensitivity
+ * 112. */
+enum { LINE = 64 * RECORD_COLUMNS_MAX };
 
 typedef struct series_row {
     const record_frame *frame;
@@ -149,8 +150,15 @@ static bool has(const record_series *series, unsigned option)
     return option == EVERY || (series->optional & option) != 0;
 }
 
-void record_series_begin(record_series *series, unsigned optional)
+static size_t sensitivities(const record_series *series)
 {
+    return series->scene != NULL ? weft_scene_sensitivities(series->scene)->count : 0;
+}
+
+void record_series_begin(record_series *series, unsigned optional,
+                         const weft_scene *scene)
+{
+    series->scene = scene;
     series->optional = optional;
     series->columns = 0;
 #define NAME(runs, name, format, value)                                                \
@@ -159,14 +167,20 @@ void record_series_begin(record_series *series, unsigned optional)
     }
     COLUMNS(NAME)
 #undef NAME
+    for (size_t j = 0; j < sensitivities(series); ++j) {
+        (void)snprintf(series->own_names[j], RECORD_COLUMN_NAME, "sensitivity_%s",
+                       weft_scene_sensitivities(series->scene)->keys[j]);
+        series->names[series->columns++] = series->own_names[j];
+    }
 }
 
 weft_status record_series_open(record_series *series, const char *directory,
-                               unsigned optional, bool again, weft_error *err)
+                               unsigned optional, const weft_scene *scene, bool again,
+                               weft_error *err)
 {
     char line[LINE];
     size_t used = 0;
-    record_series_begin(series, optional);
+    record_series_begin(series, optional, scene);
     TRY(open_table(&series->table, directory, "series.csv", again, err));
     for (size_t i = 0; i < series->columns; ++i) {
         used
@@ -193,6 +207,11 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     }
     COLUMNS(CELL)
 #undef CELL
+    for (size_t j = 0; j < sensitivities(series); ++j) {
+        const double most = record_sensitivity_most(series->scene, frame->sim, j);
+        used += (size_t)snprintf(line + used, sizeof line - used, "%.17g,", most);
+        series->row[column++] = most;
+    }
     line[used - 1] = '\n';
     return series->table.stream == NULL ? WEFT_OK
                                         : write_line(&series->table, line, err);

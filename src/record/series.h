@@ -35,7 +35,7 @@ weft_status record_shapes_add(record_table *table, const record_frame *frame,
                               weft_error *err);
 
 #define RECORD_COLUMNS_MAX 64
-#define RECORD_COLUMN_NAME 32
+#define RECORD_COLUMN_NAME 128
 
 /* Columns of series.csv that not every run has. */
 enum {
@@ -49,17 +49,22 @@ enum {
 typedef struct record_series {
     record_table table;
     unsigned optional;
+    const weft_scene *scene; /* of sensitivities; NULL: without their columns */
+    char own_names[WEFT_SENSITIVITIES][RECORD_COLUMN_NAME];
     size_t columns;
     const char *names[RECORD_COLUMNS_MAX];
     double row[RECORD_COLUMNS_MAX]; /* the last row, its values as doubles */
     weft_spring worst;              /* the spring of max_strain in the last row */
 } record_series;
 
-/* Names the columns. Until a file is opened, record_series_add only fills `row`. */
-void record_series_begin(record_series *series, unsigned optional);
+/* Names the columns, those of the sensitivities of `scene` last (NULL: none). Until a
+ * file is opened, record_series_add only fills `row`. */
+void record_series_begin(record_series *series, unsigned optional,
+                         const weft_scene *scene);
 /* `again`: as above. */
 weft_status record_series_open(record_series *series, const char *directory,
-                               unsigned optional, bool again, weft_error *err);
+                               unsigned optional, const weft_scene *scene, bool again,
+                               weft_error *err);
 weft_status record_series_add(record_series *series, const record_frame *frame,
                               weft_error *err);
 

@@ -10,7 +10,7 @@
 typedef struct reader {
     FILE *stream;
     char path[RECORD_PATH];
-    char line[4096];
+    char line[8192];
     size_t number; /* of the line, from 1 */
 } reader;
 

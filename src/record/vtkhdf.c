@@ -22,7 +22,8 @@ enum {
     POINTS = VTKHDF_POINTS,
     VELOCITY = VTKHDF_VELOCITY,
     STRAIN = VTKHDF_STRAIN,
-    PARTS,
+    SENSITIVITY = VTKHDF_SENSITIVITY,
+    PARTS = VTKHDF_ROW_SETS,
     POINT_OFFSETS,
     FIELD_OFFSETS,
     FIELD_SIZES,
@@ -143,11 +144,19 @@ static void add_sum(record_vtkhdf *self, const hdf_set *set, const void *values)
     }
 }
 
+static size_t width_of(size_t set)
+{
+    return set >= SENSITIVITY && set < PARTS ? 3 : layout[set].width;
+}
+
 static bool is_recorded(const record_vtkhdf *self, size_t set)
 {
     const bool *wanted = self->def.record->fields;
     return set == VELOCITY ? wanted[WEFT_RECORD_VELOCITY]
            : set == STRAIN ? wanted[WEFT_RECORD_STRAIN]
+           : set >= SENSITIVITY && set < PARTS
+               ? self->def.sensitivity != NULL
+                     && set - SENSITIVITY < self->def.sensitivity->count
            : set >= FIELDS ? vtkhdf_is_field(self->def.series->names[set - FIELDS])
                            : true;
 }
@@ -162,14 +171,19 @@ static bool open_sets(record_vtkhdf *self)
         if (!is_recorded(self, i)) {
             continue;
         }
+        const bool own = i >= SENSITIVITY && i < PARTS;
         (void)snprintf(path, sizeof path, "%s%s",
-                       field ? "/VTKHDF/FieldData/" : layout[i].path,
-                       field ? self->def.series->names[i - FIELDS] : "");
+                       field ? "/VTKHDF/FieldData/"
+                       : own ? "/VTKHDF/PointData/s_"
+                             : layout[i].path,
+                       field ? self->def.series->names[i - FIELDS]
+                       : own ? self->def.sensitivity->keys[i - SENSITIVITY]
+                             : "");
         self->sets[i]
             = (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),
                          .memory = field ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
                          .rows = 1,
-                         .width = field ? 1 : layout[i].width };
+                         .width = field ? 1 : width_of(i) };
         good = self->sets[i].id >= 0;
     }
     return good;
@@ -198,7 +212,7 @@ static bool open_file(record_vtkhdf *self, const char *path, unsigned mode)
     if (self->file < 0 || !open_sets(self) || !open_times(self)) {
         return false;
     }
-    for (size_t set = POINTS; set <= STRAIN; ++set) {
+    for (size_t set = POINTS; set < PARTS; ++set) {
         self->rows.places[set]
             = is_recorded(self, set) ? (uint64_t)H5Dget_offset(self->sets[set].id) : 0;
     }
@@ -284,7 +298,7 @@ static bool write_set(record_vtkhdf *self, size_t i, const void *values)
 /* The buffer, with values that the file has no room for clamped: a run may blow up. */
 static bool write_buffer(record_vtkhdf *self, size_t set)
 {
-    const size_t width = layout[set].width;
+    const size_t width = width_of(set);
     double *values = self->rows.buffer;
     for (size_t i = 0; i < weft_cloth_particles(self->def.cloth) * width; ++i) {
         const double value = values[i];
@@ -312,6 +326,11 @@ static bool write_particles(record_vtkhdf *self, const weft_sim *sim)
     if (is_recorded(self, STRAIN)) {
         weft_cloth_strains(self->def.cloth, weft_sim_state(sim), values);
         good = write_buffer(self, STRAIN) && good;
+    }
+    for (size_t j = 0; is_recorded(self, SENSITIVITY + j) && j < WEFT_SENSITIVITIES;
+         ++j) {
+        record_sensitivity(self->def.series->scene, sim, j, false, values);
+        good = write_buffer(self, SENSITIVITY + j) && good;
     }
     return good;
 }
@@ -386,8 +405,8 @@ static bool pass_frame(record_vtkhdf *self, size_t frame, record_vtkhdf *to)
 {
     uint64_t values[2];
     bool good = true;
-    for (size_t set = POINTS; set <= STRAIN; ++set) {
-        const size_t width = layout[set].width;
+    for (size_t set = POINTS; set < PARTS; ++set) {
+        const size_t width = width_of(set);
         if (!is_recorded(self, set)) {
             continue;
         }

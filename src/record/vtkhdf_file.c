@@ -317,6 +317,22 @@ static bool field(const builder *self, weft_record_field field, const char *path
                && same(self, STEPS "PointOffsets", offsets));
 }
 
+static bool sensitivities(const builder *self)
+{
+    const weft_scene_sensitivity *of = self->def->sensitivity;
+    bool good = true;
+    for (size_t j = 0; of != NULL && j < of->count; ++j) {
+        char path[160], offsets[160];
+        (void)snprintf(path, sizeof path, ROOT "PointData/s_%s", of->keys[j]);
+        (void)snprintf(offsets, sizeof offsets, STEPS "PointDataOffsets/s_%s",
+                       of->keys[j]);
+        good = good
+               && dataset(self, path, self->real, self->capacity * self->n, 3, 0, NULL)
+               && same(self, STEPS "PointOffsets", offsets);
+    }
+    return good;
+}
+
 static bool particles(const builder *self)
 {
     const size_t rows = self->capacity * self->n;
@@ -327,6 +343,7 @@ static bool particles(const builder *self)
                     STEPS "PointDataOffsets/velocity", 3)
            && field(self, WEFT_RECORD_STRAIN, ROOT "PointData/strain",
                     STEPS "PointDataOffsets/strain", 1)
+           && sensitivities(self)
            && (!self->def->record->fields[WEFT_RECORD_PINNED]
                || integers(self, STEPS "PointDataOffsets/pinned", self->capacity, 1,
                            NULL))
@@ -409,7 +426,7 @@ bool vtkhdf_file_create(const char *path, const record_vtkhdf_def *def, size_t c
     const bool taken = record_faces_of(whole, &faces, NULL) == WEFT_OK;
     const hid_t access = hdf_access();
     /* room before the frames for all metadata */
-    (void)H5Pset_meta_block_size(access, (16 + def->series->columns) << 10);
+    (void)H5Pset_meta_block_size(access, (48 + def->series->columns) << 10);
     const builder self = {
         .file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access),
         .parents = H5Pcreate(H5P_LINK_CREATE),

@@ -58,7 +58,13 @@ bool vtkhdf_is_same_page(const unsigned char *before, const unsigned char *now,
 /* ---- vtkhdf_rows.c: the particles' data of the frames. Each band writes its own rows
  * to their places in the file, which is made with libhdf5 by rank 0 alone ---- */
 
-enum { VTKHDF_POINTS, VTKHDF_VELOCITY, VTKHDF_STRAIN, VTKHDF_ROW_SETS };
+enum {
+    VTKHDF_POINTS,
+    VTKHDF_VELOCITY,
+    VTKHDF_STRAIN,
+    VTKHDF_SENSITIVITY, /* of each number */
+    VTKHDF_ROW_SETS = VTKHDF_SENSITIVITY + WEFT_SENSITIVITIES
+};
 
 typedef struct vtkhdf_rows {
     const weft_comm *comm; /* NULL: one band, the whole cloth */

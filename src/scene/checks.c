@@ -23,6 +23,9 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     if (reader->report->found->errors == 0 && reader->def->bands > 1) {
         weft__check_bands(reader, match);
     }
+    if (reader->report->found->errors == 0 && scene->sensitivity.count > 0) {
+        weft__check_smooth(reader, match);
+    }
     if (reader->report->found->errors == 0 && !reader->report->no_memory) {
         weft__warn_of_contact(reader, match);
     }

@@ -720,6 +720,22 @@ static const weft__key record_keys[] = {
                  "particle" },
 };
 
+/* ---- sensitivity --------------------------------------------------------------- */
+
+static const char *const scale_names[] = { "none", "log", NULL };
+
+static const weft__key sensitivity_keys[] = {
+    { "of", WEFT__PATHS_OF_KEYS, .required = true, AT(weft_scene_sensitivity, keys),
+      .meaning = "numbers of cloth, forces and contact, as --set writes their keys: "
+                 "[forces.gravity.1, contact.shapes.0.radius]" },
+    { "scale", WEFT__EITHER, .names = scale_names, .fallback = "log",
+      AT(weft_scene_sensitivity, relative),
+      .meaning = "log: s = p dy/dp [m], [m/s]; none: s = dy/dp, per unit of p" },
+    { "control", WEFT__BOOLEAN, .fallback = "true", AT(weft_scene_sensitivity, control),
+      .meaning = "s takes part in error control, as with log; false: the steps are "
+                 "those without sensitivity" },
+};
+
 /* ---- the rest ------------------------------------------------------------------ */
 
 static const char *const frames_names[] = { "step", "interpolate", NULL };
@@ -792,6 +808,10 @@ static const weft__key root_keys[] = {
       AT(weft_scene, run.stop), .meaning = "an earlier end of the run" },
     { "record", WEFT__MAPPING, CHECKED(record), .absent = "defaults",
       AT(weft_scene, record), .meaning = "output of a run" },
+    { "sensitivity", WEFT__MAPPING, CHECKED(sensitivity), .absent = "none",
+      AT(weft_scene, sensitivity),
+      .meaning = "derivatives of the state by numbers of the scene, integrated with it "
+                 "(docs/gradients.md)" },
     { "sweep", WEFT__SWEEP, .absent = "one run",
       .meaning
       = "weft batch runs every combination of the values, or, with zip: "

@@ -315,17 +315,26 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
     reader->readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
 
+const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
+                                      weft__node *plain)
+{
+    const weft__source source
+        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
+    const weft__node *node = plain;
+    *plain = (weft__node){ .style = YAML_PLAIN_SCALAR_STYLE,
+                           .text = key->fallback,
+                           .count = source.length };
+    return key->fallback[0] != '[' || weft__tree_parse(tree, &source, 0, &node) ? node
+                                                                                : NULL;
+}
+
 /* Reads a default as if it stood in the scene. A plain value needs no parser, which
  * would take most of the time of reading a scene. */
 static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
 {
-    const weft__source source
-        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
-    const weft__node plain = { .style = YAML_PLAIN_SCALAR_STYLE,
-                               .text = key->fallback,
-                               .count = source.length };
-    const weft__node *node = &plain;
-    if (key->fallback[0] != '[' || weft__tree_parse(reader->tree, &source, 0, &node)) {
+    weft__node plain;
+    const weft__node *node = weft__fallback_node(reader->tree, key, &plain);
+    if (node != NULL) {
         weft__read_value(reader, key, node, base);
     }
 }

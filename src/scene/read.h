@@ -155,7 +155,7 @@ typedef struct weft__vertices {
 struct weft_scene {
     weft_allocator memory;
     weft__tree tree;
-    char *name, *text, *plugin, *method;
+    char *name, *text, *file, *plugin, *method;
     size_t version;
     weft_cloth_def cloth;
     weft_fabric fabric; /* density 0: none */
@@ -175,6 +175,7 @@ struct weft_scene {
     weft_limit_def limit;
     weft_run_def run;
     weft_record_def record;
+    weft_scene_sensitivity sensitivity;
     weft_stepper_config config;
     double step; /* [s] fixed_step as given */
     const weft_stepper_type *type;
@@ -255,6 +256,10 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 /* Read the value of a key into base. */
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
+
+/* The default of a key that has one, in *plain or of the tree; NULL: no memory. */
+const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
+                                      weft__node *plain);
 
 /* A key by its name, which must be one of the section's. */
 const weft__found *weft__found_in(const weft__match *match, const char *name);
@@ -388,6 +393,15 @@ void weft__check_vertices(weft__reader *reader, const weft__match *match);
 
 /* The same: of a scene without mistakes. */
 void weft__check_bands(weft__reader *reader, const weft__match *root);
+
+/* The value of section.key, or what of the section is there; key NULL: its name. */
+weft__mark weft__place_in(const weft__match *root, const char *section,
+                          const char *key);
+
+/* scene_sensitivity.c; the second: what of a scene without mistakes has no derivative.
+ */
+weft__check_fn weft__check_sensitivity;
+void weft__check_smooth(weft__reader *reader, const weft__match *root);
 
 /* butcher.c */
 weft__check_fn weft__check_butcher;

@@ -187,6 +187,8 @@ static weft_status complete(const weft__base *base, weft_scene *scene, weft_erro
                           ? weft__tree_emit(&scene->tree)
                           : weft__tree_text(&scene->tree, base->text, base->length);
     }
+    const char *file = name_in_messages(&base->def);
+    scene->file = weft__tree_text(&scene->tree, file, strlen(file));
     return scene->tree.report->no_memory || scene->text == NULL ? no_memory(err)
                                                                 : WEFT_OK;
 }
@@ -302,6 +304,7 @@ QUERY(const weft_fabric *, fabric, scene->fabric.density > 0.0 ? &scene->fabric 
 QUERY(const weft_limit_def *, limit, &scene->limit)
 QUERY(const weft_run_def *, run, &scene->run)
 QUERY(const weft_record_def *, record, &scene->record)
+QUERY(const weft_scene_sensitivity *, sensitivities, &scene->sensitivity)
 QUERY(const char *, plugin, scene->plugin)
 QUERY(const char *, method, scene->method)
 QUERY(const weft_stepper_type *, method_type, scene->type)

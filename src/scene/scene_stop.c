@@ -97,8 +97,7 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
 
 /* ---- bands ---------------------------------------------------------------------- */
 
-/* The value of section.key, or what of the section is there; key NULL: its name. */
-static weft__mark place(const weft__match *root, const char *section, const char *key)
+weft__mark weft__place_in(const weft__match *root, const char *section, const char *key)
 {
     const weft__found *found = weft__found_in(root, section);
     const weft__node *value
@@ -133,17 +132,18 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
           "cloth" },
     };
     if (!scene->meshed && rows / bands < WEFT_GHOST_ROWS) {
-        weft__report_error(reader->report, place(root, "cloth", "grid"),
+        weft__report_error(reader->report, weft__place_in(root, "cloth", "grid"),
                            "%zu rows are too few for %zu bands: each needs %d", rows,
                            bands, WEFT_GHOST_ROWS);
     }
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {
             weft__report_error(reader->report,
-                               place(root, rules[i].section, rules[i].key), "%s",
-                               rules[i].message);
+                               weft__place_in(root, rules[i].section, rules[i].key),
+                               "%s", rules[i].message);
         }
     }
-    weft__require_flag(reader, WEFT_STEPPER_AGREES, place(root, "stepper", "method"),
+    weft__require_flag(reader, WEFT_STEPPER_AGREES,
+                       weft__place_in(root, "stepper", "method"),
                        "does not run in bands", "these do");
 }

@@ -33,6 +33,7 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
 static void take_back(weft_sim *sim, double t0)
 {
     memcpy(sim->y, sim->start, weft__sim_dim(sim) * sizeof *sim->y);
+    weft__sensitivity_back(sim);
     sim->t = t0;
     sim->def.method->state_changed(sim->stepper);
     --sim->earlier.steps; /* modulo 2^64, as is the sum */
@@ -43,8 +44,7 @@ static void take_back(weft_sim *sim, double t0)
 static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
                            weft_error *why)
 {
-    const weft_status status
-        = sim->def.method->step(sim->stepper, end, &sim->t, sim->y, why);
+    const weft_status status = weft__sim_method_step(sim, end, why);
     *again = false;
     if (status != WEFT_OK) {
         weft__bands_deepest(sim->def.comm, &sim->refused);

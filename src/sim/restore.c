@@ -20,7 +20,7 @@ typedef struct restored {
     unsigned char *front;
     size_t front_words;
     uint64_t *holds;
-    double *y;
+    double *y, *s;
     weft__shape *shapes; /* shape_count of them */
     size_t shape_count;
     weft__wind wind;
@@ -62,7 +62,7 @@ static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
     const weft__save_head mine = weft__save_head_of(sim);
     const size_t words = size / WEFT__WORD;
     const size_t least
-        = weft__save_front(sim, 0) + WEFT__SAVE_PLANES * weft__save_particles(sim);
+        = weft__save_front(sim, 0) + weft__save_planes(sim) * weft__save_particles(sim);
     if (memcmp(head->magic, mine.magic, sizeof mine.magic) != 0) {
         return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
     }
@@ -92,7 +92,9 @@ static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
     const weft_allocator *memory = &sim->memory;
     to->front = weft__alloc(memory, to->front_words, WEFT__WORD);
     to->holds = weft__alloc(memory, sim->cloth->mesh.particles, sizeof *to->holds);
-    to->y = weft__alloc(memory, weft__sim_dim(sim), sizeof *to->y);
+    to->y = weft__alloc(memory, weft__sim_dim(sim) * (1 + sim->sensitivity.count),
+                        sizeof *to->y);
+    to->s = to->y != NULL ? to->y + weft__sim_dim(sim) : NULL;
     to->shapes = weft__alloc(memory, to->shape_count, sizeof *to->shapes);
     return to->front != NULL && to->holds != NULL && to->y != NULL && to->shapes != NULL
                ? WEFT_OK
@@ -105,8 +107,10 @@ static weft_status read_planes(const weft_sim *sim, const source *from, restored
     const size_t n = sim->cloth->mesh.particles;
     size_t at = to->front_words + weft__whole_index(&sim->cloth->mesh, 0);
     weft_status status = WEFT_OK;
-    for (size_t k = 0; status == WEFT_OK && k < WEFT__SAVE_PLANES; ++k) {
-        void *plane = k < 6 ? (void *)(to->y + k * n) : (void *)to->holds;
+    for (size_t k = 0; status == WEFT_OK && k < weft__save_planes(sim); ++k) {
+        void *plane = k < 6    ? (void *)(to->y + k * n)
+                      : k == 6 ? (void *)to->holds
+                               : (void *)(to->s + (k - 7) * n);
         status = get_words(from, at, plane, n, err);
         if (status == WEFT_OK) {
             weft__words_get(plane, plane, n);
@@ -148,7 +152,7 @@ static weft_status check_sum(const weft_sim *sim, const restored *from, weft_err
 {
     const size_t last = from->front_words - 1;
     const uint64_t sum
-        = weft__save_sum(&sim->forces, from->y, from->holds, from->front, last);
+        = weft__save_sum(sim, from->y, from->s, from->holds, from->front, last);
     const bool right
         = sum == word(from->front, last) || !weft__bands_is_first(sim->def.comm);
     return weft_comm_agree(sim->def.comm, right ? WEFT_OK : damaged(err), err);
@@ -177,8 +181,8 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
     return head->settings == mine.settings
                ? WEFT_OK
                : weft_error_set(err, WEFT_INVALID,
-                                "saved under other settings of the stepper or the "
-                                "limit, or other callbacks");
+                                "saved under other settings of the stepper, the "
+                                "limit or sensitivities, or other callbacks");
 }
 
 /* The body of the next mesh among the shapes: meshes are never added or removed. */
@@ -270,6 +274,15 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->vetoed = from->vetoed;
 }
 
+static void swap(double *a, double *b, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const double kept = a[i];
+        a[i] = b[i];
+        b[i] = kept;
+    }
+}
+
 /* Pins, shapes, wind and state of the simulation for those saved; once more: back.
  * The new stepper is made in between, as a method may refuse other pins than its own.
  */
@@ -285,11 +298,9 @@ static void exchange(weft_sim *sim, restored *with)
         weft__set_hold(mesh, i, (weft__hold)with->holds[i]);
         with->holds[i] = hold;
     }
-    for (size_t i = 0; i < weft__sim_dim(sim); ++i) {
-        const double y = sim->y[i];
-        sim->y[i] = with->y[i];
-        with->y[i] = y;
-    }
+    swap(sim->y, with->y, weft__sim_dim(sim));
+    swap(sim->sensitivity.s, with->s, weft__sim_dim(sim) * sim->sensitivity.count);
+    weft__sensitivity_pack(sim);
     contact->shapes = with->shapes;
     contact->shape_count = with->shape_count;
     ++contact->changes;

@@ -78,7 +78,7 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 size_t weft_sim_save_size(const weft_sim *sim)
 {
     return (weft__save_front(sim, weft_cloth_shapes(sim->cloth))
-            + WEFT__SAVE_PLANES * weft__save_particles(sim))
+            + weft__save_planes(sim) * weft__save_particles(sim))
            * WEFT__WORD;
 }
 
@@ -106,10 +106,11 @@ static uint64_t add_words(uint64_t sum, const void *words, size_t count)
     return sum;
 }
 
-uint64_t weft__save_sum(const weft__forces *forces, const double *y,
+uint64_t weft__save_sum(const weft_sim *sim, const double *y, const double *s,
                         const uint64_t *holds, const unsigned char *front, size_t words)
 {
-    const weft_cloth *cloth = forces->cloth;
+    const weft__forces *forces = &sim->forces;
+    const weft_cloth *cloth = sim->cloth;
     uint64_t *own = (uint64_t *)(void *)forces->measures;
     for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
         const size_t b = cloth->mesh.band.above + r;
@@ -120,6 +121,9 @@ uint64_t weft__save_sum(const weft__forces *forces, const double *y,
             own[r] = add_words(own[r], y + k * cloth->mesh.particles + first, count);
         }
         own[r] = add_words(own[r], holds + first, count);
+        for (size_t k = 0; k < 6 * sim->sensitivity.count; ++k) {
+            own[r] = add_words(own[r], s + k * cloth->mesh.particles + first, count);
+        }
     }
     const uint64_t *rows = weft__bands_blocks(forces, own, sizeof *own);
     const uint64_t sum = weft__words_sum(front, rows == NULL ? 0 : words);
@@ -176,9 +180,11 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
     const size_t own = weft__block(mesh, mesh->band.above + mesh->band.own) - skip;
     size_t at = weft__save_front(sim, cloth->contact.shape_count)
                 + mesh->band.first * mesh->block;
-    for (size_t k = 0; k < WEFT__SAVE_PLANES; ++k) {
-        const void *from = k < 6 ? (const void *)(sim->y + k * n + skip)
-                                 : (const void *)(to->holds + skip);
+    for (size_t k = 0; k < weft__save_planes(sim); ++k) {
+        const void *from
+            = k < 6    ? (const void *)(sim->y + k * n + skip)
+              : k == 6 ? (const void *)(to->holds + skip)
+                       : (const void *)(sim->sensitivity.s + (k - 7) * n + skip);
         weft__words_put(to->plane, from, own);
         const weft_status one
             = to->put(to->ctx, (uint64_t)at * WEFT__WORD, to->plane, own * WEFT__WORD,
@@ -202,9 +208,9 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
         to->holds[i] = weft__hold_of(&sim->cloth->mesh, i);
     }
     put_front(sim, to->front);
-    weft__word_put(
-        to->front + (words - 1) * WEFT__WORD,
-        weft__save_sum(&sim->forces, sim->y, to->holds, to->front, words - 1));
+    weft__word_put(to->front + (words - 1) * WEFT__WORD,
+                   weft__save_sum(sim, sim->y, sim->sensitivity.s, to->holds, to->front,
+                                  words - 1));
     ++sim->callbacks;
     status = to->put(to->ctx, 0, first ? to->front : NULL,
                      first ? words * WEFT__WORD : 0, err);

@@ -5,9 +5,10 @@
  * particles), quadratures, hashes of the cloth's definition and of the settings, the
  * method's name in 64 bytes, fields, quadratures of y, the number of shapes, a hash of
  * the law of contact, the shapes (kind, the numbers of weft_shape from `at` on, since
- * when it moves so), checksum. Then planes of all particles: the six of y, and their
- * holds. The checksum is that of the front before it and of a word for each row: the
- * checksum of the row's words, plane by plane. */
+ * when it moves so), checksum. Then planes of all particles: the six of y, their
+ * holds, and with sensitivities the six of each. The checksum is that of the front
+ * before it and of a word for each row: the checksum of the row's words, plane by
+ * plane. */
 #pragma once
 
 #include "base/bytes.h"
@@ -53,6 +54,11 @@ static inline size_t weft__save_front(const weft_sim *sim, size_t shapes)
     return SAVE_HEAD + sim->config.quadratures + 2 + SHAPE_WORDS * shapes + 1;
 }
 
+static inline size_t weft__save_planes(const weft_sim *sim)
+{
+    return WEFT__SAVE_PLANES + 6 * sim->sensitivity.count;
+}
+
 /* Of the whole cloth, in a plane. */
 static inline size_t weft__save_particles(const weft_sim *sim)
 {
@@ -62,9 +68,9 @@ static inline size_t weft__save_particles(const weft_sim *sim)
 /* That of a simulation. */
 weft__save_head weft__save_head_of(const weft_sim *sim);
 
-/* The checksum, on band 0: of `words` words of the front and of all rows of y and
- * holds, whose particles are those here. Collective. */
-uint64_t weft__save_sum(const weft__forces *forces, const double *y,
+/* The checksum, on band 0: of `words` words of the front and of all rows of y, holds
+ * and the planes of sensitivities s, whose particles are those here. Collective. */
+uint64_t weft__save_sum(const weft_sim *sim, const double *y, const double *s,
                         const uint64_t *holds, const unsigned char *front,
                         size_t words);
 

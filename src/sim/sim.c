@@ -71,7 +71,10 @@ weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out
                               weft_error *err)
 {
     /* weft_ode has no const, because solvers have none */
-    const weft_ode ode = { weft__sim_dim(sim), weft__sim_rhs, (void *)sim };
+    const size_t count = sim->sensitivity.count;
+    const weft_ode ode
+        = { weft__sim_dim(sim) * (1 + count),
+            count > 0 ? weft__sensitivity_rhs : weft__sim_rhs, (void *)sim };
     weft_stepper_config config = sim->config;
     config.first_step = first_step > 0.0 ? first_step : config.first_step;
     return sim->def.method->create(sim->def.method, &ode, &config, out, err);
@@ -165,7 +168,10 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
     status = status == WEFT_OK && weft__sim_checks(sim) ? weft__sim_make_start(sim, err)
                                                         : status;
-    return status == WEFT_OK ? weft__between_init(sim, err) : status;
+    status = status == WEFT_OK ? weft__between_init(sim, err) : status;
+    return status == WEFT_OK && def->sensitivity != NULL
+               ? weft__sensitivity_init(sim, err)
+               : status;
 }
 
 weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_error *err)
@@ -192,7 +198,7 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
         return status;
     }
     sim->cloth_hash = weft__bands_cloth_hash(&sim->forces);
-    sim->settings = weft__settings_hash(def, &sim->config);
+    sim->settings = weft__sensitivity_hash(sim, weft__settings_hash(def, &sim->config));
     char size[64];
     weft__log(&sim->def.log, WEFT_LOG_INFO, "%s under %s",
               weft_cloth_text(def->cloth, size, sizeof size), def->method->name);
@@ -205,6 +211,7 @@ void weft_sim_destroy(weft_sim *sim)
     if (sim != NULL) {
         sim->def.method->destroy(sim->stepper);
         weft__forces_destroy(&sim->forces);
+        weft__sensitivity_free(sim);
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         WEFT__FREE_ALL(&memory, sim->limit.x, sim->lists, sim->masses, sim->added,

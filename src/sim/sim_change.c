@@ -14,9 +14,12 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                  weft_error *err)
 {
     const weft_status outside = weft__sim_outside(sim, function, err);
-    return outside == WEFT_OK && sim->def.comm != NULL ? weft_error_set(
-               err, WEFT_UNSUPPORTED, "%s: not possible for a cloth in bands", function)
-                                                       : outside;
+    const char *why = sim->def.comm != NULL        ? "for a cloth in bands"
+                      : sim->sensitivity.count > 0 ? "with sensitivities"
+                                                   : NULL;
+    return outside == WEFT_OK && why != NULL ? weft_error_set(
+               err, WEFT_UNSUPPORTED, "%s: not possible %s", function, why)
+                                             : outside;
 }
 
 weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag)

@@ -184,8 +184,8 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
     }
     weft_status status = frames_have_room(scene, &err);
     if (status == WEFT_OK) {
-        status = runs ? simulation_create(scene, NULL, (weft_log){ NULL, NULL }, &cloth,
-                                          &sim, &err)
+        status = runs ? simulation_create(scene, NULL, NULL, (weft_log){ NULL, NULL },
+                                          &cloth, &sim, &err)
                       : cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
     }
     if (status == WEFT_OK) {
@@ -219,12 +219,13 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     weft_scene *scene = NULL;
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
-                        && weft_scene_config(scene)->fixed_step > 0.0
-                        && simulation_create(scene, NULL, (weft_log){ NULL, NULL },
-                                             &cloth, &sim, NULL)
-                               == WEFT_OK
-                        && stability_warn(scene, sim, true);
+    const bool beyond
+        = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
+          && weft_scene_config(scene)->fixed_step > 0.0
+          && simulation_create(scene, NULL, NULL, (weft_log){ NULL, NULL }, &cloth,
+                               &sim, NULL)
+                 == WEFT_OK
+          && stability_warn(scene, sim, true);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     weft_scene_destroy(scene);

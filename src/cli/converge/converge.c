@@ -116,7 +116,7 @@ static weft_status take_values(const converge *self, size_t i, const weft_sim *s
                                 .sim = sim,
                                 .limit_sweeps = weft_sim_limit_stats(sim).sweeps };
     record_series series = { 0 }; /* without a file */
-    record_series_begin(&series, series_columns(self->scene));
+    record_series_begin(&series, series_columns(self->scene), NULL);
     TRY(record_series_add(&series, &last, err));
     for (size_t k = 0; k < self->quantity_count; ++k) {
         const converge_quantity *one = &self->quantities[k];

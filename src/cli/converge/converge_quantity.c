@@ -126,7 +126,7 @@ int converge_add_quantities(converge *self)
     const bool none = given->at_count == 0;
     const char **ats = none ? &usual : given->ats;
     record_series series = { 0 };
-    record_series_begin(&series, series_columns(self->scene));
+    record_series_begin(&series, series_columns(self->scene), NULL);
     for (size_t i = 0; i < (none ? 1 : given->at_count); ++i) {
         if (self->quantity_count + 3 > CONVERGE_QUANTITIES) {
             return usage_error(self->given, "--at: more than %d quantities",

@@ -140,6 +140,7 @@ static record_vtkhdf_def frames_of(const run *self)
         .whole = self->whole,
         .comm = self->comm,
         .record = weft_scene_record(self->scene),
+        .sensitivity = weft_scene_sensitivities(self->scene),
         .last = self->result.planned - 1,
         .series = &self->series,
     };
@@ -177,14 +178,14 @@ static weft_status open_tables(run *self, bool again, weft_error *err)
 {
     const unsigned columns = series_columns(self->scene);
     if (!ranks_first(self->comm)) {
-        record_series_begin(&self->series, columns);
+        record_series_begin(&self->series, columns, self->scene);
         return WEFT_OK;
     }
     if (!again) {
         TRY(record_scene_text(self->out, self->scene, err));
         TRY(write_manifest(self, err));
     }
-    TRY(record_series_open(&self->series, self->out, columns, again, err));
+    TRY(record_series_open(&self->series, self->out, columns, self->scene, again, err));
     return record_shapes_open(&self->shapes, self->out, self->cloth, again, err);
 }
 
@@ -221,6 +222,7 @@ static void remove_ends(const run *self)
     run_remove(self, "run.html");
     run_remove(self, "result.yaml");
     run_remove(self, "final.csv");
+    run_remove(self, RECORD_SENSITIVITY);
 }
 
 static bool is_longer(const run *self)

@@ -223,9 +223,12 @@ static int report_failure(run *self, const weft_error *why)
 static weft_status write_ends(run *self, bool failed, weft_error *err)
 {
     TRY(run_in_place(self, err));
-    const weft_status written = weft_scene_record(self->scene)->final
-                                    ? write_state(self, "final.csv", record_csv, err)
-                                    : WEFT_OK;
+    weft_status written = weft_scene_record(self->scene)->final
+                              ? write_state(self, "final.csv", record_csv, err)
+                              : WEFT_OK;
+    if (written == WEFT_OK && self->twins != NULL) {
+        written = record_sensitivities(self->out, self->scene, self->sim, err);
+    }
     if (written != WEFT_OK && !failed) {
         note_failure(self, err);
     }
@@ -254,7 +257,8 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         = (size_t)self->beyond
           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
           + (size_t)(weft_sim_limit_held(self->sim) > 0)
-          + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps);
+          + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps)
+          + (size_t)(record_sensitivity_growth(self->scene, self->sim, NULL) > 1.0);
     if (status != WEFT_OK) {
         code = report_failure(self, why);
     } else if (interrupted) {
@@ -340,12 +344,17 @@ static int run_simulation(run *self)
         status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, &err);
     }
     status = run_agree(self, status, &err);
+    status = status == WEFT_OK
+                 ? twins_create(self->given, self->scene, &self->twins, &err)
+                 : status;
     if (status == WEFT_OK) {
-        status = simulation_create(self->scene, self->comm, (weft_log){ on_log, self },
-                                   &self->cloth, &self->sim, &err);
+        status = simulation_create(
+            self->scene, self->comm, weft_scene_twins_def(self->twins),
+            (weft_log){ on_log, self }, &self->cloth, &self->sim, &err);
     }
     const int code = status == WEFT_OK ? run_prepared(self) : refuse(self, &err);
     weft_sim_destroy(self->sim);
+    weft_scene_twins_destroy(self->twins);
     weft_cloth_destroy(self->cloth);
     weft_cloth_destroy(self->whole);
     return code;

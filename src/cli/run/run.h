@@ -26,9 +26,10 @@ typedef struct run {
     bool again;              /* the directory is that of an earlier attempt */
     record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
-    const weft_comm *comm; /* NULL: one process; else all functions are collective */
-    weft_cloth *cloth;     /* of the sim: in bands, this one */
-    weft_cloth *whole;     /* in bands, on rank 0, up to the first frame; else NULL */
+    const weft_comm *comm;   /* NULL: one process; else all functions are collective */
+    weft_cloth *cloth;       /* of the sim: in bands, this one */
+    weft_cloth *whole;       /* in bands, on rank 0, up to the first frame; else NULL */
+    weft_scene_twins *twins; /* of sensitivities; NULL: none */
     weft_sim *sim;
     record_series series;
     record_table shapes;

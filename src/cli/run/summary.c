@@ -187,6 +187,30 @@ static void print_files(const summary *self)
     print_item("files", "in %s%s", self->directory, names.text);
 }
 
+static void print_sensitivity(const summary *self)
+{
+    const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
+    size_t worst = 0;
+    sentence warning = { "" };
+    if (of->count == 0) {
+        return;
+    }
+    const double growth = record_sensitivity_growth(self->scene, self->sim, &worst);
+    if (growth > 1.0) {
+        say(&warning, "; warning: that is more than the cloth's size: the run is too "
+                      "sensitive for "
+                      "its derivatives to mean much");
+    }
+    if (weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps) {
+        say(&warning, "; warning: contact took back more than half of the steps");
+    }
+    print_item(
+        "sensitivity",
+        "to %zu %s; 1 %% of %s moves a particle by %.3g of the cloth's diagonal%s",
+        of->count, of->count == 1 ? "number" : "numbers", of->keys[worst], growth,
+        warning.text);
+}
+
 void summary_print(const summary *self)
 {
     print_what(self);
@@ -197,6 +221,7 @@ void summary_print(const summary *self)
     print_energy(self);
     print_contact(self);
     print_limit(self);
+    print_sensitivity(self);
     print_files(self);
 }
 

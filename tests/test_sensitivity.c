@@ -1,0 +1,619 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Derivatives of runs by numbers of their scenes: against exact solutions, and against
+ * differences of runs with fixed steps, of which they are the derivative. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "scene_load.h"
+#include "shell.h"
+
+/* A sheet that wind blows, over a sphere. */
+#define SHEET                                                                          \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 5, cols: 6, spacing: [0.1, 0.08]}\n"                               \
+    "  density: 0.2\n"                                                                 \
+    "  springs:\n"                                                                     \
+    "    stretch: {stiffness: 100, damping: 0.02}\n"                                   \
+    "    shear: {stiffness: 50, damping: 0.01}\n"                                      \
+    "    bend: {stiffness: 5, damping: 0.001}\n"                                       \
+    "  pins:\n"                                                                        \
+    "    - {at: top-left, velocity: [0.1, 0.2, -0.1]}\n"                               \
+    "    - {at: top-right, amplitude: [0, 0, 0.1], frequency: 2}\n"                    \
+    "forces:\n"                                                                        \
+    "  gravity: [0, 0, -9.81]\n"                                                       \
+    "  damping: 0.002\n"                                                               \
+    "  wind: {velocity: [1, 2, 0.5], drag: 0.3}\n"                                     \
+    "contact:\n"                                                                       \
+    "  thickness: 0.03\n"                                                              \
+    "  slip: 0.05\n"                                                                   \
+    "  damping: 0.1\n"                                                                 \
+    "  shapes:\n"                                                                      \
+    "    - {shape: sphere, at: [0.25, -0.2, -0.22], radius: 0.2, velocity: [0.3, 0, "  \
+    "0.1]}\n"
+
+#define SQUARE BUILD_DIR "/tests/sensitivity.obj"
+
+/* A mesh of a fabric, onto a plane. */
+#define MESH                                                                           \
+    "cloth:\n"                                                                         \
+    "  mesh: {file: \"" SQUARE "\"}\n"                                                 \
+    "  fabric: {density: 0.15, stretch: [300, 250], shear: 40, bend: [2e-4, 1e-4], "   \
+    "damping: 0.01}\n"                                                                 \
+    "  pins: [{near: [0, 0, 0]}]\n"                                                    \
+    "forces: {gravity: [0, 0, -9.81]}\n"                                               \
+    "contact:\n"                                                                       \
+    "  thickness: 0.02\n"                                                              \
+    "  shapes: [{shape: plane, at: [0, 0, -0.05], normal: [0, 0, 1]}]\n"
+
+/* A strip whose lower end is lifted to the upper one, which it touches. */
+#define FOLD                                                                           \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 12, cols: 3, spacing: 0.05, down: [0, 0, -1]}\n"                   \
+    "  density: 0.2\n"                                                                 \
+    "  springs:\n"                                                                     \
+    "    stretch: {stiffness: 200, damping: 0.02}\n"                                   \
+    "    shear: {stiffness: 100, damping: 0.01}\n"                                     \
+    "    bend: {stiffness: 2, damping: 0.001}\n"                                       \
+    "  pins:\n"                                                                        \
+    "    - {at: {rows: 0, cols: all}}\n"                                               \
+    "    - {at: {rows: 11, cols: all}, velocity: [0.04, 0, 0.6]}\n"                    \
+    "forces: {gravity: [0, 0, -9.81], damping: 0.01}\n"                                \
+    "contact: {thickness: 0.02, self: true, slip: 0.05}\n"
+
+#define RK4 "stepper: {plugin: gsl, method: rk4, fixed_step: 5e-4}\n"
+
+static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
+{
+    (void)ctx;
+    (void)err;
+    size_t i = 0;
+    while (test_plugin(i) != NULL && strcmp(test_plugin(i)->id, id) != 0) {
+        ++i;
+    }
+    return test_plugin(i);
+}
+
+/* A run of a scene, at its end. */
+typedef struct end {
+    weft_scene *scene;
+    weft_scene_twins *twins;
+    weft_cloth *cloth;
+    weft_sim *sim;
+} end;
+
+static end begin(const char *text, const char *const *sets, size_t count)
+{
+    end of = { NULL };
+    weft_error err = { 0 };
+    weft_scene_def def = scene_of_text(text);
+    def.find_plugin = find_linked;
+    def.sets = sets;
+    def.set_count = count;
+    of.scene = good_scene(&def);
+    of.cloth = test_cloth(weft_scene_cloth(of.scene));
+    ck_assert_msg(weft_scene_twins_create(of.scene, &def, &of.twins, &err) == WEFT_OK,
+                  "%s", err.message);
+    weft_sim_def sim = weft_sim_def_default();
+    sim.cloth = of.cloth;
+    sim.method = weft_scene_method_type(of.scene);
+    sim.config = *weft_scene_config(of.scene);
+    sim.sensitivity = weft_scene_twins_def(of.twins);
+    ck_assert_msg(weft_sim_create(&sim, &of.sim, &err) == WEFT_OK, "%s", err.message);
+    return of;
+}
+
+static void advance(const end *of, double t)
+{
+    weft_error err = { 0 };
+    ck_assert_msg(weft_sim_advance(of->sim, t, &err) == WEFT_OK, "%s", err.message);
+}
+
+static end run(const char *text, const char *const *sets, size_t count)
+{
+    const end of = begin(text, sets, count);
+    advance(&of, weft_scene_run(of.scene)->duration);
+    return of;
+}
+
+static void finish(end *of)
+{
+    weft_sim_destroy(of->sim);
+    weft_scene_twins_destroy(of->twins);
+    weft_cloth_destroy(of->cloth);
+    weft_scene_destroy(of->scene);
+}
+
+/* The state at the end of a run with a number p (1 + d). */
+static double *run_with(const char *text, const char *key, double value)
+{
+    char set[160];
+    const char *const sets[] = { set, "sensitivity=null" };
+    (void)snprintf(set, sizeof set, "%s=%.17g", key, value);
+    end of = run(text, sets, 2);
+    const size_t dim = weft_cloth_dim(of.cloth);
+    double *y = malloc(dim * sizeof *y);
+    ck_assert_ptr_nonnull(y);
+    memcpy(y, weft_sim_state(of.sim), dim * sizeof *y);
+    finish(&of);
+    return y;
+}
+
+/* Compares positions and velocities with differences of the fourth order. */
+static void check_number(const end *of, const char *text, size_t j, double d,
+                         double bound)
+{
+    const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of->scene);
+    const double p = numbers->values[j];
+    const double weights[] = { 1.0, -8.0, 8.0, -1.0 }, at[] = { -2.0, -1.0, 1.0, 2.0 };
+    const size_t dim = weft_cloth_dim(of->cloth);
+    double *sum = calloc(dim, sizeof *sum);
+    for (size_t i = 0; i < 4; ++i) {
+        double *y = run_with(text, numbers->keys[j], p * (1.0 + at[i] * d));
+        for (size_t k = 0; k < dim; ++k) {
+            sum[k] += weights[i] * y[k] / (12.0 * d);
+        }
+        free(y);
+    }
+    for (size_t half = 0; half < dim; half += dim / 2) {
+        const double *s = weft_sim_sensitivity(of->sim, j);
+        double most = 0.0, error = 0.0;
+        for (size_t k = half; k < half + dim / 2; ++k) {
+            most = fmax(most, fabs(sum[k]));
+            error = fmax(error, fabs(s[k] - sum[k]));
+        }
+        ck_assert_msg(most > 1e-9 && error <= bound * most,
+                      "%s: %g, of which %g is wrong", numbers->keys[j], most, error);
+    }
+    free(sum);
+}
+
+/* By differences of p (1 +- d). */
+static void check_numbers(const char *text, double d, double bound)
+{
+    end of = run(text, NULL, 0);
+    for (size_t j = 0; j < weft_scene_sensitivities(of.scene)->count; ++j) {
+        check_number(&of, text, j, d, bound);
+    }
+    finish(&of);
+}
+
+START_TEST(numbers_of_a_sheet_are_those_of_differences)
+{
+    check_numbers(SHEET RK4 "run: {duration: 0.15}\n"
+                            "sensitivity:\n"
+                            "  of: [cloth.springs.stretch.stiffness, "
+                            "cloth.springs.shear.stiffness, "
+                            "cloth.springs.bend.stiffness, "
+                            "cloth.springs.stretch.damping, cloth.density, "
+                            "cloth.grid.spacing.0, forces.gravity.2, forces.damping, "
+                            "forces.wind.velocity.1, forces.wind.drag]\n",
+                  5e-5, 1e-7);
+}
+END_TEST
+
+START_TEST(numbers_of_shapes_and_pins_are_those_of_differences)
+{
+    check_numbers(SHEET RK4 "run: {duration: 0.15}\n"
+                            "sensitivity:\n"
+                            "  of: [contact.friction, contact.thickness, "
+                            "contact.damping, contact.stopping_speed, "
+                            "contact.shapes.0.radius, contact.shapes.0.at.2, "
+                            "contact.shapes.0.velocity.0, cloth.pins.0.velocity.1, "
+                            "cloth.pins.1.amplitude.2, cloth.pins.1.frequency]\n",
+                  5e-5, 1e-7);
+}
+END_TEST
+
+static void write_square(size_t side)
+{
+    FILE *file = fopen(SQUARE, "w");
+    ck_assert_ptr_nonnull(file);
+    for (size_t i = 0; i < side * side; ++i) {
+        const double x = 0.1 * (double)(i % side), y = 0.1 * (double)(i / side);
+        fprintf(file, "v %g %g 0\nvt %g %g\n", x, y, x, y);
+    }
+    for (size_t i = 0; i + side < side * side; ++i) {
+        if (i % side + 1 < side) {
+            const size_t a = i + 1, b = i + 2, c = i + side + 1, d = i + side + 2;
+            fprintf(file, "f %zu/%zu %zu/%zu %zu/%zu\nf %zu/%zu %zu/%zu %zu/%zu\n", a,
+                    a, b, b, c, c, b, b, d, d, c, c);
+        }
+    }
+    ck_assert_int_eq(fclose(file), 0);
+}
+
+START_TEST(numbers_of_a_fabric_are_those_of_differences)
+{
+    write_square(4);
+    check_numbers(MESH "stepper: {plugin: gsl, method: rk4, fixed_step: 2e-4}\n"
+                       "run: {duration: 0.12}\n"
+                       "sensitivity:\n"
+                       "  of: [cloth.fabric.density, cloth.fabric.stretch.0, "
+                       "cloth.fabric.shear, cloth.fabric.bend.0, cloth.fabric.damping, "
+                       "contact.thickness, contact.shapes.0.at.2]\n",
+                  5e-5, 1e-6);
+}
+END_TEST
+
+START_TEST(numbers_of_self_contact_are_those_of_differences)
+{
+    const char *text = FOLD "stepper: {plugin: gsl, method: rk4, fixed_step: 2e-4}\n"
+                            "run: {duration: 0.27}\n"
+                            "sensitivity:\n"
+                            "  of: [contact.thickness, "
+                            "cloth.springs.bend.stiffness, cloth.density, "
+                            "cloth.pins.1.velocity.2]\n";
+    end of = run(text, NULL, 0);
+    ck_assert_uint_gt(weft_sim_measure(of.sim).self_touching, 0);
+    finish(&of);
+    check_numbers(text, 3e-6, 1e-6);
+}
+END_TEST
+
+/* The same map under a method of positions and velocities. */
+START_TEST(verlet_has_the_derivative_of_its_own_map)
+{
+    check_numbers("cloth:\n"
+                  "  grid: {rows: 3, cols: 3, spacing: 0.1}\n"
+                  "  mass: 0.01\n"
+                  "  springs: {stretch: {stiffness: 100}, shear: {stiffness: 50}}\n"
+                  "  pins: [top-left]\n"
+                  "forces: {gravity: [0, -9.81, 0]}\n"
+                  "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: "
+                  "1e-3}\n"
+                  "run: {duration: 0.3}\n"
+                  "sensitivity: {of: [cloth.springs.stretch.stiffness, cloth.mass, "
+                  "forces.gravity.1]}\n",
+                  5e-5, 1e-7);
+}
+END_TEST
+
+/* Two particles 1 m apart, of 1 kg each: y = -1 - g / w^2 (1 - cos w t), w^2 = k. */
+#define PENDULUM                                                                       \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 2, cols: 1, spacing: 1}\n"                                         \
+    "  mass: 1\n"                                                                      \
+    "  springs: {stretch: {stiffness: 40}}\n"                                          \
+    "  pins: [{at: {row: 0, col: 0}}]\n"                                               \
+    "stepper: {plugin: gsl, method: rk8pd, rtol: 1e-10, atol: 1e-10}\n"                \
+    "run: {duration: 0.7}\n"                                                           \
+    "sensitivity: {of: [cloth.springs.stretch.stiffness, forces.gravity.1, "           \
+    "cloth.mass]}\n"
+
+START_TEST(a_hanging_mass_is_exact)
+{
+    const double g = 9.81, k = 40.0, w = sqrt(k), t = 0.7;
+    const double by_k = g / k * (1.0 - cos(w * t)) - 0.5 * g / k * w * t * sin(w * t);
+    end of = run(PENDULUM, NULL, 0);
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 0)[3], by_k, 1e-8);
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 1)[3],
+                            -g / k * (1.0 - cos(w * t)), 1e-8);
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 2)[3], -by_k, 1e-8);
+    ck_assert_double_eq(weft_sim_sensitivity(of.sim, 0)[2], 0.0); /* of the pin */
+    ck_assert_ptr_null(weft_sim_sensitivity(of.sim, 3));
+    finish(&of);
+}
+END_TEST
+
+START_TEST(a_falling_cloth_is_exact)
+{
+    end of = run("cloth:\n  grid: {rows: 1, cols: 2, spacing: 1}\n  density: 1\n"
+                 "forces: {gravity: [0, -9.81, 0]}\n" RK4 "run: {duration: 0.5}\n"
+                 "sensitivity:\n"
+                 "  of: [forces.gravity.1, forces.gravity.0, cloth.density, "
+                 "cloth.grid.origin.0]\n"
+                 "  scale: none\n",
+                 NULL, 0);
+    const double *by_g = weft_sim_sensitivity(of.sim, 0);
+    ck_assert_double_eq_tol(by_g[2], -9.81 * 0.125, 1e-8);   /* times p */
+    ck_assert_double_eq_tol(by_g[6 + 2], -9.81 * 0.5, 1e-8); /* [m/s] */
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 1)[0], 0.125, 1e-8);
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 2)[2], 0.0, 1e-8);
+    ck_assert_double_eq_tol(weft_sim_sensitivity(of.sim, 3)[0], 1.0, 1e-8);
+    finish(&of);
+}
+END_TEST
+
+/* The bits of the state and of s. */
+static uint64_t bits(const end *of)
+{
+    const size_t dim = weft_cloth_dim(of->cloth);
+    uint64_t hash = test_hash(weft_sim_state(of->sim), dim);
+    for (size_t j = 0; weft_sim_sensitivity(of->sim, j) != NULL; ++j) {
+        hash = hash * 31 + test_hash(weft_sim_sensitivity(of->sim, j), dim);
+    }
+    return hash;
+}
+
+#define ADAPTIVE                                                                       \
+    "stepper: {plugin: gsl, method: rkf45, rtol: 1e-5, atol: 1e-5}\n"                  \
+    "run: {duration: 0.2}\n"                                                           \
+    "sensitivity: {of: [cloth.springs.stretch.stiffness, contact.friction]}\n"
+
+START_TEST(without_control_the_steps_are_those_without)
+{
+    const char *const without[] = { "sensitivity=null" };
+    const char *const uncontrolled[] = { "sensitivity.control=false" };
+    end none = run(SHEET ADAPTIVE, without, 1),
+        out = run(SHEET ADAPTIVE, uncontrolled, 1);
+    end in = run(SHEET ADAPTIVE, NULL, 0);
+    const size_t dim = weft_cloth_dim(in.cloth);
+    ck_assert_mem_eq(weft_sim_state(none.sim), weft_sim_state(out.sim),
+                     dim * sizeof(double));
+    ck_assert_uint_eq(weft_sim_stats(none.sim).steps, weft_sim_stats(out.sim).steps);
+    ck_assert_uint_eq(weft_sim_stats(none.sim).rhs_calls,
+                      weft_sim_stats(out.sim).rhs_calls);
+    ck_assert_uint_gt(weft_sim_stats(in.sim).steps, weft_sim_stats(out.sim).steps);
+    for (size_t i = 0; i < dim / 2; ++i) {
+        ck_assert_double_eq_tol(weft_sim_sensitivity(in.sim, 0)[i],
+                                weft_sim_sensitivity(out.sim, 0)[i], 1e-2);
+    }
+    finish(&none);
+    finish(&out);
+    finish(&in);
+}
+END_TEST
+
+START_TEST(threads_do_not_change_a_bit)
+{
+    const char *const sets[]
+        = { "cloth.grid.rows=72", "cloth.grid.cols=70",      "cloth.grid.spacing=0.01",
+            "run.duration=0.003", "contact.thickness=0.005", "run.threads=1" };
+    const char *two[sizeof sets / sizeof sets[0]];
+    memcpy(two, sets, sizeof sets);
+    two[5] = "run.threads=2";
+    end a = run(SHEET ADAPTIVE, sets, 6), b = run(SHEET ADAPTIVE, two, 6);
+    ck_assert_uint_eq(bits(&a), bits(&b));
+    finish(&a);
+    finish(&b);
+}
+END_TEST
+
+START_TEST(a_restored_run_goes_on_to_the_same_bits)
+{
+    weft_error err = { 0 };
+    end a = begin(SHEET ADAPTIVE, NULL, 0), b = begin(SHEET ADAPTIVE, NULL, 0);
+    const char *const other[] = { "sensitivity.of.1=contact.thickness" };
+    end c = begin(SHEET ADAPTIVE, other, 1);
+    const size_t size = weft_sim_save_size(a.sim);
+    unsigned char *bytes = malloc(size);
+    advance(&a, 0.1);
+    ck_assert_int_eq(weft_sim_save(a.sim, bytes, size, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_restore(b.sim, bytes, size, &err), WEFT_OK);
+    ck_assert_uint_eq(bits(&a), bits(&b));
+    ck_assert_int_eq(weft_sim_restore(c.sim, bytes, size, &err), WEFT_INVALID);
+    advance(&a, 0.2);
+    advance(&b, 0.2);
+    ck_assert_uint_eq(bits(&a), bits(&b));
+    bytes[size - 1] ^= 1; /* of s */
+    ck_assert_int_eq(weft_sim_restore(b.sim, bytes, size, &err), WEFT_INVALID);
+    free(bytes);
+    finish(&a);
+    finish(&b);
+    finish(&c);
+}
+END_TEST
+
+/* A cloth that is dropped on a sphere: the error control must see s. */
+#define DROP                                                                           \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 7, cols: 7, spacing: 0.08, down: [0, 0, -1], right: [1, 0, 0], "   \
+    "origin: [-0.24, 0, 0.24]}\n"                                                      \
+    "  density: 0.2\n"                                                                 \
+    "  springs:\n"                                                                     \
+    "    stretch: {stiffness: 100, damping: 0.02}\n"                                   \
+    "    shear: {stiffness: 50, damping: 0.01}\n"                                      \
+    "    bend: {stiffness: 5, damping: 0.001}\n"                                       \
+    "forces: {damping: 8e-4}\n"                                                        \
+    "contact: {thickness: 0.02, shapes: [{shape: sphere, at: [0.01, -0.25, 0.02], "    \
+    "radius: 0.15}]}\n"                                                                \
+    "stepper: {plugin: gsl, method: rk8pd, rtol: 1e-4, atol: 1e-4}\n"                  \
+    "run: {duration: 0.3}\n"                                                           \
+    "sensitivity: {of: [cloth.springs.stretch.stiffness, contact.shapes.0.radius]}\n"
+
+START_TEST(a_landing_is_right_at_loose_tolerances)
+{
+    const char *const tight[] = { "stepper.rtol=1e-9", "stepper.atol=1e-9" };
+    end loose = run(DROP, NULL, 0), exact = run(DROP, tight, 2);
+    ck_assert_uint_gt(weft_sim_measure(exact.sim).touching, 0);
+    for (size_t j = 0; j < 2; ++j) {
+        const double *s = weft_sim_sensitivity(loose.sim, j);
+        const double *right = weft_sim_sensitivity(exact.sim, j);
+        for (size_t i = 0; i < weft_cloth_dim(exact.cloth) / 2; ++i) {
+            ck_assert_double_eq_tol(s[i], right[i], 5e-3 * (1.0 + fabs(right[i])));
+        }
+    }
+    finish(&loose);
+    finish(&exact);
+}
+END_TEST
+
+START_TEST(scale_is_that_of_the_results_alone)
+{
+    const char *const none[] = { "sensitivity.scale=none" };
+    end a = run(SHEET ADAPTIVE, NULL, 0), b = run(SHEET ADAPTIVE, none, 1);
+    ck_assert_uint_eq(bits(&a), bits(&b));
+    ck_assert(weft_scene_sensitivities(a.scene)->relative);
+    ck_assert(!weft_scene_sensitivities(b.scene)->relative);
+    finish(&a);
+    finish(&b);
+}
+END_TEST
+
+/* ---- the derivative of the right-hand side ----------------------------------------
+ */
+
+START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
+{
+    const char *text = SHEET RK4 "run: {duration: 0.1}\n"
+                                 "sensitivity:\n"
+                                 "  of: [cloth.springs.stretch.stiffness, "
+                                 "cloth.density, forces.gravity.2, "
+                                 "forces.wind.velocity.1, contact.shapes.0.radius, "
+                                 "cloth.pins.0.velocity.1]\n";
+    end of = run(text, NULL, 0);
+    const weft_sensitivity_def *def = weft_scene_twins_def(of.twins);
+    const size_t dim = weft_cloth_dim(of.cloth);
+    const double t = weft_sim_time(of.sim), *y = weft_sim_state(of.sim);
+    double *out = malloc(3 * dim * sizeof *out), *less = out + dim, *more = less + dim;
+    for (size_t j = 0; j < def->count; ++j) {
+        const weft_number_of_cloth *number = &def->numbers[j];
+        double most = 0.0;
+        ck_assert_int_eq(weft_cloth_parameter_product(number->less, number->more,
+                                                      number->span, t, y, out),
+                         0);
+        ck_assert_int_eq(weft_cloth_rhs(number->less, t, y, less), 0);
+        ck_assert_int_eq(weft_cloth_rhs(number->more, t, y, more), 0);
+        for (size_t i = 0; i < dim; ++i) {
+            most = fmax(most, fabs(out[i]));
+        }
+        for (size_t i = 0; i < dim; ++i) { /* they have 2e-16 / span of roundoff */
+            ck_assert_double_eq_tol(out[i], (more[i] - less[i]) / number->span,
+                                    1e-8 * (most + 100.0));
+        }
+        ck_assert_double_gt(most, 0.0);
+    }
+    ck_assert_int_eq(
+        weft_cloth_parameter_product(of.cloth, def->numbers[0].more, 0.0, t, y, out),
+        -1);
+    free(out);
+    finish(&of);
+}
+END_TEST
+
+/* ---- files -------------------------------------------------------------------------
+ */
+
+/* Free fall: 1 % of gravity moves it by 0.01 g t^2 / 2. */
+START_TEST(a_run_leaves_its_derivatives)
+{
+    static const char scene[]
+        = "cloth: {grid: {rows: 2, cols: 2, spacing: 0.02}, density: 1}\n"
+          "forces: {gravity: [0, -10, 0]}\n"
+          "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1e-2}\n"
+          "run: {duration: 2, fps: 2}\n"
+          "sensitivity: {of: [forces.gravity.1, cloth.density], scale: log}\n";
+    FILE *file = fopen(BUILD_DIR "/tests/fall.yaml", "w");
+    ck_assert(file != NULL && fputs(scene, file) >= 0 && fclose(file) == 0);
+    expect(shell(WEFT " run " BUILD_DIR "/tests/fall.yaml --force --out " BUILD_DIR
+                      "/tests/fall.run 2>&1"),
+           0);
+    ck_assert_ptr_nonnull(
+        strstr(output, "1 % of forces.gravity.1 moves a particle by"));
+    ck_assert_ptr_nonnull(strstr(output, "warning: that is more than the cloth's"));
+    expect(shell("cd " BUILD_DIR
+                 "/tests/fall.run && head -2 sensitivity.csv && wc -l < "
+                 "sensitivity.csv && head -1 series.csv && tail -1 series.csv && grep "
+                 "warnings: result.yaml && grep -ao s_forces.gravity.1 run.vtkhdf"),
+           0);
+    ck_assert_ptr_nonnull(strstr(output, "key,row,col,x,y,z,vx,vy,vz\n"
+                                         "forces.gravity.1,0,0,0,-20.0000000"));
+    ck_assert_ptr_nonnull(strstr(output, "\n9\n"));
+    ck_assert_ptr_nonnull(strstr(
+        output, ",sensitivity_forces.gravity.1,sensitivity_cloth.density\n4,2,"));
+    ck_assert_ptr_nonnull(strstr(output, "warnings: 1"));
+    ck_assert_ptr_nonnull(strstr(output, "\ns_forces.gravity.1"));
+}
+END_TEST
+
+/* ---- refusals ----------------------------------------------------------------------
+ */
+
+static bool keep(void *ctx, double t, double h, double *y)
+{
+    (void)ctx, (void)t, (void)h, (void)y;
+    return false;
+}
+
+static int push(void *ctx, double t, const double *y, double *f)
+{
+    (void)ctx, (void)t, (void)y, (void)f;
+    return 0;
+}
+
+static double never(void *ctx, const weft_cloth *cloth, double t, const double *y)
+{
+    (void)ctx, (void)cloth, (void)t, (void)y;
+    return 1.0;
+}
+
+static void refuse(const weft_sim_def *def, const char *why)
+{
+    weft_error err = { 0 };
+    weft_sim *sim = NULL;
+    ck_assert_int_eq(weft_sim_create(def, &sim, &err), WEFT_UNSUPPORTED);
+    ck_assert_ptr_null(sim);
+    ck_assert_msg(strstr(err.message, why) != NULL, "%s", err.message);
+}
+
+START_TEST(what_has_no_derivative_is_refused)
+{
+    end of = begin(SHEET ADAPTIVE, NULL, 0);
+    weft_sim_def def = weft_sim_def_default(), start;
+    def.cloth = of.cloth;
+    def.method = weft_scene_method_type(of.scene);
+    def.config = *weft_scene_config(of.scene);
+    def.sensitivity = weft_scene_twins_def(of.twins);
+    start = def;
+    def.correct = keep, refuse(&def, "`correct`"), def = start;
+    def.force = push, refuse(&def, "`force`"), def = start;
+    def.event = never, refuse(&def, "event"), def = start;
+    def.ledger = true, refuse(&def, "ledger"), def = start;
+    def.dense = true, refuse(&def, "dense"), def = start;
+    def.limit.method = WEFT_LIMIT_PROVOT, refuse(&def, "strain limit"), def = start;
+    def.method = test_method_named("gsl/msadams"), refuse(&def, "history"), def = start;
+    def.method = test_method_named("stiff/ros2"), refuse(&def, "implicit"), def = start;
+    weft_sensitivity_def uncontrolled = *def.sensitivity;
+    uncontrolled.control = false;
+    def.sensitivity = &uncontrolled, def.config.norm = WEFT_NORM_RMS;
+    refuse(&def, "rms");
+    finish(&of);
+}
+END_TEST
+
+START_TEST(wrong_numbers_are_refused)
+{
+    end of = begin(SHEET ADAPTIVE, NULL, 0);
+    weft_error err = { 0 };
+    weft_sim *sim = NULL;
+    weft_number_of_cloth numbers[WEFT_SENSITIVITIES + 1] = { { "a", NULL, NULL, 1.0 } };
+    weft_sensitivity_def none = { 1, numbers, true };
+    weft_sim_def def = weft_sim_def_default();
+    def.cloth = of.cloth;
+    def.method = weft_scene_method_type(of.scene);
+    def.sensitivity = &none;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_INVALID);
+    none.count = WEFT_SENSITIVITIES + 1;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_INVALID);
+    none.count = 0;
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_sim_unpin(of.sim, 0, &err), WEFT_UNSUPPORTED);
+    ck_assert_ptr_nonnull(strstr(err.message, "not possible with sensitivities"));
+    finish(&of);
+}
+END_TEST
+
+TEST_SUITE(sensitivity)
+{
+    Suite *suite = suite_create("sensitivity");
+    TCase *tests = tcase_create("runs");
+    tcase_set_timeout(tests, 300);
+    tcase_add_test(tests, numbers_of_a_sheet_are_those_of_differences);
+    tcase_add_test(tests, numbers_of_shapes_and_pins_are_those_of_differences);
+    tcase_add_test(tests, numbers_of_a_fabric_are_those_of_differences);
+    tcase_add_test(tests, numbers_of_self_contact_are_those_of_differences);
+    tcase_add_test(tests, verlet_has_the_derivative_of_its_own_map);
+    tcase_add_test(tests, a_hanging_mass_is_exact);
+    tcase_add_test(tests, a_falling_cloth_is_exact);
+    tcase_add_test(tests, without_control_the_steps_are_those_without);
+    tcase_add_test(tests, threads_do_not_change_a_bit);
+    tcase_add_test(tests, a_restored_run_goes_on_to_the_same_bits);
+    tcase_add_test(tests, a_landing_is_right_at_loose_tolerances);
+    tcase_add_test(tests, scale_is_that_of_the_results_alone);
+    tcase_add_test(tests, product_is_the_derivative_of_the_right_hand_side_by_a_number);
+    tcase_add_test(tests, a_run_leaves_its_derivatives);
+    tcase_add_test(tests, what_has_no_derivative_is_refused);
+    tcase_add_test(tests, wrong_numbers_are_refused);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
