@@ -64,10 +64,12 @@ START_TEST(mistakes_have_their_place)
     put("plate.obj", plate);
     put("flat.obj", "v 0 0 0\\nv 1 0 0\\nv 2 0 0\\nf 1 2 3\\n");
     put("five.obj", "v 0 0 0\\nv 1 0 0\\nv 2 1 0\\nv 1 2 0\\nv 0 1 0\\nf 1 2 3 4 5\\n");
+    put("bare.obj", "v 0 0 0\\nv 1 0 0\\nv 2 1 0\\n");
     put("one-0.obj", plate);
     put("walk-1.obj", plate);
     put("walk-2.obj", "v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n");
     refused("    - {shape: mesh, file: none.obj}\n", "none.obj", 7);
+    refused("    - {shape: mesh, file: bare.obj}\n", "no faces (lines 'f 1 2 3')", 1);
     refused("    - {shape: mesh}\n", "lacks the required key 'file'", 7);
     refused("    - {shape: sphere, radius: 1}\n", "lacks the required key 'at'", 7);
     refused("    - {shape: sphere, at: [0, 0, 0], radius: 1, file: a.obj}\n",

@@ -340,7 +340,8 @@ bool weft__obj_parse(weft__obj *obj)
     }
     obj->faces = self.faces;
     if (obj->report->mistakes == before && obj->faces == 0) {
-        MISTAKE(&self, obj->text, "the file has no faces (lines 'f 1/1 2/2 3/3')");
+        MISTAKE(&self, obj->text, "the file has no faces (lines 'f %s')",
+                obj->body ? "1 2 3" : "1/1 2/2 3/3");
     } else if (obj->report->mistakes == before && obj->places == 0 && !obj->body) {
         MISTAKE(&self, obj->text + obj->face[0].byte,
                 "the file has no vt lines, which give the rest shape in the plane");
