@@ -356,15 +356,16 @@ END_TEST
 
 START_TEST(what_cannot_be_a_file_of_triangles_is_refused_unread)
 {
-    static const char path[] = "build/tests/sparse.obj";
+    static const char path[] = BUILD_DIR "/tests/sparse.obj";
     FILE *stream = fopen(path, "w");
     ck_assert(stream != NULL && ftruncate(fileno(stream), (off_t)10 << 30) == 0);
     (void)fclose(stream);
     const struct {
         const char *path, *told;
     } files[] = {
-        { path, "build/tests/sparse.obj has 10737418240 bytes; an OBJ file has at most "
-                "1073741824" },
+        { path,
+          BUILD_DIR "/tests/sparse.obj has 10737418240 bytes; an OBJ file has at most "
+                    "1073741824" },
         { "tests", "tests: Is a directory" },
         { "tests/none.obj", "tests/none.obj: No such file or directory" },
         { "/dev/zero", "/dev/zero: not a regular file" },
@@ -399,7 +400,7 @@ END_TEST
 
 static weft_scene *sheet_scene(const char *cloth)
 {
-    static const char path[] = "build/tests/sheet.obj";
+    static const char path[] = BUILD_DIR "/tests/sheet.obj";
     static char text[2000];
     FILE *stream = fopen(path, "w");
     ck_assert(stream != NULL && fputs(SHEET, stream) >= 0 && fclose(stream) == 0);
@@ -409,7 +410,7 @@ static weft_scene *sheet_scene(const char *cloth)
                    "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1}\n",
                    cloth);
     weft_scene_def def = scene_of_text(text);
-    def.file = "build/tests/scene.yaml";
+    def.file = BUILD_DIR "/tests/scene.yaml";
     weft_scene *scene = good_scene(&def);
     (void)unlink(path);
     return scene;
