@@ -132,6 +132,22 @@ static void add_difference(size_t n, double factor, const double *less,
     }
 }
 
+/* The same of weight and air alone. */
+static void add_body(const weft__slope *of, const weft__state *at, double scale,
+                     double *out, size_t low, size_t high)
+{
+    const weft__mesh *mesh = &of->more->mesh;
+    const size_t n = mesh->particles;
+    for (size_t k = 0; k < 3; ++k) {
+        const double *v = at->y + (3 + k) * n;
+        for (size_t i = low; i < high; ++i) {
+            out[(3 + k) * n + i] += scale
+                                    * (of->body.gravity[k]
+                                       - of->body.drag * mesh->inverse_mass[i] * v[i]);
+        }
+    }
+}
+
 static void move_pins(const weft__slope *of, double t, double scale, double *out,
                       size_t first, size_t end)
 {
@@ -166,7 +182,9 @@ int weft__slope_blocks(const weft__slope *of, const weft__state *at, double scal
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
         others = others || (of->differs[k] && k != WEFT__FORCE_body);
     }
-    if (starts && linear) {
+    if (starts && linear && !springs) {
+        add_body(of, at, scale, out, low, high);
+    } else if (starts && linear) {
         failed |= weft__table[0].force->start(&of->springs, &of->body, at,
                                               WEFT__ACCELERATION, room[0], first, end);
         add_difference(n, scale, NULL, room[0], out, low, high);
