@@ -61,6 +61,9 @@ HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
 HAVE_HTTP := $(call has,microhttpd.h)
 # The mesher of cloth.cut, of the program alone.
 HAVE_QHULL := $(call has,libqhull_r/libqhull_r.h)
+# The method of weft fit.
+CMINPACK_CFLAGS ?= $(patsubst -I%,-isystem %,$(shell pkg-config --cflags cminpack 2>/dev/null))
+HAVE_CMINPACK := $(call has,cminpack.h,$(CMINPACK_CFLAGS))
 # The example with a window.
 HAVE_SDL2 := $(call has,SDL2/SDL.h)
 HAVE_GSL := $(call has,gsl/gsl_odeiv2.h)
@@ -95,7 +98,7 @@ RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*
 PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src/cli/*/*.c src/conformance/*.c))
 PROG_OBJ := $(filter-out $(if $(HAVE_HTTP),,%/watch_server.o),$(PROG_OBJ))
 PROG_OBJ += $(if $(HAVE_QHULL),$(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cut/*.c)))
-PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd) $(if $(HAVE_QHULL),-lqhull_r)
+PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd) $(if $(HAVE_QHULL),-lqhull_r) $(if $(HAVE_CMINPACK),-lcminpack)
 # libweft has them for scenes, and does not export them.
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
 LIB_LIBS := -lyaml -ldl -lm -pthread $(LDLIBS)
@@ -147,6 +150,7 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) $(MPI_SO)
 .PHONY: skipped
 skipped:
 	@$(if $(HAVE_HTTP),:,echo "--watch skipped: microhttpd.h not found (package libmicrohttpd-dev)")
+	@$(if $(HAVE_CMINPACK),:,echo "weft fit skipped: cminpack.h not found (package libcminpack-dev)")
 	@$(if $(HAVE_QHULL),:,echo "cloth.cut skipped: libqhull_r/libqhull_r.h not found (package libqhull-dev)")
 	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
 	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
@@ -166,6 +170,7 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(PROG_LIBS) $(LIB_LIBS)
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
+$(BUILD)/src/cli/fit/fit.o: OWN += $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK $(CMINPACK_CFLAGS))
 $(BUILD)/src/cli/open.o: OWN += $(if $(HAVE_QHULL),-DWEFT_QHULL)
 $(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
@@ -243,7 +248,7 @@ $(BUILD)/plugins/%.o: plugins/%.c
 
 # ---- tests and examples ----------------------------------------------------------
 
-TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_CXX),-DHAVE_CXX) $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
+TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_CXX),-DHAVE_CXX) $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
 TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 # libutil has forkpty where glibc is older than 2.34.
 TEST_LIBS = -lcheck -lsubunit -lrt -lutil $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread

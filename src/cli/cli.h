@@ -33,7 +33,7 @@ typedef enum progress_mode {
 typedef struct arguments {
     const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
     const char *timeout, *shard, *methods, *until, *sizes, *bands, *port, *garment;
-    const char *sample, *seed;
+    const char *sample, *seed, *over, *sigma;
     size_t jobs;  /* 0: not given */
     size_t finer; /* weft_scene_def.refine */
     const char **sets, **ats;
@@ -63,7 +63,7 @@ typedef struct verb {
 
 extern const verb verb_new, verb_lab, verb_run, verb_resume, verb_batch, verb_check,
     verb_steppers, verb_fabrics, verb_scene_help, verb_export, verb_view, verb_diff,
-    verb_compare, verb_converge, verb_plugin_test;
+    verb_compare, verb_converge, verb_fit, verb_plugin_test;
 
 /* options.c: parses the command line, argv[0] being the verb, and runs it. Returns the
  * exit code. */

@@ -10,9 +10,10 @@
 #include "cli/cli.h"
 
 static const verb *const verbs[] = {
-    &verb_new,      &verb_run,     &verb_resume,  &verb_batch,      &verb_check,
-    &verb_steppers, &verb_fabrics, &verb_lab,     &verb_scene_help, &verb_export,
-    &verb_view,     &verb_diff,    &verb_compare, &verb_converge,   &verb_plugin_test,
+    &verb_new,        &verb_run,      &verb_resume,  &verb_batch,
+    &verb_check,      &verb_steppers, &verb_fabrics, &verb_lab,
+    &verb_scene_help, &verb_export,   &verb_view,    &verb_diff,
+    &verb_compare,    &verb_converge, &verb_fit,     &verb_plugin_test,
 };
 
 #define VERBS (sizeof verbs / sizeof verbs[0])

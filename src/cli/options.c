@@ -45,6 +45,8 @@ static const struct option all_options[] = {
     { "until", TEXT(until) },
     { "sizes", TEXT(sizes) },
     { "at", TEXT(ats) },
+    { "over", TEXT(over) },
+    { "sigma", TEXT(sigma) },
     { "clamp-midway", FLAG(clamp_midway) },
     { "csv", FLAG(csv) },
 };

@@ -93,7 +93,8 @@ weft_status record_mesh(const char *directory, const char *name,
                         const weft_scene *scene, size_t k, weft_error *err);
 
 /* scene.yaml, and its mesh if it has one; of several cloths those of all. */
-weft_status record_scene_text(const char *directory, const weft_scene *scene,
+weft_status record_scene_text(const char *directory, const char *name,
+                              const weft_scene *scene,
                               weft_error *err);
 
 /* The part of a file that a checkpoint refers to, in bytes or frames, and its

@@ -173,8 +173,8 @@ weft_status record_mesh(const char *directory, const char *name,
                         : write_text(directory, name, made, err);
 }
 
-weft_status record_scene_text(const char *directory, const weft_scene *scene,
-                              weft_error *err)
+weft_status record_scene_text(const char *directory, const char *name,
+                              const weft_scene *scene, weft_error *err)
 {
     /* scene.yaml is read with them again */
     const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
@@ -182,17 +182,17 @@ weft_status record_scene_text(const char *directory, const weft_scene *scene,
         TRY(record_mesh(directory, RECORD_MESH, scene, 0, err));
     }
     for (size_t k = 0; mesh != NULL && k < mesh->part_count; ++k) {
-        char name[40];
-        (void)snprintf(name, sizeof name, "scene-%zu.obj", k);
-        TRY(record_mesh(directory, name, scene, k, err));
+        char copy[40];
+        (void)snprintf(copy, sizeof copy, "scene-%zu.obj", k);
+        TRY(record_mesh(directory, copy, scene, k, err));
     }
-    char name[64];
+    char copy[64];
     const char *body;
     for (size_t i = 0;
-         (body = weft_scene_body_file(scene, i, name, sizeof name)) != NULL; ++i) {
-        TRY(copy_file(directory, name, body, err));
+         (body = weft_scene_body_file(scene, i, copy, sizeof copy)) != NULL; ++i) {
+        TRY(copy_file(directory, copy, body, err));
     }
-    return write_text(directory, "scene.yaml", weft_scene_text(scene), err);
+    return write_text(directory, name, weft_scene_text(scene), err);
 }
 
 uint64_t record_bytes_sum(const char *path, size_t begin, size_t end)

@@ -182,7 +182,7 @@ static weft_status open_tables(run *self, bool again, weft_error *err)
         return WEFT_OK;
     }
     if (!again) {
-        TRY(record_scene_text(self->out, self->scene, err));
+        TRY(record_scene_text(self->out, "scene.yaml", self->scene, err));
         TRY(write_manifest(self, err));
     }
     TRY(record_series_open(&self->series, self->out, columns, self->scene, again, err));
@@ -242,7 +242,7 @@ static weft_status make_longer(run *self, weft_error *err)
     TRY(write_manifest(self, err));
     remove_ends(self);
     run_remove(self, RECORD_CHECKPOINT);
-    TRY(record_scene_text(self->out, self->scene, err));
+    TRY(record_scene_text(self->out, "scene.yaml", self->scene, err));
     TRY(record_vtkhdf_publish(self->frames, err));
     return cut_tables(self, err);
 }

@@ -300,7 +300,7 @@ static int refuse(const run *self, const weft_error *why)
                                    .planned = self->result.planned };
     (void)report_error(why);
     if (self->from == NULL && ranks_first(self->comm)
-        && (record_scene_text(self->out, self->scene, &err) != WEFT_OK
+        && (record_scene_text(self->out, "scene.yaml", self->scene, &err) != WEFT_OK
             || (why->status == WEFT_SOLVER
                 && crossings_write(self->given, self->out, self->scene, true, &err)
                        != WEFT_OK)
