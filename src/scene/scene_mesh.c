@@ -15,7 +15,6 @@ enum { MOST_FABRICS = 64 };
 
 char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy)
 {
-    static const char scene_copy[] = "scene.yaml";
     char own[32] = "scene.obj";
     const char *scene = reader->def->file == NULL ? "" : reader->def->file;
     const char *slash = strrchr(scene, '/');
@@ -30,9 +29,11 @@ char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy)
     if (path == NULL) {
         return NULL;
     }
+    const bool copied = strcmp(scene + folder, "scene.yaml") == 0
+                        || strcmp(scene + folder, "fitted.yaml") == 0;
     memcpy(path, scene, folder);
     strcpy(path + folder, copy);
-    if (strcmp(scene + folder, scene_copy) != 0 || access(path, F_OK) != 0) {
+    if (!copied || access(path, F_OK) != 0) {
         if (name == NULL) {
             return NULL;
         }

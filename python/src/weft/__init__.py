@@ -29,14 +29,14 @@ from weft.library import (Diagnostic, Error, Failure, Method, SceneError, SceneW
                           amplification, fabrics, load_plugin, methods, scene_help)
 from weft.mesh import Mesh
 from weft.parallel import Batch, BatchError
-from weft.runs import (Difference, Page, Run, RunError, batch, compare, converge, diff, export, open, program, run, scene,
-                       view)
+from weft.runs import (Difference, Fit, Page, Run, RunError, batch, compare, converge, diff, export, fit, open, program,
+                       run, scene, view)
 from weft.simulation import Energy, Ledger, Measures, Sim, Stats, Stiffness, load
 
 __version__: str = _ffi.string(_lib.weft_version()).decode()
 
-__all__ = ["Batch", "BatchError", "CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure",
+__all__ = ["Batch", "BatchError", "CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure", "Fit",
            "Ledger", "Measures", "Mesh", "Method", "Page", "PerformanceWarning", "Run", "RunError", "SceneError",
            "SceneWarning", "Sim", "Spring", "Stats", "StepError", "Stiffness", "amplification", "batch", "compare", "converge",
-           "diff", "export", "fabrics", "garment", "load", "load_plugin", "map", "methods", "open", "program", "run", "scene",
-           "scene_help", "view"]
+           "diff", "export", "fabrics", "fit", "garment", "load", "load_plugin", "map", "methods", "open", "program", "run",
+           "scene", "scene_help", "view"]

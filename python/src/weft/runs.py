@@ -224,6 +224,46 @@ def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str
     return _table(io.StringIO(printed))
 
 
+class Fit(NamedTuple):
+    """What weft.fit() found: by key `values` and their standard `errors`; the `correlation` of the logarithms; `unresolved`
+    directions, of which the data tell nothing; the `scene` with the values."""
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    correlation: Array
+    chi2: float
+    coordinates: int
+    runs: int
+    unresolved: list[dict[str, Any]]
+    scene: Path
+
+
+def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], out: PathLike,
+        overrides: Optional[Mapping[str, Any]] = None, *, sigma: float = 1e-3, force: bool = False) -> Fit:
+    """Finds the numbers of a scene, keys `over`, with which its particles follow `data`, as `weft fit` does: a CSV file or a
+    table with the columns time, row and col (of a mesh vertex), x, y and z, where NaN is missing. `sigma` [m]: the
+    standard deviation of a coordinate.
+
+    >>> with open(tmp / "track.csv", "w") as track:
+    ...     _ = track.write("time,row,col,x,y,z\\n0.05,4,4,,-0.51,\\n")
+    >>> found = weft.fit(scene, tmp / "track.csv", ["forces.gravity.1"], tmp / "fit")
+    >>> found.runs > 1, len(found.unresolved)
+    (True, 0)
+    """
+    import yaml
+    with tempfile.TemporaryDirectory() as folder:
+        path, = _files([scene], folder)
+        table = data if isinstance(data, (str, os.PathLike)) else Path(folder, "data.csv")
+        if not isinstance(data, (str, os.PathLike)):
+            data.to_csv(table, index=False)
+        _call(["fit", path, os.fspath(table), "--over", ",".join(over), "--sigma", repr(float(sigma)),
+               *_options(out, overrides, force)], folder, out)
+    found = yaml.safe_load(Path(out, "fit.yaml").read_text())
+    return Fit({key: found[key]["value"] for key in over}, {key: found[key]["standard_error"] for key in over},
+               np.array(found["correlation"]), found["chi2"], found["coordinates"], found["runs"], found["unresolved"],
+               Path(out, "fitted.yaml"))
+
+
 class Difference(NamedTuple):
     """Whether two runs are equal, and what `weft diff` prints of them."""
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "cli/fit/fit.h"
-#include "weft/elementary.h"
 
 #ifdef WEFT_CMINPACK
 #include <cminpack.h>
@@ -20,12 +19,6 @@
 #define WORST    1e100 /* residuals of numbers with which there is no run */
 
 enum { MOST_RUNS = 60 /* of a part */ };
-
-double fit_value(const fit *self, size_t j)
-{
-    const double start = weft_scene_sensitivities(self->scene)->values[j];
-    return start * weft_pair_exp((weft_pair){ self->at[j], 0.0 });
-}
 
 /* ---- a run ----------------------------------------------------------------------- */
 
@@ -115,15 +108,6 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
     return status;
 }
 
-static double chi2(const fit *self)
-{
-    double sum = 0.0;
-    for (size_t r = 0; r < self->rows; ++r) {
-        sum += self->residuals[r] * self->residuals[r];
-    }
-    return sum;
-}
-
 static void run(fit *self)
 {
     weft_scene *scene = NULL;
@@ -137,7 +121,7 @@ static void run(fit *self)
                 self->points[self->now - 1].time);
         if (self->known) {
             fprintf(stderr, "chi2 / coordinates %.6g\n",
-                    chi2(self) / (double)self->rows);
+                    fit_chi2(self) / (double)self->rows);
         } else {
             print_line(stderr, "none: %s",
                        code == EXIT_DONE ? self->err.message : "a number out of range");
@@ -148,17 +132,17 @@ static void run(fit *self)
 /* ---- Levenberg and Marquardt ----------------------------------------------------- */
 
 /* What lmder goes through: a part of the data, logarithms less those of its start. */
-typedef struct part {
+typedef struct fit_part {
     fit *of;
     double base[WEFT_SENSITIVITIES];
     size_t begun; /* at this run */
-} part;
+} fit_part;
 
 /* cminpack_funcder_mn: `what` is 1 for the residuals, 2 for the slopes. */
 static int evaluate(void *ctx, int rows, int numbers, const double *at,
                     double *residuals, double *slopes, int stride, int what)
 {
-    part *self = ctx;
+    fit_part *self = ctx;
     fit *of = self->of;
     const size_t n = (size_t)numbers, m = (size_t)rows;
     bool other = of->stale;
@@ -184,7 +168,7 @@ static int evaluate(void *ctx, int rows, int numbers, const double *at,
 static weft_status minimise(fit *of, double tolerance, weft_error *err)
 {
     const size_t n = of->numbers, m = of->rows;
-    part self = { .of = of, .begun = of->runs };
+    fit_part self = { .of = of, .begun = of->runs };
     double at[WEFT_SENSITIVITIES] = { 0.0 }, diag[WEFT_SENSITIVITIES];
     double work[3][WEFT_SENSITIVITIES],
         *room = malloc((m * (n + 2) + n) * sizeof *room);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "cli/cli.h"
+#include "weft/elementary.h"
 
 /* Where a particle was seen; NaN: a coordinate that is missing. */
 typedef struct fit_point {
@@ -47,4 +48,18 @@ weft_status fit_read(fit *self, const char *file, weft_error *err);
 /* fit_write.c: fit.yaml, fit.svg, and the numbers to stdout. */
 weft_status fit_write(const fit *self, const char *directory, weft_error *err);
 
-double fit_value(const fit *self, size_t j); /* p */
+/* p */
+static inline double fit_value(const fit *self, size_t j)
+{
+    const double start = weft_scene_sensitivities(self->scene)->values[j];
+    return start * weft_pair_exp((weft_pair){ self->at[j], 0.0 });
+}
+
+static inline double fit_chi2(const fit *self)
+{
+    double sum = 0.0;
+    for (size_t r = 0; r < self->rows; ++r) {
+        sum += self->residuals[r] * self->residuals[r];
+    }
+    return sum;
+}

@@ -13,15 +13,6 @@ static double error_of(const fit *self, size_t j)
     return fabs(fit_value(self, j)) * sqrt(self->covariance[j][j]);
 }
 
-static double chi2(const fit *self)
-{
-    double sum = 0.0;
-    for (size_t r = 0; r < self->rows; ++r) {
-        sum += self->residuals[r] * self->residuals[r];
-    }
-    return sum;
-}
-
 static void write_numbers(const fit *self, yaml_out *to)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
@@ -67,7 +58,7 @@ static weft_status write_yaml(const fit *self, const char *directory, weft_error
     yaml_out_begin(&to, file.stream);
     write_numbers(self, &to);
     yaml_out_write(&to, "chi2: %g, points: %zu, coordinates: %zu, runs: %zu, sigma: %g",
-                   chi2(self), self->point_count, self->coordinates, self->runs,
+                   fit_chi2(self), self->point_count, self->coordinates, self->runs,
                    self->sigma);
     yaml_out_write(&to, "converged: %s", yaml_bool(self->converged));
     write_unresolved(self, &to);
@@ -82,11 +73,11 @@ static weft_status write_yaml(const fit *self, const char *directory, weft_error
 
 enum { WIDE = 720, HIGH = 220, EDGE = 48 };
 
-typedef struct axis {
+typedef struct fit_axis {
     double low, high;
-} axis;
+} fit_axis;
 
-static void widen(axis *of, double value)
+static void widen(fit_axis *of, double value)
 {
     if (isfinite(value)) {
         of->low = fmin(of->low, value);
@@ -94,7 +85,7 @@ static void widen(axis *of, double value)
     }
 }
 
-static double place(const axis *of, double value, double from, double to)
+static double place(const fit_axis *of, double value, double from, double to)
 {
     const double range = of->high - of->low;
     return range > 0.0 ? from + (value - of->low) / range * (to - from)
@@ -102,8 +93,8 @@ static double place(const axis *of, double value, double from, double to)
 }
 
 /* Lines from a point to the next of its particle. */
-static void draw_lines(const fit *self, FILE *to, size_t k, const axis *t,
-                       const axis *x)
+static void draw_lines(const fit *self, FILE *to, size_t k, const fit_axis *t,
+                       const fit_axis *x)
 {
     for (size_t i = 0; i < self->point_count; ++i) {
         const fit_point *from = &self->points[i], *next = from + 1;
@@ -122,7 +113,7 @@ static void draw_lines(const fit *self, FILE *to, size_t k, const axis *t,
 
 static void draw_panel(const fit *self, FILE *to, size_t k)
 {
-    axis t = { 0.0, 0.0 }, x = { INFINITY, -INFINITY };
+    fit_axis t = { 0.0, 0.0 }, x = { INFINITY, -INFINITY };
     for (size_t i = 0; i < self->point_count; ++i) {
         widen(&t, self->points[i].time);
         widen(&x, self->points[i].x[k]);
@@ -180,7 +171,7 @@ weft_status fit_write(const fit *self, const char *directory, weft_error *err)
                error_of(self, j), of->values[j]);
         unseen += self->singular[j] < UNSEEN;
     }
-    print_item("chi2", "%.6g for %zu coordinates less %zu numbers", chi2(self),
+    print_item("chi2", "%.6g for %zu coordinates less %zu numbers", fit_chi2(self),
                self->coordinates, self->numbers);
     if (unseen > 0) {
         print_item("unresolved",
