@@ -32,7 +32,7 @@ POINTS = [(row, col) for row in (4, 9, 14) for col in (0, 6, 13, 19)]
 def tracks(folder: Path):
     """Time, row, col and position of each point in each frame but the first."""
     run = weft.run(SHEET, folder / "true", {"stepper.rtol": 1e-8, "stepper.atol": 1e-8})
-    return [(time, row, col, run.positions(k)[row, col]) for k, time in enumerate(run.times) if k for row, col in POINTS]
+    return [(time, row, col, run.positions[k, row, col]) for k, time in enumerate(run.times) if k for row, col in POINTS]
 
 
 def fit(folder: Path, seen, seed: int, factor: float):
