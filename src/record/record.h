@@ -94,8 +94,7 @@ weft_status record_mesh(const char *directory, const char *name,
 
 /* scene.yaml, and its mesh if it has one; of several cloths those of all. */
 weft_status record_scene_text(const char *directory, const char *name,
-                              const weft_scene *scene,
-                              weft_error *err);
+                              const weft_scene *scene, weft_error *err);
 
 /* The part of a file that a checkpoint refers to, in bytes or frames, and its
  * checksum. */
