@@ -137,9 +137,10 @@ static void pushes(void *ctx)
     for (size_t i = 0; i < list->chunk_count; ++i) {
         weft__self_chunk *in = &list->chunks[i];
         for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
-            (void)list->own->pushes(
-                &law, (weft__pair_kind)kind, &in->bins[kind].now.near, in->now.spans,
-                in->now.count, of->place, in->bins[kind].pushes, &bad);
+            (void)list->own->pushes(&law, (weft__pair_kind)kind,
+                                    &in->bins[kind].before.near, in->before.spans,
+                                    in->now.count, of->place, in->bins[kind].pushes,
+                                    &bad);
         }
     }
 }

@@ -300,10 +300,11 @@ START_TEST(plates_of_any_cells_stop_a_sheet_at_one_depth)
 END_TEST
 
 /* At 30 m/s, through a plate of two triangles: flat, tilted, edge-on, its edge ahead,
- * and one that moves to meet it. */
+ * one that moves to meet it, and onto the edge of an upright one. */
 START_TEST(nothing_tunnels_through_two_triangles)
 {
-    static const double turned[4] = { 0.0, 0.6, 1.5707963267948966, 0.0 };
+    static const double turned[5]
+        = { 0.0, 0.6, 1.5707963267948966, 0.0, 1.5707963267948966 };
     weft_shape *shape = put(plate(1, 0.15, 0.15));
     def.contact.thickness = 2e-3;
     def.velocity[1] = -30.0, def.origin[1] = 0.3;
@@ -482,7 +483,7 @@ TEST_SUITE(bodies)
     tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 6);
     tcase_add_test(time, an_icosphere_bears_a_cloth_as_a_sphere_does);
     tcase_add_test(time, plates_of_any_cells_stop_a_sheet_at_one_depth);
-    tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 4);
+    tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 5);
     tcase_add_loop_test(time, friction_holds_on_a_tilted_facet, 0, 2);
     tcase_add_test(time, bodies_that_move_close_the_ledger);
     tcase_add_test(time,

@@ -73,6 +73,23 @@ static const double *points_at(const weft__bodies *own, weft__bodies_space *spac
     return space != NULL ? spread(own, at->t, at->y, &space->now) : *once;
 }
 
+/* The list, which passes over bodies that rest: the last ones. */
+static weft__self_list *list_of(weft__bodies_space *space)
+{
+    const weft__contact *contact = space->own->contact;
+    if (space->changes != contact->changes + 1) {
+        size_t k = contact->shape_count;
+        while (k > 0 && !weft__body_moves(&contact->shapes[k - 1], -INFINITY)) {
+            --k;
+        }
+        space->list->rest = k > 0 ? points_of(space->own, k - 1).end
+                                  : space->own->pairs.mesh->particles;
+        space->list->valid = false;
+        space->changes = contact->changes + 1;
+    }
+    return space->list;
+}
+
 /* All that push, in a state that *y has meanwhile. */
 static int each(const weft__bodies *own, weft__bodies_space *space,
                 const weft__state *at, weft__pushed_fn *visit, void *ctx,
@@ -80,7 +97,7 @@ static int each(const weft__bodies *own, weft__bodies_space *space,
 {
     double *once;
     *y = points_at(own, space, at, &once);
-    const int bad = space != NULL  ? weft__self_list_each(space->list, *y, visit, ctx)
+    const int bad = space != NULL ? weft__self_list_each(list_of(space), *y, visit, ctx)
                     : once != NULL ? weft__self_each(&own->pairs, once, visit, ctx)
                                    : -1;
     weft__free(&own->memory, once);
@@ -237,7 +254,7 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
         = { &own->pairs, spread(own, path->t0, path->y0, &space->before),
             spread(own, path->t1, path->y1, &space->now), path->t1 - path->t0 };
     weft_primitive pair[2];
-    if (weft__self_list_clear(space->list, &stride, pair, &out->gap)) {
+    if (weft__self_list_clear(list_of(space), &stride, pair, &out->gap)) {
         return true;
     }
     const size_t side = pair[0].particle[0] < own->pairs.mesh->particles ? 0 : 1;
@@ -252,7 +269,7 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
     const weft__bodies *own = space->own;
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
     (void)spread(own, t, y, &space->now);
-    weft__self_list_hold(space->list, spread(own, t, from, &space->before),
+    weft__self_list_hold(list_of(space), spread(own, t, from, &space->before),
                          space->now.y);
     for (size_t k = 0; k < 6; ++k) {
         memcpy(y + k * n, space->now.y + k * points, n * sizeof *y);
@@ -291,10 +308,10 @@ static int blocks(const void *own, void *space, const weft__state *at, double *t
     weft__bodies_space *in = space;
     double *once;
     const weft__state all = { .t = at->t, .y = points_at(of, in, at, &once) };
-    const int bad
-        = all.y == NULL
-              ? 1
-              : weft__self_blocks(&of->pairs, in != NULL ? in->list : NULL, &all, to);
+    const int bad = all.y == NULL
+                        ? 1
+                        : weft__self_blocks(&of->pairs, in != NULL ? list_of(in) : NULL,
+                                            &all, to);
     weft__free(&of->memory, once);
     return bad;
 }

@@ -28,6 +28,7 @@ typedef struct weft__spread {
 typedef struct weft__bodies_space {
     const weft__bodies *own;
     weft__self_list *list;
+    size_t changes; /* of shapes, that it knows; one more */
     weft__spread now, before;
     unsigned char *marks; /* of particles */
     weft_allocator memory;

@@ -228,7 +228,7 @@ bool weft__body_moves(const weft__shape *shape, double t)
 {
     const weft_body *body = shape->def.body;
     return shape->motion.motion.moves || shape->motion.turns
-           || (body->keys > 1 && t < key_time(body, body->keys - 1));
+           || (body != NULL && body->keys > 1 && t < key_time(body, body->keys - 1));
 }
 
 /* Three numbers of all keys: [m] from `at`, or [m/s]. */

@@ -23,6 +23,7 @@ enum { SHELVES = 64 };
  * far particles may have moved against each other where waits are not found again. */
 #define LEAST 0.25
 #define STALE 0.4
+#define CLOSE 0.12 /* of the skin: pairs that may push within so much motion */
 
 /* Of `clear`: pairs have to be sought. */
 #define UNKNOWN (-1.0)
@@ -149,6 +150,7 @@ typedef struct drifting {
     const uint32_t *which; /* of tiles; NULL: all */
     size_t count, level, part;
     weft__drift *patches;
+    size_t rest; /* points from here on are not displaced; 0: all may be */
 } drifting;
 
 static void drift_part(void *ctx, size_t part)
@@ -156,12 +158,14 @@ static void drift_part(void *ctx, size_t part)
     const drifting *of = ctx;
     const size_t first = part * of->part;
     const size_t end = first + of->part < of->count ? first + of->part : of->count;
-    if (of->which == NULL) {
-        of->own->drift(of->own, of->from, of->to, of->level, first, end, of->patches);
-    }
-    for (size_t i = first; of->which != NULL && i < end; ++i) {
-        of->own->drift(of->own, of->from, of->to, of->level, of->which[i],
-                       of->which[i] + 1, of->patches);
+    for (size_t i = first; i < end; ++i) {
+        const size_t patch = of->which != NULL ? of->which[i] : i;
+        if (patch > (of->rest - 1) >> 2 * of->level) {
+            of->patches[patch] = (weft__drift){ .low = { 0.0 } };
+        } else {
+            of->own->drift(of->own, of->from, of->to, of->level, patch, patch + 1,
+                           of->patches);
+        }
     }
 }
 
@@ -180,7 +184,8 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     const size_t level = weft__tile_level(weft__nodes_of(own));
     const size_t tiles = weft__tile_count(own);
     weft__drift *at = list->tiles[k], all;
-    drifting of = { own, from, to, NULL, tiles, level, TILES_PART, at };
+    const size_t rest = from == NULL && to == list->y ? 0 : list->rest;
+    drifting of = { own, from, to, NULL, tiles, level, TILES_PART, at, rest };
     if (own->skin != NULL) {
         of.count = run_count(own), of.level += RUN_LEVELS;
         of.part = RUNS_PART, of.patches = list->runs;
@@ -272,6 +277,19 @@ static void fill_part(void *ctx, size_t part)
     }
 }
 
+/* Adds pair i of others, or of the same from i on. */
+static inline void add_pair(const weft__self_pairs *from, size_t i,
+                            weft__self_pairs *to)
+{
+    for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
+        to->near.particle[k][to->count] = from->near.particle[k][i];
+    }
+    for (size_t k = 0; k < 4; ++k) {
+        to->numbers[k][to->count] = from->numbers[k][i];
+    }
+    ++to->count;
+}
+
 /* Measures the pairs of a bin from `first` on, which may be new, and drops those at
  * `clear`. Pinned pairs do not push. */
 static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
@@ -288,13 +306,8 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
         if (distance >= clear) {
             continue;
         }
-        const size_t at = in->count++;
-        for (size_t k = 0; i != at && k < WEFT__NEAR_PLANES; ++k) {
-            in->near.particle[k][at] = in->near.particle[k][i];
-        }
-        for (size_t k = 0; i != at && k < 4; ++k) {
-            in->numbers[k][at] = in->numbers[k][i];
-        }
+        const size_t at = in->count;
+        add_pair(in, i, in);
         if (new) {
             const weft__pair pair = weft__near_pair(kind, &in->near, at);
             in->near.mass[at] = weft__pair_mass(list->own, &pair);
@@ -323,7 +336,7 @@ static void add_group(const weft__self_list *list, weft__self_chunk *in, size_t 
     if (!stale) {
         *to = *from;
     }
-    to->tiles = tiles;
+    to->tiles = tiles, to->until = -INFINITY;
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_pairs *at = &in->bins[kind].now;
         const size_t first = weft__self_first(now, now->count, kind);
@@ -507,16 +520,42 @@ typedef struct evaluation {
     atomic_bool bad;
 } evaluation;
 
+/* Finds the close pairs, which may push before their tiles have moved by `more` [m]
+ * beyond what they have, unless the last ones suffice. */
+static void find_close(weft__self_chunk *of, double more)
+{
+    const weft__self_groups *now = &of->now;
+    bool found = true;
+    for (size_t g = 0; g < now->count; ++g) {
+        const double moved = of->before.spans[g].moved = now->spans[g].moved;
+        found = found && moved <= now->at[g].until;
+    }
+    for (size_t kind = 0; kind < WEFT__KINDS && !found; ++kind) {
+        weft__self_bin *in = &of->bins[kind];
+        in->before.count = 0;
+        for (size_t g = 0, i = 0; g < now->count; ++g) {
+            const double until = now->at[g].until = now->spans[g].moved + more;
+            for (; i < now->spans[g].end[kind]; ++i) {
+                if (!(in->now.near.waits[i] > until)) {
+                    add_pair(&in->now, i, &in->before);
+                }
+            }
+            of->before.spans[g].end[kind] = in->before.count;
+        }
+    }
+}
+
 static void evaluate_part(void *ctx, size_t part)
 {
     evaluation *all = ctx;
     weft__self_chunk *in = &all->list->chunks[part];
     double bad = 0.0;
+    find_close(in, CLOSE * all->list->skin);
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *at = &in->bins[kind];
         at->pushing = all->law.own->pushes(&all->law, (weft__pair_kind)kind,
-                                           &at->now.near, in->now.spans, in->now.count,
-                                           all->y, at->pushes, &bad);
+                                           &at->before.near, in->before.spans,
+                                           in->now.count, all->y, at->pushes, &bad);
     }
     if (bad != 0.0) {
         atomic_store(&all->bad, true);

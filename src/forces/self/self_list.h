@@ -54,6 +54,7 @@ typedef struct weft__self_group {
     double loss;    /* [m] moved between where its pairs were measured and `place` */
     double reach;   /* [m] as far as they matter in a step */
     double way;     /* [m] of the tiles against each other in that step, at most */
+    double until;   /* [m] moved so far, pairs that are not close do not push */
 } weft__self_group;
 
 typedef struct weft__self_groups {
@@ -72,7 +73,8 @@ typedef struct weft__self_pairs {
 
 /* Those of a kind, and their pushes. */
 typedef struct weft__self_bin {
-    weft__self_pairs now, before; /* before: while a list is made anew, the old one */
+    weft__self_pairs now, before; /* before: while a list is made anew, the old one,
+                                   * and then the close pairs, that may push soon */
     weft__pushes *pushes;
     size_t pushing;
 } weft__self_bin;
@@ -93,6 +95,7 @@ struct weft__self_list {
     weft__quadtree tree;
     weft__knot *knots;     /* of any state */
     const double *y;       /* while it is made */
+    size_t rest;           /* points from here on do not move; 0: all may */
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles */
     weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
