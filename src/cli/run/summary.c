@@ -205,7 +205,7 @@ static void print_sensitivity(const summary *self)
         say(&warning, "; warning: contact took back more than half of the steps");
     }
     print_item(
-        "sensitivity",
+        "gradients",
         "to %zu %s; 1 %% of %s moves a particle by %.3g of the cloth's diagonal%s",
         of->count, of->count == 1 ? "number" : "numbers", of->keys[worst], growth,
         warning.text);
