@@ -221,10 +221,10 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
     const size_t dim = weft_cloth_dim(more);
     weft__slope slope;
     double *room = weft__alloc(&more->memory, dim, 2 * sizeof *room);
-    double *const rooms[2] = { room, room + dim };
     int failed = -1;
     if (room != NULL
         && weft__slope_init(&slope, more, less, more, span, NULL) == WEFT_OK) {
+        double *const rooms[2] = { room, room + dim };
         memset(out, 0, dim * sizeof *out);
         failed = weft__slope_blocks(&slope, &at, 1.0, out, rooms, 0,
                                     weft__blocks(&more->mesh));

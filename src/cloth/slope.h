@@ -20,21 +20,21 @@ typedef struct weft__slope {
 } weft__slope;
 
 /* Errors: WEFT_INVALID if the two differ from `cloth` in more than numbers. */
-weft_status weft__slope_init(weft__slope *slope, const weft_cloth *cloth,
+weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                              const weft_cloth *less, const weft_cloth *more,
                              double span, weft_error *err);
 
 /* Whether forces of the whole cloth change. */
-bool weft__slope_whole(const weft__slope *slope);
+bool weft__slope_whole(const weft__slope *of);
 
 /* Adds the derivative of dy/dt in blocks [first, end), but what add_all adds, times
  * `scale` to out[6 N], where that of the state is already; of pinned particles, whose
  * motion does not depend on it, writes it. room: 6 N, twice. Returns as
  * weft__rhs_blocks. */
-int weft__slope_blocks(const weft__slope *slope, const weft__state *at, double scale,
+int weft__slope_blocks(const weft__slope *of, const weft__state *at, double scale,
                        double *out, double *const room[2], size_t first, size_t end);
 
 /* Of the forces of the whole cloth; spaces of both, or NULL. */
-int weft__slope_all(const weft__slope *slope, void *const *const spaces[2],
+int weft__slope_all(const weft__slope *of, void *const *const spaces[2],
                     const weft__state *at, double scale, double *out,
                     double *const room[2]);

@@ -10,7 +10,12 @@
 #include <cminpack.h>
 #define solve lmder
 #else
-#define solve(...) (-1) /* the verb refuses before */
+/* Never called: the verb refuses before. */
+static int lacking(int none, ...)
+{
+    return none - 1;
+}
+#define solve(...) lacking(0, __VA_ARGS__)
 #endif
 
 #define FARTHEST 1.5   /* of the first step, in logarithms */
