@@ -550,11 +550,15 @@ static void evaluate_part(void *ctx, size_t part)
     evaluation *all = ctx;
     weft__self_chunk *in = &all->list->chunks[part];
     double bad = 0.0;
-    find_close(in, CLOSE * all->list->skin);
+    const bool close = all->law.own->between;
+    if (close) { /* piles of cloth make their lists anew too often for it to pay */
+        find_close(in, CLOSE * all->list->skin);
+    }
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *at = &in->bins[kind];
         at->pushing = all->law.own->pushes(&all->law, (weft__pair_kind)kind,
-                                           &at->before.near, in->before.spans,
+                                           close ? &at->before.near : &at->now.near,
+                                           close ? in->before.spans : in->now.spans,
                                            in->now.count, all->y, at->pushes, &bad);
     }
     if (bad != 0.0) {
