@@ -286,12 +286,17 @@ static int differentiate(fit *self)
     if (given->over == NULL) {
         return usage_error(given, "--over KEY,KEY says which numbers are fitted");
     }
-    const int length
-        = snprintf(self->differentiate, sizeof self->differentiate,
-                   "sensitivity={of: [%s], scale: log, control: true}", given->over);
-    if ((size_t)length >= sizeof self->differentiate) {
-        return usage_error(given, "--over is longer than 2000 characters");
+    sentence list = { "sensitivity={scale: log, of: [" };
+    for (const char *at = given->over; *at != '\0';) { /* [] of an index need quotes */
+        const size_t length = strcspn(at, ",");
+        say(&list, "\"%.*s\", ", (int)length, at);
+        at += length + (at[length] == ',');
     }
+    say(&list, "]}");
+    if (strlen(list.text) + 1 == sizeof list.text) {
+        return usage_error(given, "--over is too long");
+    }
+    strcpy(self->differentiate, list.text);
     self->sets
         = calloc(1 + given->set_count + 2 * WEFT_SENSITIVITIES, sizeof *self->sets);
     if (self->sets == NULL) {

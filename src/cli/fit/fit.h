@@ -21,7 +21,7 @@ typedef struct fit {
     weft_scene *scene; /* with `sensitivity` of the numbers; their start values */
     size_t particles;
     const char **sets; /* of the sensitivities, those that were given, of the numbers */
-    char differentiate[2048], values[WEFT_SENSITIVITIES][128];
+    char differentiate[1024], values[WEFT_SENSITIVITIES][128];
     double sigma; /* [m] */
 
     fit_point *points; /* by time */
