@@ -553,7 +553,7 @@ fuzz-corpus:
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
-	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
+	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(CMINPACK_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 # Packages of Debian 13, built, installed, tested and removed in clean systems; needs root and debootstrap.
 .PHONY: check-deb sbom tag

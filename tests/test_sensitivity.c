@@ -83,7 +83,7 @@ typedef struct end {
 
 static end begin(const char *text, const char *const *sets, size_t count)
 {
-    end of = { NULL };
+    end of = { .twins = NULL };
     weft_error err = { 0 };
     weft_scene_def def = scene_of_text(text);
     def.find_plugin = find_linked;

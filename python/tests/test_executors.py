@@ -161,7 +161,8 @@ LONG = {"cloth.springs.stretch.stiffness": [50, 100], "run.duration": [25]}
 def test_interrupted_it_is_continued_by_weft_batch_and_the_other_way_round(pool, file, tmp_path):
     code = "import concurrent.futures, weft\nif __name__ == '__main__': weft.map(%r, %r, %r, executor=%s)" % (
         str(file), LONG, str(tmp_path / "out"), pool)
-    process = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-c", code], start_new_session=True, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # ignored in a job of `&`
     checkpoints = lambda: list((tmp_path / "out").glob("*/checkpoint.weft"))  # noqa: E731
     deadline = time.monotonic() + 120
     while len(checkpoints()) < (1 if pool == "None" else 2) and time.monotonic() < deadline and process.poll() is None:

@@ -244,11 +244,10 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
     table with the columns time, row and col (of a mesh vertex), x, y and z, where NaN is missing. `sigma` [m]: the
     standard deviation of a coordinate.
 
-    >>> with open(tmp / "track.csv", "w") as track:
-    ...     _ = track.write("time,row,col,x,y,z\\n0.05,4,4,,-0.51,\\n")
-    >>> found = weft.fit(scene, tmp / "track.csv", ["forces.gravity.1"], tmp / "fit")
-    >>> found.runs > 1, len(found.unresolved)
-    (True, 0)
+    >>> _ = (tmp / "track.csv").write_text("time,row,col,x,y,z\\n0.05,7,5,,-0.709810,\\n")
+    >>> found = weft.fit(scene, tmp / "track.csv", ["forces.gravity.1"], tmp / "fit", force=True)
+    >>> round(found.values["forces.gravity.1"], 1)
+    -7.8
     """
     import yaml
     with tempfile.TemporaryDirectory() as folder:

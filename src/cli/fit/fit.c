@@ -415,8 +415,7 @@ const verb verb_fit = {
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
       "  --quiet              no progress\n\n"
       "examples:\n"
-      "  weft fit cloth.yaml tracks.csv --over "
-      "cloth.springs.bend.stiffness,cloth.springs.shear.stiffness\n\n"
+      "  weft fit cloth.yaml tracks.csv --over cloth.density,forces.damping\n\n"
       "exit codes: 0 done, 1 a run failed or there is no minimum, 2 wrong command "
       "line, 3 wrong scene, 4 a file could not be read or written\n",
     .operands
