@@ -201,12 +201,9 @@ void weft__sensitivity_back(weft_sim *sim)
     }
 }
 
-weft_status weft__sim_method_step(weft_sim *sim, double t_end, weft_error *why)
+weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 {
     weft__sensitivity *of = &sim->sensitivity;
-    if (of->count == 0) {
-        return sim->def.method->step(sim->stepper, t_end, &sim->t, sim->y, why);
-    }
     memcpy(of->before, of->z, size_of(sim));
     const weft_status status
         = sim->def.method->step(sim->stepper, t_end, &sim->t, of->z, why);

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "base/finite.h"
-#include "cloth/slope.h"
 #include "sim/forces.h"
+#include "sim/sensitivity.h"
 #include "weft/sim.h"
 
 /* between.c: the state within the last step, of any method. */
@@ -51,19 +51,6 @@ typedef struct weft__ledger {
 
 enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
-/* sensitivity.c: derivatives of the state by numbers, which the stepper integrates with
- * it. It sees (1 + count) N particles: in each plane those of the state, then those of
- * each s. */
-typedef struct weft__sensitivity {
-    size_t count;  /* 0: none */
-    double factor; /* of s for the stepper: 1, or too small for its error control */
-    weft__slope of[WEFT_SENSITIVITIES];
-    double *z, *before;     /* the stepper's state: now, before the step */
-    double *states, *rates; /* one after another: planes of the state, then of each s */
-    double *room[3];        /* 6 N each */
-    double *s;              /* after the step, as `states` without the first */
-} weft__sensitivity;
-
 struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
     weft_log log;
@@ -106,20 +93,6 @@ struct weft_sim {
     weft__sensitivity sensitivity;
 };
 
-/* sensitivity.c: after all else of a simulation but its stepper. */
-weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err);
-void weft__sensitivity_free(weft_sim *sim);
-/* As weft__sim_rhs, of a simulation that has them. */
-int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx);
-/* y and s into the stepper's state. */
-void weft__sensitivity_pack(weft_sim *sim);
-/* After y was put back to where the last step began. */
-void weft__sensitivity_back(weft_sim *sim);
-uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash);
-
-/* A step of the method, of the state and its sensitivities. */
-weft_status weft__sim_method_step(weft_sim *sim, double t_end, weft_error *why);
-
 /* sim_rhs.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 
@@ -155,6 +128,15 @@ static inline bool weft__sim_limits(const weft_sim *of)
 static inline bool weft__sim_checks(const weft_sim *of)
 {
     return of->cloth->contact.shape_count > 0 || of->cloth->self.law.self;
+}
+
+/* A step of the method. */
+static inline weft_status weft__sim_method_step(weft_sim *of, double t_end,
+                                                weft_error *why)
+{
+    return of->sensitivity.count > 0
+               ? weft__sensitivity_step(of, t_end, why)
+               : of->def.method->step(of->stepper, t_end, &of->t, of->y, why);
 }
 
 /* checked_step.c: one step of the stepper that is clear of all shapes and of the

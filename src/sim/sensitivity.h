@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sensitivity.h -- what a simulation with sensitivities has beside its state. */
+#pragma once
+
+#include "cloth/slope.h"
+#include "weft/sim.h"
+
+/* sensitivity.c: derivatives of the state by numbers, which the stepper integrates with
+ * it. It sees (1 + count) N particles: in each plane those of the state, then those of
+ * each s. */
+typedef struct weft__sensitivity {
+    size_t count;  /* 0: none */
+    double factor; /* of s for the stepper: 1, or too small for its error control */
+    weft__slope of[WEFT_SENSITIVITIES];
+    double *z, *before;     /* the stepper's state: now, before the step */
+    double *states, *rates; /* one after another: planes of the state, then of each s */
+    double *room[3];        /* 6 N each */
+    double *s;              /* after the step, as `states` without the first */
+} weft__sensitivity;
+
+/* sensitivity.c: after all else of a simulation but its stepper. */
+weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err);
+void weft__sensitivity_free(weft_sim *sim);
+/* As weft__sim_rhs, of a simulation that has them. */
+int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx);
+/* y and s into the stepper's state. */
+void weft__sensitivity_pack(weft_sim *sim);
+/* After y was put back to where the last step began. */
+void weft__sensitivity_back(weft_sim *sim);
+uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash);
+
+/* A step of the method, of the state and its sensitivities. */
+weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why);
