@@ -198,16 +198,14 @@ int weft__slope_blocks(const weft__slope *of, const weft__state *at, double scal
     return failed;
 }
 
-int weft__slope_all(const weft__slope *of, void *const *const spaces[2],
-                    const weft__state *at, double scale, double *out,
-                    double *const room[2])
+int weft__slope_all(const weft__slope *of, const weft__state *at, double scale,
+                    double *out, double *const room[2])
 {
     const size_t n = of->more->mesh.particles;
     int failed = 0;
     for (size_t side = 0; side < 2; ++side) {
         memset(room[side] + 3 * n, 0, 3 * n * sizeof *room[side]);
-        failed |= weft__rhs_all(side == 0 ? of->less : of->more,
-                                spaces != NULL ? spaces[side] : NULL, at,
+        failed |= weft__rhs_all(side == 0 ? of->less : of->more, NULL, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
     add_difference(n, scale / of->span, room[0], room[1], out, 0, n);
@@ -229,7 +227,7 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
         failed = weft__slope_blocks(&slope, &at, 1.0, out, rooms, 0,
                                     weft__blocks(&more->mesh));
         if (weft__slope_whole(&slope)) {
-            failed |= weft__slope_all(&slope, NULL, &at, 1.0, out, rooms);
+            failed |= weft__slope_all(&slope, &at, 1.0, out, rooms);
         }
     }
     weft__free(&more->memory, room);

@@ -34,7 +34,6 @@ bool weft__slope_whole(const weft__slope *of);
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double scale,
                        double *out, double *const room[2], size_t first, size_t end);
 
-/* Of the forces of the whole cloth; spaces of both, or NULL. */
-int weft__slope_all(const weft__slope *of, void *const *const spaces[2],
-                    const weft__state *at, double scale, double *out,
-                    double *const room[2]);
+/* Of the forces of the whole cloth. */
+int weft__slope_all(const weft__slope *of, const weft__state *at, double scale,
+                    double *out, double *const room[2]);

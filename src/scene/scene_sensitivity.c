@@ -233,9 +233,6 @@ static weft_status load_twin(const weft_scene *scene, const weft_scene_def *give
                    : taken;
     }
     (void)weft_text_format(set, sizeof set, "%s=%.17g", key, value);
-    for (char *c = set + strlen(key); *c != '\0'; ++c) {
-        *c = *c == ',' ? '.' : *c; /* of the embedder's locale */
-    }
     def.file = scene->file;
     def.text = scene->text;
     def.length = strlen(scene->text);
@@ -263,6 +260,8 @@ static weft_status make_pair(weft_scene_twins *of, const weft_scene *scene,
         twin *one = &of->of[i][side];
         status = load_twin(scene, def, i, at[side], one, err);
         if (status == WEFT_BAD_SCENE || status == WEFT_INVALID) { /* out of range */
+            weft_scene_destroy(one->scene);
+            *one = (twin){ NULL, NULL };
             at[side] = p;
             status = load_twin(scene, def, i, p, one, err);
         }

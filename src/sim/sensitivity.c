@@ -293,8 +293,7 @@ static int find_rates(weft_sim *sim, double t, size_t j)
     }
     if (weft__slope_whole(&of->of[j])) {
         const weft__state still = { .t = t, .y = of->states };
-        failed
-            |= weft__slope_all(&of->of[j], NULL, &still, of->factor, one.out, of->room);
+        failed |= weft__slope_all(&of->of[j], &still, of->factor, one.out, of->room);
     }
     return failed;
 }

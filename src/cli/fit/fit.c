@@ -117,8 +117,10 @@ static void run(fit *self)
 {
     weft_scene *scene = NULL;
     self->err = (weft_error){ 0 };
-    const int code = open_numbers(self, true, &scene);
-    self->known = code == EXIT_DONE && simulate(self, scene, &self->err) == WEFT_OK;
+    if (open_numbers(self, true, &scene) != EXIT_DONE) {
+        (void)weft_error_set(&self->err, WEFT_BAD_SCENE, "a number out of range");
+    }
+    self->known = scene != NULL && simulate(self, scene, &self->err) == WEFT_OK;
     weft_scene_destroy(scene);
     ++self->runs;
     if (self->given->mode != PROGRESS_NONE) {
@@ -128,8 +130,7 @@ static void run(fit *self)
             fprintf(stderr, "chi2 / coordinates %.6g\n",
                     fit_chi2(self) / (double)self->rows);
         } else {
-            print_line(stderr, "none: %s",
-                       code == EXIT_DONE ? self->err.message : "a number out of range");
+            print_line(stderr, "none: %s", self->err.message);
         }
     }
 }
@@ -397,8 +398,9 @@ const verb verb_fit = {
     = "usage: weft fit SCENE.yaml DATA.csv --over KEY,KEY [OPTIONS]\n\n"
       "Finds the values of numbers of a scene with which its particles come nearest to "
       "where they were seen, by Levenberg and Marquardt's method (MINPACK) with the "
-      "scene's `sensitivity` by the logarithms of the numbers: first over a quarter "
-      "of the data's time, then over half and all of it. The scene's values are the "
+      "scene's `sensitivity` by the logarithms of the numbers: first over an eighth "
+      "of the data's time, then over a quarter, half and all of it. The scene's values "
+      "are the "
       "start; a factor of 3 off is near enough for most.\n\n"
       "DATA.csv has a point a line, time,row,col,x,y,z or of a mesh "
       "time,vertex,x,y,z [s, m], in any order and at any times; what is empty is "

@@ -2,8 +2,9 @@
 /* fit.h -- weft fit: the numbers of a scene with which its particles follow measured
  * tracks. The sum of squares of (x - data) / sigma is minimised over the logarithms of
  * the numbers by Levenberg and Marquardt's method (MINPACK's lmder), whose Jacobian is
- * the scene's `sensitivity`; first over a quarter of the data's time, then over half
- * and all of it, because from afar the whole has other minima (docs/gradients.md). */
+ * the scene's `sensitivity`; first over an eighth of the data's time, then over a
+ * quarter, half and all of it, because from afar the whole has other minima
+ * (docs/gradients.md). */
 #pragma once
 
 #include "cli/cli.h"
