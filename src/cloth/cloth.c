@@ -68,17 +68,13 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
 weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
                                   size_t loose, const char *where, weft_error *err)
 {
-    const weft_status status = weft__crossing_error(&cloth->self, y, loose, where, err);
-    return status == WEFT_OK
-               ? weft__bodies_error(&cloth->bodies, t, y, loose, where, err)
-               : status;
+    TRY(weft__crossing_error(&cloth->self, y, loose, where, err));
+    return weft__bodies_error(&cloth->bodies, t, y, loose, where, err);
 }
 
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
 {
-    if (weft__notch_error(&cloth->self, err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__notch_error(&cloth->self, err));
     if (cloth->untangle > 0.0
         || (!cloth->self.law.self && !cloth->bodies.pairs.law.self)) {
         return WEFT_OK;
@@ -144,10 +140,7 @@ static weft_status keep_tracks(weft_cloth *cloth, weft_error *err)
 /* All of a cloth that has its plain fields. */
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
-    weft_status status = allocate(cloth, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(allocate(cloth, err));
     weft__mesh_fill(&cloth->mesh, def);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (!weft__table[k].force->init(weft__own_of(cloth, k), def, &cloth->memory)) {
@@ -155,9 +148,9 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
                                   weft__table[k].force->name);
         }
     }
-    status = keep_tracks(cloth, err);
-    status = status == WEFT_OK ? list_pins(cloth, err) : status;
-    return status == WEFT_OK ? weft__start_crossing_error(cloth, err) : status;
+    TRY(keep_tracks(cloth, err));
+    TRY(list_pins(cloth, err));
+    return weft__start_crossing_error(cloth, err);
 }
 
 /* The elements of an array of the caller's in the size that they have here. */
@@ -188,12 +181,11 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
                             const weft_cloth_def *given, void *copies[ARRAYS],
                             weft_error *err)
 {
-    weft_status status
-        = WEFT__DEF_READ(weft_cloth_def, def, given, WEFT__DEF_MOST, err);
+    TRY(WEFT__DEF_READ(weft_cloth_def, def, given, WEFT__DEF_MOST, err));
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     *mesh = weft_mesh_def_default();
-    if (status == WEFT_OK && def->mesh != NULL) {
-        status = WEFT__DEF_READ(weft_mesh_def, mesh, def->mesh, WEFT__DEF_MOST, err);
+    if (def->mesh != NULL) {
+        TRY(WEFT__DEF_READ(weft_mesh_def, mesh, def->mesh, WEFT__DEF_MOST, err));
         def->mesh = mesh;
     }
     const struct {
@@ -209,15 +201,15 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
         { "weft_fabric", mesh->fabrics, mesh->fabric_count, mesh->fabric_size,
           sizeof *mesh->fabrics },
     };
-    for (size_t i = 0; status == WEFT_OK && i < ARRAYS; ++i) {
-        status = take_items(arrays[i].name, arrays[i].items, arrays[i].count,
-                            arrays[i].given, arrays[i].size, &memory, &copies[i], err);
+    for (size_t i = 0; i < ARRAYS; ++i) {
+        TRY(take_items(arrays[i].name, arrays[i].items, arrays[i].count,
+                       arrays[i].given, arrays[i].size, &memory, &copies[i], err));
     }
     def->loads = copies[0] != NULL ? copies[0] : def->loads;
     def->pins = copies[1] != NULL ? copies[1] : def->pins;
     def->contact.shapes = copies[2] != NULL ? copies[2] : def->contact.shapes;
     mesh->fabrics = copies[3] != NULL ? copies[3] : mesh->fabrics;
-    return status;
+    return WEFT_OK;
 }
 
 /* Gives the triangles that the check made, also where it fails. */
@@ -271,9 +263,7 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
     weft_cloth_def def;
     weft_mesh_def mesh;
     void *copies[ARRAYS] = { NULL };
-    if (weft__given(given, out, "weft_cloth_create", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__given(given, out, "weft_cloth_create", err));
     *out = NULL;
     weft_status status = take_def(&def, &mesh, given, copies, err);
     status = status == WEFT_OK ? create(&def, out, err) : status;

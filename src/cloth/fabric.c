@@ -124,11 +124,8 @@ static weft_spring_def springs_of(bool present, double stiffness, double damping
 weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
                               weft_error *err)
 {
-    weft_status status = weft__given(fabric, def, "weft_fabric_apply", err);
-    status = status == WEFT_OK ? check(fabric, def, err) : status;
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(weft__given(fabric, def, "weft_fabric_apply", err));
+    TRY(check(fabric, def, err));
     const bool chain = is_chain(def);
     const double a = weft__width(def->rows, def->spacing[0]);
     const double b = weft__width(def->cols, def->spacing[1]);

@@ -2,6 +2,7 @@
 /* model.h -- a cloth: a mesh and its forces. */
 #pragma once
 
+#include "base/try.h"
 #include "cloth/table.h"
 #include "forces/bounds.h"
 

@@ -75,10 +75,7 @@ weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err)
     }
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
         const weft_stepper_type *type = plugin->types[i];
-        const weft_status status = weft__method_check(type, i, err);
-        if (status != WEFT_OK) {
-            return status;
-        }
+        TRY(weft__method_check(type, i, err));
         if (type->reference == NULL || type->license == NULL) {
             return weft_error_set(err, WEFT_BAD_PLUGIN, "method '%s' has no %s",
                                   type->name,

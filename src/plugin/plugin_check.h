@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/log.h"
+#include "base/try.h"
 #include "weft/registry.h"
 
 /* plugin_check.c: writes the fault of an unusable plugin to *err, with WEFT_BAD_PLUGIN.

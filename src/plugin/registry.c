@@ -59,13 +59,9 @@ weft_status weft_registry_create(const weft_registry_def *given, weft_registry *
                                  weft_error *err)
 {
     weft_registry_def own, *const def = &own;
-    if (weft__given(given, out, "weft_registry_create", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__given(given, out, "weft_registry_create", err));
     *out = NULL;
-    if (WEFT__DEF_READ(weft_registry_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(WEFT__DEF_READ(weft_registry_def, def, given, WEFT__DEF_MOST, err));
     char installed[2048] = "";
     if (def->installed) {
         weft__installed_plugins(installed, sizeof installed);
@@ -132,10 +128,7 @@ static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
                              const char *id, void *handle, const char *file,
                              weft_error *err)
 {
-    const weft_status status = weft__plugin_check(plugin, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(weft__plugin_check(plugin, err));
     if (id != NULL && strcmp(plugin->id, id) != 0) {
         return weft_error_set(err, WEFT_BAD_PLUGIN, "it calls itself '%s'", plugin->id);
     }
@@ -143,17 +136,13 @@ static weft_status add_entry(weft_registry *registry, const weft_plugin *plugin,
         return weft_error_set(err, WEFT_BAD_PLUGIN, "a plugin '%s' is there already",
                               plugin->id);
     }
-    entry *grown = weft__resize(&registry->memory, registry->entries,
-                                registry->count + 1, sizeof *grown);
-    if (grown == NULL) {
+    char *copy = NULL;
+    if (!weft__resized(&registry->memory, &registry->entries, registry->count + 1,
+                       sizeof *registry->entries)
+        || (copy = weft__copy_text(&registry->memory, file)) == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
     }
-    registry->entries = grown;
-    char *copy = weft__copy_text(&registry->memory, file);
-    if (copy == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a plugin");
-    }
-    grown[registry->count++] = (entry){ plugin, handle, copy };
+    registry->entries[registry->count++] = (entry){ plugin, handle, copy };
     weft__log(&registry->log, WEFT_LOG_INFO, "plugin %s %s%s", plugin->id,
               file[0] == '\0' ? "linked in" : "from ", file);
     return WEFT_OK;
@@ -276,15 +265,12 @@ weft_status weft_registry_find(weft_registry *registry, const char *id,
 {
     char file[4096];
     *out = find_loaded(registry, id);
-    if (*out != NULL) {
-        return WEFT_OK;
-    }
-    weft_status status = weft_registry_locate(registry, id, file, sizeof file, err);
-    if (status == WEFT_OK) {
-        status = weft_registry_load(registry, file, err);
+    if (*out == NULL) {
+        TRY(weft_registry_locate(registry, id, file, sizeof file, err));
+        TRY(weft_registry_load(registry, file, err));
         *out = find_loaded(registry, id);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* weft-mpi.so lies among the plugins and is none (weft/comm.h). */

@@ -6,18 +6,10 @@
 
 #include <float.h>
 
+#include "base/try.h"
 #include "weft/weft.h"
 
 #define RECORD_PATH 4096
-
-/* Returns the status of a call that fails. */
-#define TRY(call)                                                                      \
-    do {                                                                               \
-        const weft_status tried = (call);                                              \
-        if (tried != WEFT_OK) {                                                        \
-            return tried;                                                              \
-        }                                                                              \
-    } while (0)
 
 /* In single precision: a value beyond its range becomes the largest float of its
  * sign. */

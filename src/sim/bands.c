@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
+#include "base/try.h"
 #include "cloth/model.h"
 
 enum { CHUNK = 64 }; /* rows between two looks at what is under way */
@@ -57,9 +58,9 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "bands need a grid: they are rows of it");
     }
-    const weft_status status = check_band(def, err);
-    if (status != WEFT_OK || def->comm == NULL) {
-        return status;
+    TRY(check_band(def, err));
+    if (def->comm == NULL) {
+        return WEFT_OK;
     }
     if ((def->method->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,

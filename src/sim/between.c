@@ -252,23 +252,19 @@ static weft_status find(weft_sim *sim, double t, weft_error *err)
                               of->start == NULL ? "known: `dense` was not asked for"
                                                 : "within the last step");
     }
-    const weft_status status = of->levels == 0 ? find_rates(sim, err) : WEFT_OK;
-    if (status == WEFT_OK) {
-        state_at(sim, of->levels - 1, (t - of->t0) / (sim->t - of->t0), of->shown);
-    }
-    return status;
+    TRY(of->levels == 0 ? find_rates(sim, err) : WEFT_OK);
+    state_at(sim, of->levels - 1, (t - of->t0) / (sim->t - of->t0), of->shown);
+    return WEFT_OK;
 }
 
 weft_status weft_sim_between(weft_sim *sim, double t, double *y, weft_error *err)
 {
-    weft_status status = weft__sim_outside(sim, "weft_sim_between", err);
     const bool at_end = t == sim->t;
-    status = status == WEFT_OK && !at_end ? find(sim, t, err) : status;
-    if (status == WEFT_OK) {
-        memcpy(y, at_end ? sim->y : sim->between.shown,
-               weft_cloth_dim(sim->cloth) * sizeof *y);
-    }
-    return status;
+    TRY(weft__sim_outside(sim, "weft_sim_between", err));
+    TRY(at_end ? WEFT_OK : find(sim, t, err));
+    memcpy(y, at_end ? sim->y : sim->between.shown,
+           weft_cloth_dim(sim->cloth) * sizeof *y);
+    return WEFT_OK;
 }
 
 /* Exchanges the present state and the other one. */
@@ -288,14 +284,12 @@ weft_status weft__between_show(weft_sim *sim, double t, weft_error *err)
     if (t == sim->t) {
         return WEFT_OK;
     }
-    const weft_status status = find(sim, t, err);
-    if (status == WEFT_OK) {
-        of->behind = t;
-        swap(sim, &of->behind);
-        of->showing = true;
-        ++sim->callbacks;
-    }
-    return status;
+    TRY(find(sim, t, err));
+    of->behind = t;
+    swap(sim, &of->behind);
+    of->showing = true;
+    ++sim->callbacks;
+    return WEFT_OK;
 }
 
 void weft__between_hide(weft_sim *sim)

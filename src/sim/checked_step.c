@@ -116,13 +116,11 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
     const double t0 = sim->t, fixed = sim->config.fixed_step;
     const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
     char text[WEFT__BREACH_TEXT];
-    if (sim->forces.self != NULL
-        && weft__self_list_grow(sim->forces.self, why) != WEFT_OK) {
-        return WEFT_NO_MEMORY;
+    if (sim->forces.self != NULL) {
+        TRY(weft__self_list_grow(sim->forces.self, why));
     }
-    if (sim->forces.bodies != NULL
-        && weft__self_list_grow(sim->forces.bodies->list, why) != WEFT_OK) {
-        return WEFT_NO_MEMORY;
+    if (sim->forces.bodies != NULL) {
+        TRY(weft__self_list_grow(sim->forces.bodies->list, why));
     }
     memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
     for (double end = t_end;;) {

@@ -34,11 +34,10 @@ static weft_status step_again(weft_sim *sim, double t0, double end, uint64_t bef
     sim->earlier.steps -= taken; /* modulo 2^64, as is the sum */
     sim->earlier.rejected += taken;
     sim->def.method->state_changed(sim->stepper);
-    weft_status status = WEFT_OK;
-    while (status == WEFT_OK && sim->t < end) {
-        status = weft__sim_take_step(sim, end, why);
+    while (sim->t < end) {
+        TRY(weft__sim_take_step(sim, end, why));
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* [s] Within the bracket: where a line meets 0, of values that the Illinois rule has
@@ -53,16 +52,13 @@ static double guess(const bracket *in)
 
 static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_error *why)
 {
-    weft_status status = WEFT_OK;
     int side = 0;
     for (unsigned trial = 0;
-         status == WEFT_OK
-         && in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b));
-         ++trial) {
+         in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b)); ++trial) {
         /* now and then a half: a line is slow where g bends or jumps */
         const double t = trial % 4 == 3 ? 0.5 * (in->a + in->b) : guess(in);
-        status = step_again(sim, in->t0, t, before, why);
-        const double g = status == WEFT_OK ? value(sim) : 0.0;
+        TRY(step_again(sim, in->t0, t, before, why));
+        const double g = value(sim);
         if (g > 0.0) {
             in->a = t;
             in->ga = g;
@@ -75,9 +71,7 @@ static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_erro
             side = -1;
         }
     }
-    return status == WEFT_OK && sim->t != in->b
-               ? step_again(sim, in->t0, in->b, before, why)
-               : status;
+    return sim->t != in->b ? step_again(sim, in->t0, in->b, before, why) : WEFT_OK;
 }
 
 double weft__sim_before_event(weft_sim *sim, double t_end)

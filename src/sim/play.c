@@ -57,15 +57,14 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
                            weft_error *err)
 {
     const double t = weft_run_frame_time(play->run, i), end = target(sim, play, i);
-    weft_status status = WEFT_OK;
-    while (status == WEFT_OK && weft_sim_time(sim) < t && !sim->event_passed) {
-        status = weft_sim_step(sim, end, err);
-        if (status == WEFT_OK && play->step != NULL && !goes_on(sim, play)) {
-            status = weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
-                                    weft_sim_time(sim));
+    while (weft_sim_time(sim) < t && !sim->event_passed) {
+        TRY(weft_sim_step(sim, end, err));
+        if (play->step != NULL && !goes_on(sim, play)) {
+            return weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
+                                  weft_sim_time(sim));
         }
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* Frame i, of the present state or from within the last step. */
@@ -73,13 +72,11 @@ static weft_status show_frame(weft_sim *sim, const weft_play *play, size_t i,
                               weft_error *err)
 {
     const double t = weft_run_frame_time(play->run, i);
-    weft_status status = t < sim->t ? weft__between_show(sim, t, err) : WEFT_OK;
-    if (status == WEFT_OK) {
-        ++sim->playing;
-        status = play->frame(play->ctx, i, err);
-        --sim->playing;
-        weft__between_hide(sim);
-    }
+    TRY(t < sim->t ? weft__between_show(sim, t, err) : WEFT_OK);
+    ++sim->playing;
+    const weft_status status = play->frame(play->ctx, i, err);
+    --sim->playing;
+    weft__between_hide(sim);
     return status;
 }
 
@@ -120,20 +117,13 @@ weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *given, size_t si
     if (given != NULL && !weft__sized_read(play, sizeof own, given, size)) {
         return weft__sized_unknown("weft_play", err);
     }
-    weft_status status = check(sim, play, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(check(sim, play, err));
     bool event = sim->event_passed = false;
-    for (size_t i = play->first; status == WEFT_OK && i <= play->last && !event; ++i) {
-        status = play_to(sim, play, i, err);
+    for (size_t i = play->first; i <= play->last && !event; ++i) {
+        TRY(play_to(sim, play, i, err));
         event = sim->event_passed && sim->t <= weft_run_frame_time(play->run, i);
-        if (status == WEFT_OK) {
-            status = show_frame(sim, play, i, err);
-        }
-        if (status == WEFT_OK && !event) {
-            status = pass_checkpoint(sim, play, i, err);
-        }
+        TRY(show_frame(sim, play, i, err));
+        TRY(event ? WEFT_OK : pass_checkpoint(sim, play, i, err));
     }
-    return status;
+    return WEFT_OK;
 }

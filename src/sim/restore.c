@@ -106,18 +106,15 @@ static weft_status read_planes(const weft_sim *sim, const source *from, restored
 {
     const size_t n = sim->cloth->mesh.particles;
     size_t at = to->front_words + weft__whole_index(&sim->cloth->mesh, 0);
-    weft_status status = WEFT_OK;
-    for (size_t k = 0; status == WEFT_OK && k < weft__save_planes(sim); ++k) {
+    for (size_t k = 0; k < weft__save_planes(sim); ++k) {
         void *plane = k < 6    ? (void *)(to->y + k * n)
                       : k == 6 ? (void *)to->holds
                                : (void *)(to->s + (k - 7) * n);
-        status = get_words(from, at, plane, n, err);
-        if (status == WEFT_OK) {
-            weft__words_get(plane, plane, n);
-        }
+        TRY(get_words(from, at, plane, n, err));
+        weft__words_get(plane, plane, n);
         at += weft__save_particles(sim);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* Allocates, also if it fails. */
@@ -125,19 +122,15 @@ static weft_status read_saved(const weft_sim *sim, const source *from, restored 
                               weft_error *err)
 {
     unsigned char head[SAVE_HEAD * WEFT__WORD] = { 0 };
-    weft_status status = WEFT_OK;
     if (from->size >= sizeof head) { /* else it has no magic */
-        status = get_words(from, 0, head, SAVE_HEAD, err);
+        TRY(get_words(from, 0, head, SAVE_HEAD, err));
     }
     to->head = head_at(head);
-    status = status == WEFT_OK
-                 ? check_head(sim, &to->head, from->size, &to->shape_count, err)
-                 : status;
+    TRY(check_head(sim, &to->head, from->size, &to->shape_count, err));
     to->front_words = weft__save_front(sim, to->shape_count);
-    status = status == WEFT_OK ? make_room(sim, to, err) : status;
-    status = status == WEFT_OK ? get_words(from, 0, to->front, to->front_words, err)
-                               : status;
-    return status == WEFT_OK ? read_planes(sim, from, to, err) : status;
+    TRY(make_room(sim, to, err));
+    TRY(get_words(from, 0, to->front, to->front_words, err));
+    return read_planes(sim, from, to, err);
 }
 
 /* ---- what they say --------------------------------------------------------------- */
@@ -319,43 +312,44 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
     to->head = head_at(to->front);
     to->wind = weft__sim_wind(sim, saved->wind_changed != 0 ? saved->wind : NULL,
                               saved->wind_drag);
-    weft_status status = check_definition(sim, to, err);
+    TRY(check_definition(sim, to, err));
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
-    const char *fault = status == WEFT_OK ? fault_of(sim, to) : NULL;
-    status = fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : status;
-    status = status == WEFT_OK ? check_gaps(sim, to, err) : status;
-    return status == WEFT_OK && to->shape_count > 0 ? weft__sim_make_start(sim, err)
-                                                    : status;
+    const char *fault = fault_of(sim, to);
+    TRY(fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : WEFT_OK);
+    TRY(check_gaps(sim, to, err));
+    return to->shape_count > 0 ? weft__sim_make_start(sim, err) : WEFT_OK;
+}
+
+/* Leaves arrays behind in *to. Collective. */
+static weft_status restore(weft_sim *sim, const source *from, restored *to,
+                           weft_error *err)
+{
+    const weft_comm *comm = sim->def.comm;
+    ++sim->callbacks;
+    const weft_status read = read_saved(sim, from, to, err);
+    --sim->callbacks;
+    TRY(weft_comm_agree(comm, read, err));
+    TRY(check_sum(sim, to, err));
+    TRY(weft_comm_agree(comm, read_fields(sim, to, err), err));
+    exchange(sim, to);
+    const weft_status status = weft__sim_renew(sim, &to->head.fields, err);
+    if (status == WEFT_OK) {
+        take_fields(sim, &to->head.fields);
+        weft_stepper_ode_changed(sim->def.method, sim->stepper);
+    } else {
+        exchange(sim, to);
+    }
+    return status;
 }
 
 weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
                                    size_t size, weft_error *err)
 {
-    if (weft__sim_outside_play(sim, "weft_sim_restore_parts", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
-    const weft_comm *comm = sim->def.comm;
+    TRY(weft__sim_outside_play(sim, "weft_sim_restore_parts", err));
     const source from = { get, ctx, size };
     restored to = { .shape_count = 0 };
-    ++sim->callbacks;
-    weft_status status = read_saved(sim, &from, &to, err);
-    --sim->callbacks;
-    status = weft_comm_agree(comm, status, err);
-    status = status == WEFT_OK ? check_sum(sim, &to, err) : status;
-    if (status == WEFT_OK) {
-        status = weft_comm_agree(comm, read_fields(sim, &to, err), err);
-    }
-    if (status == WEFT_OK) {
-        exchange(sim, &to);
-        status = weft__sim_renew(sim, &to.head.fields, err);
-        if (status == WEFT_OK) {
-            take_fields(sim, &to.head.fields);
-            weft_stepper_ode_changed(sim->def.method, sim->stepper);
-        } else {
-            exchange(sim, &to);
-        }
-    }
+    const weft_status status = restore(sim, &from, &to, err);
     WEFT__FREE_ALL(&sim->memory, to.shapes, to.front, to.holds, to.y);
     return status;
 }
@@ -373,9 +367,7 @@ static weft_status get_copy(void *ctx, uint64_t at, void *to, size_t size,
 weft_status weft_sim_restore(weft_sim *sim, const void *bytes, size_t size,
                              weft_error *err)
 {
-    if (weft__sim_outside_play(sim, "weft_sim_restore", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__sim_outside_play(sim, "weft_sim_restore", err));
     const unsigned char *from = bytes;
     return weft_sim_restore_parts(sim, get_copy, &from, bytes == NULL ? 0 : size, err);
 }

@@ -45,10 +45,8 @@ weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
     void *fresh = NULL;
     const weft_status mine = weft__sim_stepper(sim, counted->next_step, &fresh, err);
     const weft_status status = weft_comm_agree(sim->def.comm, mine, err);
-    if (status != WEFT_OK) {
-        sim->def.method->destroy(fresh);
-    } else {
-        sim->def.method->destroy(sim->stepper);
+    sim->def.method->destroy(status == WEFT_OK ? sim->stepper : fresh);
+    if (status == WEFT_OK) {
         sim->stepper = fresh;
         sim->event = NAN;
         weft__between_forget(sim);
@@ -66,9 +64,7 @@ weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
 
 weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_restart", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__sim_outside(sim, "weft_sim_restart", err));
     const weft__save_fields now = fields_of(sim);
     return weft__sim_renew(sim, &now, err);
 }
@@ -199,10 +195,7 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
 {
     const size_t words = weft__save_front(sim, sim->cloth->contact.shape_count);
     const bool first = weft__bands_is_first(sim->def.comm);
-    weft_status status = weft_sim_restart(sim, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(weft_sim_restart(sim, err));
     weft__pins_changed(&sim->cloth->mesh, sim->y); /* as restore will */
     for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
         to->holds[i] = weft__hold_of(&sim->cloth->mesh, i);
@@ -212,8 +205,8 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
                    weft__save_sum(sim, sim->y, sim->sensitivity.s, to->holds, to->front,
                                   words - 1));
     ++sim->callbacks;
-    status = to->put(to->ctx, 0, first ? to->front : NULL,
-                     first ? words * WEFT__WORD : 0, err);
+    weft_status status = to->put(to->ctx, 0, first ? to->front : NULL,
+                                 first ? words * WEFT__WORD : 0, err);
     status = put_planes(sim, to, status, err);
     --sim->callbacks;
     return weft_comm_agree(sim->def.comm, status, err);
@@ -222,9 +215,7 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
 weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
                                 weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_save_parts", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__sim_outside(sim, "weft_sim_save_parts", err));
     const char *what = sim->ledger.on && !isfinite(weft_sim_ledger(sim).residual)
                            ? "energy ledger"
                        : sim->def.correct != NULL
@@ -274,18 +265,16 @@ static weft_status put_whole(void *ctx, uint64_t at, const void *bytes, size_t s
 
 weft_status weft_sim_save(weft_sim *sim, void *bytes, size_t size, weft_error *err)
 {
-    if (weft__sim_outside(sim, "weft_sim_save", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__sim_outside(sim, "weft_sim_save", err));
     const size_t least = weft_sim_save_size(sim);
     const bool room
         = (bytes != NULL && size >= least) || !weft__bands_is_first(sim->def.comm);
     whole to = { sim->def.comm, bytes };
-    weft_status status
+    const weft_status mine
         = room ? WEFT_OK
                : weft_error_set(err, WEFT_INVALID,
                                 "a saved simulation needs %zu bytes, not %zu", least,
                                 bytes == NULL ? 0 : size);
-    status = weft_comm_agree(sim->def.comm, status, err);
-    return status == WEFT_OK ? weft_sim_save_parts(sim, put_whole, &to, err) : status;
+    TRY(weft_comm_agree(sim->def.comm, mine, err));
+    return weft_sim_save_parts(sim, put_whole, &to, err);
 }

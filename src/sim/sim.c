@@ -33,11 +33,8 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
 {
     const weft_sim_def *def = &sim->def;
     weft_stepper_config *config = &sim->config;
-    const weft_status taken = WEFT__DEF_READ(weft_stepper_config, config, &def->config,
-                                             sizeof def->config_room, err);
-    if (taken != WEFT_OK) {
-        return taken;
-    }
+    TRY(WEFT__DEF_READ(weft_stepper_config, config, &def->config,
+                       sizeof def->config_room, err));
     config->quadratures = def->ledger ? WEFT__QUADRATURES : 0;
     config->allocator = config->allocator != NULL ? config->allocator : &sim->memory;
     config->agree = NULL;
@@ -150,45 +147,32 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
         return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
                               def->cloth == NULL ? "cloth" : "method");
     }
-    weft_status status = weft__method_check(def->method, 0, err);
-    status = status == WEFT_OK ? weft__config_check(&def->config, err) : status;
-    status = status == WEFT_OK ? weft__bands_check(def, err) : status;
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(weft__method_check(def->method, 0, err));
+    TRY(weft__config_check(&def->config, err));
+    TRY(weft__bands_check(def, err));
     weft_sim *sim = *out = make_sim(def);
     if (sim == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
-    status = weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err);
-    status = status == WEFT_OK ? take_config(sim, err) : status;
-    status = status == WEFT_OK ? weft_cloth_untangle(sim->cloth, sim->y, err) : status;
+    TRY(weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err));
+    TRY(take_config(sim, err));
+    TRY(weft_cloth_untangle(sim->cloth, sim->y, err));
     weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
-    status = status == WEFT_OK ? make_forces(sim, err) : status;
-    status = status == WEFT_OK ? weft__structure_init(sim, err) : status;
-    status = status == WEFT_OK && weft__sim_checks(sim) ? weft__sim_make_start(sim, err)
-                                                        : status;
-    status = status == WEFT_OK ? weft__between_init(sim, err) : status;
-    return status == WEFT_OK && def->sensitivity != NULL
-               ? weft__sensitivity_init(sim, err)
-               : status;
+    TRY(make_forces(sim, err));
+    TRY(weft__structure_init(sim, err));
+    TRY(weft__sim_checks(sim) ? weft__sim_make_start(sim, err) : WEFT_OK);
+    TRY(weft__between_init(sim, err));
+    return def->sensitivity != NULL ? weft__sensitivity_init(sim, err) : WEFT_OK;
 }
 
 weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_error *err)
 {
     weft_sim_def own, *const def = &own;
-    if (weft__given(given, out, "weft_sim_create", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__given(given, out, "weft_sim_create", err));
     weft_sim *sim = *out = NULL;
-    if (WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
-    weft_status status = weft__bands_comm_check(def->comm, err);
-    if (status != WEFT_OK) {
-        return status; /* nobody can be told */
-    }
-    status = weft_comm_agree(def->comm, prepare(def, &sim, err), err);
+    TRY(WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err));
+    TRY(weft__bands_comm_check(def->comm, err)); /* nobody can be told */
+    weft_status status = weft_comm_agree(def->comm, prepare(def, &sim, err), err);
     if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
         status = weft_comm_agree(def->comm, status, err);

@@ -13,13 +13,13 @@
 weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                  weft_error *err)
 {
-    const weft_status outside = weft__sim_outside(sim, function, err);
+    TRY(weft__sim_outside(sim, function, err));
     const char *why = sim->def.comm != NULL        ? "for a cloth in bands"
                       : sim->sensitivity.count > 0 ? "with sensitivities"
                                                    : NULL;
-    return outside == WEFT_OK && why != NULL ? weft_error_set(
-               err, WEFT_UNSUPPORTED, "%s: not possible %s", function, why)
-                                             : outside;
+    return why == NULL ? WEFT_OK
+                       : weft_error_set(err, WEFT_UNSUPPORTED, "%s: not possible %s",
+                                        function, why);
 }
 
 weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag)
@@ -35,10 +35,7 @@ weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double 
 weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3], double drag,
                               weft_error *err)
 {
-    const weft_status can = weft__sim_changeable(sim, "weft_sim_set_wind", err);
-    if (can != WEFT_OK) {
-        return can;
-    }
+    TRY(weft__sim_changeable(sim, "weft_sim_set_wind", err));
     if (velocity != NULL && !weft__wind_usable(velocity, drag)) {
         return weft_error_set(err, WEFT_INVALID,
                               "wind of [%g, %g, %g] m/s, drag %g kg/(m^2 s): both must "
@@ -84,10 +81,7 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
-    const weft_status can = weft__sim_changeable(sim, "weft_sim_set_state", err);
-    if (can != WEFT_OK) {
-        return can;
-    }
+    TRY(weft__sim_changeable(sim, "weft_sim_set_state", err));
     const size_t n = weft_cloth_particles(sim->cloth);
     if ((positions != NULL && !weft__all_finite(positions, 3 * n))
         || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
@@ -100,10 +94,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
         }
-        if (weft__crossings_error(sim->cloth, sim->t, sim->start, SIZE_MAX, "", err)
-            != WEFT_OK) {
-            return WEFT_INVALID;
-        }
+        TRY(weft__crossings_error(sim->cloth, sim->t, sim->start, SIZE_MAX, "", err));
     }
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
@@ -117,10 +108,7 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
 static weft_status check_particle(const weft_sim *sim, const char *function, size_t i,
                                   const double numbers[3], weft_error *err)
 {
-    const weft_status can = weft__sim_changeable(sim, function, err);
-    if (can != WEFT_OK) {
-        return can;
-    }
+    TRY(weft__sim_changeable(sim, function, err));
     if (i >= weft_cloth_particles(sim->cloth)) {
         return weft_error_set(err, WEFT_INVALID, "no particle %zu: there are %zu", i,
                               weft_cloth_particles(sim->cloth));
@@ -138,13 +126,12 @@ static weft_status check_particle(const weft_sim *sim, const char *function, siz
 static weft_status pin(weft_sim *sim, const char *function, const size_t *particles,
                        const double *velocities, size_t count, weft_error *err)
 {
-    weft_status status = WEFT_OK;
-    for (size_t j = 0; status == WEFT_OK && j < count; ++j) {
-        status = check_particle(sim, function, particles[j],
-                                velocities != NULL ? velocities + 3 * j : NULL, err);
+    for (size_t j = 0; j < count; ++j) {
+        TRY(check_particle(sim, function, particles[j],
+                           velocities != NULL ? velocities + 3 * j : NULL, err));
     }
-    if (status != WEFT_OK || count == 0) {
-        return status;
+    if (count == 0) {
+        return WEFT_OK;
     }
     weft__mesh *mesh = &sim->cloth->mesh;
     const size_t n = mesh->particles;
@@ -185,11 +172,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double positio
                               weft_error *err)
 {
     const size_t n = weft_cloth_particles(sim->cloth);
-    const weft_status status
-        = check_particle(sim, "weft_sim_move_pin", vertex, position, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(check_particle(sim, "weft_sim_move_pin", vertex, position, err));
     if (position == NULL || !weft_cloth_pinned(sim->cloth, vertex)) {
         return weft_error_set(err, WEFT_INVALID, "particle %zu %s", vertex,
                               position == NULL ? "has no position to go to: it is NULL"
@@ -210,23 +193,21 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double positio
 
 weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
 {
-    const weft_status status = check_particle(sim, "weft_sim_unpin", vertex, NULL, err);
-    if (status == WEFT_OK && weft_cloth_pinned(sim->cloth, vertex)) {
+    TRY(check_particle(sim, "weft_sim_unpin", vertex, NULL, err));
+    if (weft_cloth_pinned(sim->cloth, vertex)) {
         const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
         const weft__breach breach
             = weft__particle_breach(sim->cloth, sim->t, sim->y, i);
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "is", err);
         }
-        if (weft__crossings_error(sim->cloth, sim->t, sim->y, i, "", err) != WEFT_OK) {
-            return WEFT_INVALID;
-        }
+        TRY(weft__crossings_error(sim->cloth, sim->t, sim->y, i, "", err));
         weft__sim_change_begins(sim);
         weft__set_hold(&sim->cloth->mesh, i, WEFT__FREE);
         weft__pins_changed(&sim->cloth->mesh, sim->y);
         weft__sim_change_ends(sim, true);
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* ---- shapes ---------------------------------------------------------------------- */
@@ -234,10 +215,7 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
 static weft_status check_shape(const weft_sim *sim, const char *function, size_t k,
                                weft_error *err)
 {
-    const weft_status can = weft__sim_changeable(sim, function, err);
-    if (can != WEFT_OK) {
-        return can;
-    }
+    TRY(weft__sim_changeable(sim, function, err));
     if (k >= sim->cloth->contact.shape_count) {
         return weft_error_set(err, WEFT_INVALID, "no shapes[%zu]: there are %zu", k,
                               sim->cloth->contact.shape_count);
@@ -293,34 +271,34 @@ static weft_status make_room(weft_sim *sim, weft_error *err)
     return weft__sim_make_start(sim, err);
 }
 
+/* The caller's shape, of any version. */
+static weft_status read_shape(weft_shape *to, const weft_shape *given, size_t size,
+                              weft_error *err)
+{
+    return given == NULL || weft__sized_read(to, sizeof *to, given, size)
+               ? WEFT_OK
+               : weft__sized_unknown("weft_shape", err);
+}
+
 weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *given,
                                      size_t size, size_t *k, weft_error *err)
 {
     const size_t count = sim->cloth->contact.shape_count;
     weft_shape shape = weft_shape_default(WEFT_PLANE);
     weft__shape made;
-    weft_status status = weft__sim_changeable(sim, "weft_sim_add_shape", err);
-    if (status == WEFT_OK && given != NULL
-        && !weft__sized_read(&shape, sizeof shape, given, size)) {
-        status = weft__sized_unknown("weft_shape", err);
+    TRY(weft__sim_changeable(sim, "weft_sim_add_shape", err));
+    TRY(read_shape(&shape, given, size, err));
+    if (shape.kind == WEFT_MESH) {
+        return meshes_stay("added", err);
     }
-    if (status == WEFT_OK && given != NULL && shape.kind == WEFT_MESH) {
-        status = meshes_stay("added", err);
-    }
-    if (status == WEFT_OK) {
-        status = weft__shape_make(&sim->cloth->contact, given == NULL ? NULL : &shape,
-                                  sim->t, count, &made, err);
-    }
-    if (status == WEFT_OK) {
-        status = make_room(sim, err);
-    }
-    if (status == WEFT_OK) {
-        status = put(sim, count, &made, err);
-    }
-    if (status == WEFT_OK && k != NULL) {
+    TRY(weft__shape_make(&sim->cloth->contact, given == NULL ? NULL : &shape, sim->t,
+                         count, &made, err));
+    TRY(make_room(sim, err));
+    TRY(put(sim, count, &made, err));
+    if (k != NULL) {
         *k = count;
     }
-    return status;
+    return WEFT_OK;
 }
 
 /* Shape k, with the motion of `def` from now on. */
@@ -330,12 +308,10 @@ static weft_status move_shape(weft_sim *sim, size_t k, const double place[3],
     const weft__contact *contact = &sim->cloth->contact;
     const weft__shape before = contact->shapes[k];
     weft__shape made;
-    weft_status status = weft__shape_make(contact, def, sim->t, k, &made, err);
-    if (status == WEFT_OK) {
-        weft__shape_rebase(&before, sim->t, place, def);
-        status = weft__shape_make(contact, def, sim->t, k, &made, err);
-    }
-    return status == WEFT_OK ? put(sim, k, &made, err) : status;
+    TRY(weft__shape_make(contact, def, sim->t, k, &made, err));
+    weft__shape_rebase(&before, sim->t, place, def);
+    TRY(weft__shape_make(contact, def, sim->t, k, &made, err));
+    return put(sim, k, &made, err);
 }
 
 weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double place[3],
@@ -363,15 +339,9 @@ weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double place[3],
 weft_status weft_sim_drive_shape_sized(weft_sim *sim, size_t k, const weft_shape *given,
                                        size_t size, weft_error *err)
 {
-    weft_status status = check_shape(sim, "weft_sim_drive_shape", k, err);
     weft_shape as = weft_shape_default(WEFT_SPHERE);
-    if (status == WEFT_OK && given != NULL
-        && !weft__sized_read(&as, sizeof as, given, size)) {
-        status = weft__sized_unknown("weft_shape", err);
-    }
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(check_shape(sim, "weft_sim_drive_shape", k, err));
+    TRY(read_shape(&as, given, size, err));
     const weft__pose now = weft__pose_of(&sim->cloth->contact.shapes[k], sim->t);
     weft_shape def = weft_cloth_shape(sim->cloth, k);
     memcpy(def.velocity, as.velocity, sizeof def.velocity);
@@ -383,19 +353,17 @@ weft_status weft_sim_drive_shape_sized(weft_sim *sim, size_t k, const weft_shape
 
 weft_status weft_sim_remove_shape(weft_sim *sim, size_t k, weft_error *err)
 {
-    weft_status status = check_shape(sim, "weft_sim_remove_shape", k, err);
-    if (status == WEFT_OK && sim->cloth->contact.shapes[k].def.kind == WEFT_MESH) {
-        status = meshes_stay("removed", err);
+    weft__contact *contact = &sim->cloth->contact;
+    TRY(check_shape(sim, "weft_sim_remove_shape", k, err));
+    if (contact->shapes[k].def.kind == WEFT_MESH) {
+        return meshes_stay("removed", err);
     }
-    if (status == WEFT_OK) {
-        weft_cloth *cloth = sim->cloth;
-        weft__sim_change_begins(sim);
-        --cloth->contact.shape_count;
-        memmove(cloth->contact.shapes + k, cloth->contact.shapes + k + 1,
-                (cloth->contact.shape_count - k) * sizeof *cloth->contact.shapes);
-        weft__sim_change_ends(sim, true);
-    }
-    return status;
+    weft__sim_change_begins(sim);
+    --contact->shape_count;
+    memmove(contact->shapes + k, contact->shapes + k + 1,
+            (contact->shape_count - k) * sizeof *contact->shapes);
+    weft__sim_change_ends(sim, true);
+    return WEFT_OK;
 }
 
 typedef struct pressed {

@@ -104,9 +104,7 @@ static double end_of_piece(const weft_sim *sim, double t_end)
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
-    if (weft__sim_outside_play(sim, "weft_sim_step", err) != WEFT_OK) {
-        return WEFT_INVALID;
-    }
+    TRY(weft__sim_outside_play(sim, "weft_sim_step", err));
     if (!(t_end > sim->t) || !isfinite(t_end)) {
         return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
                               t_end);
@@ -142,10 +140,8 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
 {
-    weft_status status = WEFT_OK;
-    for (bool event = false; sim->t != t_end && status == WEFT_OK && !event;) {
-        status = weft_sim_step(sim, t_end, err);
-        event = sim->event_passed;
+    for (bool event = false; sim->t != t_end && !event; event = sim->event_passed) {
+        TRY(weft_sim_step(sim, t_end, err));
     }
-    return status;
+    return WEFT_OK;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/finite.h"
+#include "base/try.h"
 #include "sim/forces.h"
 #include "sim/sensitivity.h"
 #include "weft/sim.h"

@@ -100,12 +100,9 @@ static weft_status read_polynomial(weft_stability *out, weft_error *err)
     double y[SHIFT_DIM] = { 0 };
     const weft_ode ode = { SHIFT_DIM, shift, NULL };
     probe run;
-    weft_status status = probe_begin(&run, out, &ode, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(probe_begin(&run, out, &ode, err));
     y[SHIFT_DIM - 1] = 1.0;
-    status = probe_step(&run, y);
+    weft_status status = probe_step(&run, y);
     out->degree = 0;
     for (int k = 0; k < SHIFT_DIM; ++k) {
         out->r[k] = y[SHIFT_DIM - 1 - k];
@@ -146,10 +143,7 @@ static weft_status polynomial_holds(const weft_stability *of, bool *holds,
     double y[6] = { 1.0, 0.3, -0.4, 0.2, -0.8, 0.6 };
     double wanted[3][2] = { { 1.0, 0.2 }, { 0.3, -0.8 }, { -0.4, 0.6 } };
     probe run;
-    const weft_status status = probe_begin(&run, of, &ode, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(probe_begin(&run, of, &ode, err));
     *holds = true;
     for (int step = 0; step < 3 && *holds; ++step) {
         *holds = probe_step(&run, y) == WEFT_OK;
@@ -167,11 +161,8 @@ weft_status weft_stability_create(const weft_stepper_type *type,
                                   const weft_butcher *butcher, weft_stability *out,
                                   weft_error *err)
 {
-    weft_status usable = weft__given(type, out, "weft_stability_create", err);
-    usable = usable == WEFT_OK ? weft__method_check(type, 0, err) : usable;
-    if (usable != WEFT_OK) {
-        return usable;
-    }
+    TRY(weft__given(type, out, "weft_stability_create", err));
+    TRY(weft__method_check(type, 0, err));
     *out = (weft_stability){ .type = type, .butcher = butcher };
     if ((type->flags & (WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP)) != 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
@@ -184,12 +175,10 @@ weft_status weft_stability_create(const weft_stepper_type *type,
         return WEFT_OK;
     }
     bool holds = false;
-    weft_status status = read_polynomial(out, err);
-    if (status == WEFT_OK) {
-        status = polynomial_holds(out, &holds, err);
-    }
+    TRY(read_polynomial(out, err));
+    TRY(polynomial_holds(out, &holds, err));
     out->degree = holds ? out->degree : -1;
-    return status;
+    return WEFT_OK;
 }
 
 /* ---- Runge-Kutta: along rays from 0 ---------------------------------------------- */
@@ -347,12 +336,10 @@ static weft_status run_is_stable(const weft_stability *of,
         y[ctx.count + k] = 0.7;
     }
     probe run;
-    const weft_status status = probe_begin(&run, of, &ode, err);
-    if (status == WEFT_OK) {
-        *stable = none_grows(&run, &ctx, y, y + 2 * most);
-        of->type->destroy(run.self);
-    }
-    return status;
+    TRY(probe_begin(&run, of, &ode, err));
+    *stable = none_grows(&run, &ctx, y, y + 2 * most);
+    of->type->destroy(run.self);
+    return WEFT_OK;
 }
 
 /* Whether steps of h are stable; `work`: as of find_runs. */
@@ -368,11 +355,10 @@ static weft_status bisect(const weft_stability *of, const weft_stiffness *polygo
     const double fast = sqrt(polygon->omega2) + polygon->damping;
     double low = 0.0, high = 0.1 / fast; /* doubled until it is unstable */
     bool found = false;
-    weft_status status = WEFT_OK;
-    for (int i = 0; i < trials && status == WEFT_OK && kept * low < enough; ++i) {
+    for (int i = 0; i < trials && kept * low < enough; ++i) {
         bool stable = false;
         const double trial = found ? 0.5 * (low + high) : high;
-        status = verdict(of, polygon, trial, work, &stable, err);
+        TRY(verdict(of, polygon, trial, work, &stable, err));
         if (stable) {
             low = trial;
             high = found ? high : 2.0 * high;
@@ -382,7 +368,7 @@ static weft_status bisect(const weft_stability *of, const weft_stiffness *polygo
         }
     }
     *h = found ? kept * low : INFINITY;
-    return status;
+    return WEFT_OK;
 }
 
 static weft_status bisect_runs(const weft_stability *of, const weft_stiffness *polygon,
@@ -412,11 +398,7 @@ static weft_status ask(const weft_stability *of, const weft_stiffness *polygon,
     config.fixed_step = h;
     config.structure = &structure;
     probe run = { .type = of->type };
-    const weft_status status
-        = of->type->create(of->type, &weft__one_ode, &config, &run.self, err);
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(of->type->create(of->type, &weft__one_ode, &config, &run.self, err));
     *stable = probe_step(&run, y) == WEFT_OK; /* may cost more than later ones */
     const uint64_t before = probe_calls(&run);
     for (int k = 0; k < ASKED && *stable; ++k) {
@@ -483,8 +465,9 @@ weft_status weft_stability_reaches(const weft_stability *stability,
                                    const weft_stiffness *modes, double growth, double h,
                                    bool *reaches, weft_error *err)
 {
-    double found = 0.0;
-    const weft_status status = find_step(stability, modes, growth, h, &found, err);
-    *reaches = status == WEFT_OK && found >= h;
-    return status;
+    double found;
+    *reaches = false;
+    TRY(find_step(stability, modes, growth, h, &found, err));
+    *reaches = found >= h;
+    return WEFT_OK;
 }
