@@ -346,8 +346,8 @@ static weft_status run_is_stable(const weft_stability *of,
 typedef weft_status verdict_fn(const weft_stability *of, const weft_stiffness *polygon,
                                double h, double *work, bool *stable, weft_error *err);
 
-/* The largest stable h, by trials, and `kept` of it; INFINITY: none was unstable. Ends
- * earlier with a stable one that is `enough`. */
+/* The largest stable h, by trials, and `kept` of it, after an error so far; INFINITY:
+ * none was unstable. Ends earlier with a stable one that is `enough`. */
 static weft_status bisect(const weft_stability *of, const weft_stiffness *polygon,
                           verdict_fn *verdict, double *work, int trials, double kept,
                           double enough, double *h, weft_error *err)
@@ -358,6 +358,7 @@ static weft_status bisect(const weft_stability *of, const weft_stiffness *polygo
     for (int i = 0; i < trials && kept * low < enough; ++i) {
         bool stable = false;
         const double trial = found ? 0.5 * (low + high) : high;
+        *h = kept * low;
         TRY(verdict(of, polygon, trial, work, &stable, err));
         if (stable) {
             low = trial;
