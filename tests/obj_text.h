@@ -19,7 +19,10 @@ static inline bool obj_read(const char *text, size_t length)
                                  .sources = &obj_scene,
                                  .memory = &obj_memory };
     obj = (weft__obj){ .report = &obj_report, .path = "shirt.obj" };
-    return weft__obj_take(&obj, text, length);
+    obj.text = weft__report_take(&obj_report, length + 1, 1);
+    memcpy(obj.text, text, length);
+    obj.length = length;
+    return weft__obj_read(&obj);
 }
 
 static inline void obj_end(void)

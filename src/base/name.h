@@ -19,4 +19,6 @@ static inline bool weft__is_name(const char *text, const char *more, size_t most
     return length > 0 && length <= most && text[length] == '\0';
 }
 
+/* An id becomes part of a file's name and of a function's. */
+#define WEFT__IS_PLUGIN_ID(text)  weft__is_name((text), "_", 48)
 #define WEFT__IS_CLOTH_NAME(text) weft__is_name((text), "_-", WEFT_CLOTH_NAME_MAX)

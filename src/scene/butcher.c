@@ -9,23 +9,22 @@
 /* Allows for coefficients that are written with fewer digits than a double has. */
 #define SUM_TOLERANCE 1e-9
 
-static bool has_stages(weft__reader *reader, const weft__key *key,
-                       const weft__node *node)
+/* Room for as many values as there are stages, or the square of that, in a list; false:
+ * it was refused, or no memory. */
+static bool take_values(weft__reader *reader, const weft__key *key,
+                        const weft__node *node, weft__list *list)
 {
     const size_t count = weft__item_count(node);
+    const size_t all = key->kind == WEFT__ROWS ? count * count : count;
     if (count == 0) {
         weft__refuse_value(reader, key, node);
     } else if (count > MAX_STAGES) {
         ERROR_AT(reader, node, "%s has %zu stages; the most is %d", key->name, count,
                  MAX_STAGES);
+    } else {
+        list->values = weft__tree_take(reader->tree, all, sizeof *list->values);
+        list->side = count;
     }
-    return count > 0 && count <= MAX_STAGES;
-}
-
-/* Room for `count` values in a list; false: no memory. */
-static bool take_values(weft__reader *reader, weft__list *list, size_t count)
-{
-    list->values = weft__tree_take(reader->tree, count, sizeof *list->values);
     return list->values != NULL;
 }
 
@@ -33,12 +32,10 @@ void weft__read_row(weft__reader *reader, const weft__key *key, const weft__node
                     void *to)
 {
     weft__list *list = to;
-    const size_t count = weft__item_count(node);
-    if (has_stages(reader, key, node) && take_values(reader, list, count)) {
+    if (take_values(reader, key, node, list)) {
         const bool good
             = weft__read_numbers(reader, key, key->name, node, list->values);
-        list->count = good ? count : 0;
-        list->side = count;
+        list->count = good ? list->side : 0;
     }
 }
 
@@ -82,7 +79,7 @@ void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__nod
     weft__list *list = to;
     const size_t side = weft__item_count(node);
     bool good = true;
-    if (!has_stages(reader, key, node) || !take_values(reader, list, side * side)) {
+    if (!take_values(reader, key, node, list)) {
         return;
     }
     for (size_t i = 0; i < side; ++i) {
@@ -91,7 +88,6 @@ void weft__read_rows(weft__reader *reader, const weft__key *key, const weft__nod
                && good;
     }
     list->count = good ? side * side : 0;
-    list->side = side;
 }
 
 static void check_length(weft__reader *reader, const weft__match *match,
@@ -148,16 +144,11 @@ void weft__check_butcher(weft__reader *reader, const weft__match *match, void *b
     check_length(reader, match, "b", &table->b, stages);
     check_length(reader, match, "c", &table->c, stages);
     check_length(reader, match, "b_embedded", &table->b_embedded, stages);
-    weft__check_together(reader, match, "b_embedded", "embedded_order");
     check_sums(reader, match, table);
-    reader->scene->butcher = (weft_butcher){
-        .stages = (int)stages,
-        .order = (int)table->order,
-        .embedded_order = (int)table->embedded_order,
-        .a = table->a.values,
-        .b = table->b.values,
-        .c = table->c.values,
-        .b_embedded = table->b_embedded.values,
-    };
-    reader->scene->config.butcher = &reader->scene->butcher;
+    table->set.stages = (int)stages;
+    table->set.a = table->a.values;
+    table->set.b = table->b.values;
+    table->set.c = table->c.values;
+    table->set.b_embedded = table->b_embedded.values;
+    reader->scene->config.butcher = &table->set;
 }

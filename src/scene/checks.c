@@ -18,7 +18,6 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
                  "reader of version 1",
                  scene->version);
     }
-    CHECK_ONE(reader, match, "cloth", "cloths");
     weft__check_stop(reader, match);
     if (reader->report->found->errors == 0 && reader->def->bands > 1) {
         weft__check_bands(reader, match);
@@ -116,7 +115,8 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
     if (weft__key_in(match, "fabric") != NULL) {
         weft__make_fabric(reader, match);
     } else {
-        CHECK_ONE(reader, match, "mass", "density");
+        weft__check_one(reader, match,
+                        (const char *const[]){ "mass", "density", NULL });
     }
     if (reader->report->found->errors == 0) {
         weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
@@ -126,7 +126,6 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
-    CHECK_ONE(reader, match, "grid", "mesh", "cut");
     if (reader->scene->meshed) {
         weft__check_mesh_cloth(reader, match);
     } else if (weft__key_in(match, "grid") != NULL) {

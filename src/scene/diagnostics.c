@@ -34,16 +34,6 @@ static int as_int(size_t n)
     return n < INT_MAX ? (int)n : INT_MAX;
 }
 
-/* The index of a new item: behind all items before it or at the same place. */
-static size_t find_slot(const weft__report *report, weft__mark at)
-{
-    size_t slot = report->found->count;
-    while (slot > 0 && weft__mark_before(at, report->origin[slot - 1].at)) {
-        --slot;
-    }
-    return slot;
-}
-
 /* Whether the same message was reported at the same place, whose items end at `slot`: a
  * node is read once for each of its aliases, and for each run of a sweep. */
 static bool is_known(weft__report *report, size_t slot, weft__mark at,
@@ -92,15 +82,21 @@ void weft__fit(char *text, size_t size, int length)
     }
 }
 
-static void add(weft__report *report, bool warning, weft__mark at, const char *format,
-                va_list args)
+void weft__report_add(weft__report *report, bool warning, weft__mark at,
+                      const char *format, ...)
 {
     char message[sizeof report->found->items[0].message];
+    va_list args;
     size_t *count = warning ? &report->found->warnings : &report->found->errors;
-    const size_t slot = find_slot(report, at);
+    size_t slot = report->found->count; /* behind those before it or at its place */
+    while (slot > 0 && weft__mark_before(at, report->origin[slot - 1].at)) {
+        --slot;
+    }
     report->mistakes += !warning;
+    va_start(args, format);
     weft__fit(message, sizeof message,
               weft_text_format_list(message, sizeof message, format, args));
+    va_end(args);
     weft__one_line(message);
     if (is_known(report, slot, at, message)) {
         return;
@@ -109,22 +105,6 @@ static void add(weft__report *report, bool warning, weft__mark at, const char *f
     if (slot < WEFT_DIAGNOSTICS_MAX) {
         insert(report, slot, at, warning, message);
     }
-}
-
-void weft__report_error(weft__report *report, weft__mark at, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    add(report, false, at, format, args);
-    va_end(args);
-}
-
-void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    add(report, true, at, format, args);
-    va_end(args);
 }
 
 /* The first mistake, for callers that use only weft_error. */

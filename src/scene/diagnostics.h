@@ -61,10 +61,11 @@ typedef struct weft__report {
 
 /* Add a mistake, or a warning, at a place. The first WEFT_DIAGNOSTICS_MAX in the order
  * of the places are kept. */
-WEFT_PRINTF(3, 4)
-void weft__report_error(weft__report *report, weft__mark at, const char *format, ...);
-WEFT_PRINTF(3, 4)
-void weft__report_warning(weft__report *report, weft__mark at, const char *format, ...);
+WEFT_PRINTF(4, 5)
+void weft__report_add(weft__report *report, bool warning, weft__mark at,
+                      const char *format, ...);
+#define weft__report_error(report, ...)   weft__report_add((report), false, __VA_ARGS__)
+#define weft__report_warning(report, ...) weft__report_add((report), true, __VA_ARGS__)
 
 /* The same, to the report of whoever has one, at a node. */
 #define ERROR_AT(owner, node, ...)                                                     \

@@ -33,6 +33,7 @@
     }
 #define SECTION(of) WITH(KEYS(of))
 #define CHECKED(of) WITH(KEYS(of), .check = weft__check_##of)
+#define OSCILLATES  .together = { "amplitude", "frequency" }
 
 /* ---- cloth --------------------------------------------------------------------- */
 
@@ -79,19 +80,35 @@ static const weft__section place_section
 
 static const weft__section shape_section;
 
+/* What a load or a pin is on. */
+#define WHERE(type)                                                                    \
+    { "at",                                                                            \
+      WEFT__PLACE,                                                                     \
+      .absent = "required on a grid",                                                  \
+      .section = &place_section,                                                       \
+      AT(type, rows),                                                                  \
+      .meaning = "of a grid: which particles" },                                       \
+        { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(type, vertices),         \
+          .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },     \
+        { "group", WEFT__GROUP, .absent = "none", AT(type, vertices),                  \
+          .meaning                                                                     \
+          = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },     \
+        { "near",                                                                      \
+          WEFT__NEAREST,                                                               \
+          .unit = "m",                                                                 \
+          .absent = "none",                                                            \
+          AT(type, vertices),                                                          \
+          .meaning                                                                     \
+          = "of a mesh: the vertex that starts nearest to a point; of equally "        \
+            "near ones the lower number" },                                            \
+    {                                                                                  \
+        "inside", WEFT__INSIDE,                                                        \
+            .section = &shape_section, .absent = "none", AT(type, vertices),           \
+            .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" \
+    }
+
 static const weft__key load_keys[] = {
-    { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
-      AT(weft_load, rows), .meaning = "of a grid: which particles" },
-    { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_load, vertices),
-      .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },
-    { "group", WEFT__GROUP, .absent = "none", AT(weft_load, vertices),
-      .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
-    { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_load, vertices),
-      .meaning = "of a mesh: the vertex that starts nearest to a point; of equally "
-                 "near ones the lower number" },
-    { "inside", WEFT__INSIDE, .section = &shape_section, .absent = "none",
-      AT(weft_load, vertices),
-      .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" },
+    WHERE(weft_load),
     { "mass", WEFT__NUMBER, .required = true, .number = &weft__load_mass,
       .meaning = "goes to each of them" },
 };
@@ -99,24 +116,13 @@ static const weft__key load_keys[] = {
 static const weft__section load_section
     = { .title = "a load",
         KEYS(load),
-        .check = weft__check_load,
+        .check = weft__check_vertices,
         .beside = &place_section,
         .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
                        "...}" };
 
 static const weft__key pin_keys[] = {
-    { "at", WEFT__PLACE, .absent = "required on a grid", .section = &place_section,
-      AT(weft_pin, rows), .meaning = "of a grid: which particles" },
-    { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(weft_pin, vertices),
-      .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },
-    { "group", WEFT__GROUP, .absent = "none", AT(weft_pin, vertices),
-      .meaning = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },
-    { "near", WEFT__NEAREST, .unit = "m", .absent = "none", AT(weft_pin, vertices),
-      .meaning = "of a mesh: the vertex that starts nearest to a point; of equally "
-                 "near ones the lower number" },
-    { "inside", WEFT__INSIDE, .section = &shape_section, .absent = "none",
-      AT(weft_pin, vertices),
-      .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" },
+    WHERE(weft_pin),
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, velocity),
       .meaning = "velocity of the pinned particles" },
     { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, amplitude),
@@ -131,6 +137,7 @@ static const weft__key pin_keys[] = {
 static const weft__section pin_section
     = { .title = "a pin",
         KEYS(pin),
+        OSCILLATES,
         .check = weft__check_pin,
         .beside = &place_section,
         .beside_hint = "cannot stand beside 'at': put it inside, as in {at: {rows: "
@@ -194,7 +201,8 @@ static const weft__key springs_keys[] = {
       OF_FAMILY(WEFT_STRETCH), .meaning = "springs to the next column and row" },
     { "shear", WEFT__MAPPING, SECTION(shear), .absent = "none", OF_FAMILY(WEFT_SHEAR),
       .meaning = "springs across both diagonals of a cell" },
-    { "bend", WEFT__MAPPING, CHECKED(bend), .absent = "none",
+    { "bend", WEFT__MAPPING, .absent = "none",
+      WITH(KEYS(bend), .one = { "stiffness", "rigidity" }, .check = weft__check_bend),
       .meaning = "springs to the next but one column and row, or bending rigidity" },
     { "rim", WEFT__EITHER, .names = rim_names, .fallback = "full",
       AT(weft_cloth_def, rim_half),
@@ -390,6 +398,7 @@ static const weft__key cloth_keys[] = {
 
 static const weft__section cloth_section = { .keys = cloth_keys + 1,
                                              .count = COUNT(cloth_keys) - 1,
+                                             .one = { "grid", "mesh", "cut" },
                                              .check = weft__check_cloth },
                            part_section = { KEYS(cloth), .check = weft__check_part };
 
@@ -412,8 +421,8 @@ static const weft__key force_keys[] = {
       .meaning = "acceleration of free fall" },
     { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, drag),
       .meaning = "viscous damping of each particle: F = -damping * v" },
-    { "wind", WEFT__MAPPING, CHECKED(wind), .absent = "no wind",
-      .meaning = "moving air" },
+    { "wind", WEFT__MAPPING, WITH(KEYS(wind), .one = { "velocity", "table" }),
+      .absent = "no wind", .meaning = "moving air" },
 };
 
 /* ---- contact ------------------------------------------------------------------- */
@@ -488,14 +497,14 @@ static const weft__key shape_keys[] = {
     { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
       .meaning = "of the surface: about at, along the normal of a plane and the axis "
                  "of a capsule, none of a box or a mesh" },
-    { "turn", WEFT__MAPPING, CHECKED(shape_turn), .absent = "none",
-      AT(weft_shape, turn),
+    { "turn", WEFT__MAPPING, .absent = "none", AT(weft_shape, turn),
+      WITH(KEYS(shape_turn), OSCILLATES, .check = weft__check_turn),
       .meaning = "the shape turns about an axis, and then moves by velocity and "
                  "amplitude" },
 };
 
 static const weft__section shape_section
-    = { .title = "a shape", KEYS(shape), .check = weft__check_shape };
+    = { .title = "a shape", KEYS(shape), OSCILLATES, .check = weft__check_shape };
 
 static const weft__key contact_keys[] = {
     { "thickness", WEFT__NUMBER, .fallback = "5.0e-3", NUMBER(contact, thickness),
@@ -582,12 +591,13 @@ static const weft__key butcher_keys[] = {
       .meaning = "weights, one per stage" },
     { "c", WEFT__ROW, .required = true, AT(weft__tableau, c),
       .meaning = "nodes, one per stage" },
-    { "order", WEFT__INTEGER, .required = true, RANGE(.least = 1, .most = 99),
-      AT(weft__tableau, order), .meaning = "order of the continued solution" },
+    { "order", WEFT__INTEGER, .required = true,
+      RANGE(.type = WEFT__INT, .least = 1, .most = 99), AT(weft__tableau, set.order),
+      .meaning = "order of the continued solution" },
     { "b_embedded", WEFT__ROW, .absent = "fixed steps only",
       AT(weft__tableau, b_embedded), .meaning = "weights of the embedded solution" },
-    { "embedded_order", WEFT__INTEGER, RANGE(.least = 1, .most = 99),
-      .absent = "fixed steps only", AT(weft__tableau, embedded_order),
+    { "embedded_order", WEFT__INTEGER, RANGE(.type = WEFT__INT, .least = 1, .most = 99),
+      .absent = "fixed steps only", AT(weft__tableau, set.embedded_order),
       .meaning = "order of the embedded solution; b_embedded and embedded_order go "
                  "together" },
 };
@@ -634,18 +644,18 @@ static const char *const jacobian_names[] = { "step", "newton", NULL };
 static const weft__key solver_keys[] = {
     { "krylov", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
       .absent = "1.0e-3, with a tolerance below 1.0e-5 1.0e-4; bdf: 0.1",
-      AT(weft__solver, set.krylov),
+      AT(weft_linear, krylov),
       .meaning = "relative residual to which each linear system is solved" },
     { "preconditioner", WEFT__CHOICE, .names = preconditioner_names, .fallback = "auto",
-      AT(weft__solver, set.preconditioner),
+      AT(weft_linear, preconditioner),
       .meaning = "of conjugate gradients: the blocks of the particles, multigrid, or "
                  "what the step size suggests" },
     { "jacobian", WEFT__CHOICE, .names = jacobian_names, .first = WEFT_JACOBIAN_STEP,
-      .absent = "of the method", AT(weft__solver, set.jacobian),
+      .absent = "of the method", AT(weft_linear, jacobian),
       .meaning = "computed anew in each step or in each Newton iteration, for methods "
                  "with Newton's iteration" },
-    { "max_order", WEFT__INTEGER, RANGE(.least = 1.0, .most = 5.0), .absent = "bdf: 2",
-      AT(weft__solver, max_order),
+    { "max_order", WEFT__INTEGER, RANGE(.type = WEFT__INT, .least = 1.0, .most = 5.0),
+      .absent = "bdf: 2", AT(weft_linear, max_order),
       .meaning = "largest order, for methods of variable order; bdf is stable at all "
                  "step sizes up to order 2 only" },
 };
@@ -688,8 +698,9 @@ static const weft__key stepper_keys[] = {
       .meaning
       = "linear systems of the implicit methods of plugins stiff, cvode and arkode; "
         "a key that the method does not use is a mistake" },
-    { "butcher", WEFT__MAPPING, CHECKED(butcher), .absent = "none",
-      AT(weft_scene, tableau),
+    { "butcher", WEFT__MAPPING, .absent = "none", AT(weft_scene, tableau),
+      WITH(KEYS(butcher), .together = { "b_embedded", "embedded_order" },
+           .check = weft__check_butcher),
       .meaning = "an explicit Runge-Kutta table, for method custom of plugin "
                  "arkode; values are numbers or fractions such as 19/32" },
 };
@@ -804,8 +815,9 @@ static const weft__key root_keys[] = {
       .meaning = "the solver that integrates the cloth" },
     { "run", WEFT__MAPPING, .required = true, CHECKED(run), AT(weft_scene, run),
       .meaning = "duration and frames" },
-    { "stop", WEFT__MAPPING, CHECKED(condition), .absent = "at run.duration",
-      AT(weft_scene, run.stop), .meaning = "an earlier end of the run" },
+    { "stop", WEFT__MAPPING, WITH(KEYS(condition), .one = { "when", "at_rest" }),
+      .absent = "at run.duration", AT(weft_scene, run.stop),
+      .meaning = "an earlier end of the run" },
     { "record", WEFT__MAPPING, CHECKED(record), .absent = "defaults",
       AT(weft_scene, record), .meaning = "output of a run" },
     { "sensitivity", WEFT__MAPPING, CHECKED(sensitivity), .absent = "none",
@@ -819,8 +831,10 @@ static const weft__key root_keys[] = {
         "N, N values drawn from the range of each list (docs/batch.md)" },
 };
 
-const weft__section weft__root
-    = { .title = "the scene", KEYS(root), .check = weft__check_root };
+const weft__section weft__root = { .title = "the scene",
+                                   KEYS(root),
+                                   .one = { "cloth", "cloths" },
+                                   .check = weft__check_root };
 
 #define READER(kind, reader, text) [WEFT__##kind] = weft__read_##reader,
 weft__read_fn *const weft__readers[WEFT__KINDS] = { WEFT__KIND_LIST(READER) };

@@ -82,7 +82,9 @@ struct weft__section {
     const char *title; /* in messages; NULL: the name of its key */
     const weft__key *keys;
     size_t count;
-    weft__check_fn *check; /* of rules between the keys; NULL: none */
+    const char *one[4];      /* keys of which exactly one is required */
+    const char *together[2]; /* keys that have no effect without each other */
+    weft__check_fn *check;   /* of other rules between the keys; NULL: none */
     /* Keys of another mapping that are often put here, and the hint then. */
     const weft__section *beside;
     const char *beside_hint;

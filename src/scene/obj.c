@@ -276,6 +276,16 @@ static void fetch_ahead(const obj_builder *self, size_t f)
     }
 }
 
+void weft__obj_show(weft__obj *obj)
+{
+    obj->def.start = obj->start;
+    obj->def.names = obj->name;
+    obj->def.rest = obj->rest;
+    obj->def.corners = obj->corner;
+    obj->def.corner_places = obj->corner_place;
+    obj->def.fabric_of = obj->fabric_of;
+}
+
 /* whole: no face is left out. */
 static bool build(weft__obj *obj, bool whole)
 {
@@ -291,11 +301,8 @@ static bool build(weft__obj *obj, bool whole)
         }
     }
     WEFT__FREE_ALL(obj->report->memory, self.first, self.next);
-    obj->def.start = obj->start;
+    weft__obj_show(obj);
     obj->def.names = obj->def.vertices < obj->vertices ? obj->name : NULL;
-    obj->def.rest = obj->rest;
-    obj->def.corners = obj->corner;
-    obj->def.corner_places = obj->corner_place;
     return !obj->report->no_memory && obj->report->mistakes == before;
 }
 
@@ -333,17 +340,6 @@ bool weft__obj_read(weft__obj *obj)
         check_faces(obj);
     }
     return read && build(obj, true);
-}
-
-bool weft__obj_take(weft__obj *obj, const char *text, size_t length)
-{
-    obj->text = weft__report_take(obj->report, length + 1, 1);
-    if (obj->text == NULL) {
-        return false;
-    }
-    memcpy(obj->text, text, length);
-    obj->length = length;
-    return weft__obj_read(obj);
 }
 
 static bool read_all(weft__obj *obj, FILE *stream)

@@ -63,12 +63,14 @@ typedef struct weft__obj {
 /* Larger files are refused unread. */
 #define WEFT__OBJ_BYTES ((size_t)1 << 30)
 
-/* Read the file, or take a text of so many bytes, into *obj, whose report, at and path
- * are set, and make its definition: rest and start positions in the file's unit, no
+/* Read the file, or what obj->text is already, into *obj, whose report, at and path are
+ * set, and make its definition: rest and start positions in the file's unit, no
  * fabrics. false: mistakes were reported, or memory ran out, which the report knows. */
 bool weft__obj_load(weft__obj *obj, const char *path);
-bool weft__obj_take(weft__obj *obj, const char *text, size_t length);
-bool weft__obj_read(weft__obj *obj); /* what obj->text is already */
+bool weft__obj_read(weft__obj *obj);
+
+/* Shows its arrays in the definition. */
+void weft__obj_show(weft__obj *obj);
 
 /* Multiplies all lengths, turns by `angle` [degrees] about the axis through the origin
  * (its length does not matter, but it has one), then moves. */

@@ -110,11 +110,9 @@ static void apply_split(weft__obj *obj, const split *at)
     def->vertices += at->vertices;
     def->places += at->places;
     def->triangles *= 4;
-    def->start = obj->start;
-    def->rest = obj->rest;
-    def->corners = obj->corner;
-    def->corner_places = obj->corner_place;
-    def->names = def->names == NULL ? NULL : obj->name;
+    const bool named = def->names != NULL;
+    weft__obj_show(obj);
+    def->names = named ? obj->name : NULL;
 }
 
 static void split_once(weft__obj *obj)

@@ -315,6 +315,8 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
     reader->readers[key->kind](reader, key, node, (char *)base + weft__offset_of(key));
 }
 
+/* A plain value needs no parser, which would take most of the time of reading a scene.
+ */
 const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
                                       weft__node *plain)
 {
@@ -326,17 +328,6 @@ const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
                            .count = source.length };
     return key->fallback[0] != '[' || weft__tree_parse(tree, &source, 0, &node) ? node
                                                                                 : NULL;
-}
-
-/* Reads a default as if it stood in the scene. A plain value needs no parser, which
- * would take most of the time of reading a scene. */
-static void read_fallback(weft__reader *reader, const weft__key *key, void *base)
-{
-    weft__node plain;
-    const weft__node *node = weft__fallback_node(reader->tree, key, &plain);
-    if (node != NULL) {
-        weft__read_value(reader, key, node, base);
-    }
 }
 
 /* ---- mappings --------------------------------------------------------------- */
@@ -367,27 +358,6 @@ bool weft__lacks(const weft__match *match, const char *name)
 {
     const weft__found *found = weft__found_in(match, name);
     return found->key == NULL && !found->explained;
-}
-
-static void report_no_key(weft__reader *reader, const weft__match *match,
-                          const weft__node *node)
-{
-    ERROR_AT(reader, node, "%s where %s must have a key",
-             node->type == WEFT__SCALAR ? "nothing"
-             : node->type == WEFT__MAP  ? "a mapping"
-                                        : "a list",
-             match->title);
-}
-
-static void report_merge(weft__reader *reader, weft__match *match,
-                         const weft__node *node)
-{
-    for (size_t i = 0; i < match->section->count; ++i) {
-        match->found[i].explained = true;
-    }
-    ERROR_AT(reader, node,
-             "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
-             match->title);
 }
 
 /* The key that was probably meant is not reported as missing. */
@@ -424,9 +394,18 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
     weft__found *found = find(match, name);
     char where[64];
     if (name == NULL) {
-        report_no_key(reader, match, pair.key);
+        ERROR_AT(reader, pair.key, "%s where %s must have a key",
+                 pair.key->type == WEFT__SCALAR ? "nothing"
+                 : pair.key->type == WEFT__MAP  ? "a mapping"
+                                                : "a list",
+                 match->title);
     } else if (strcmp(name, "<<") == 0) {
-        report_merge(reader, match, pair.key);
+        for (size_t i = 0; i < match->section->count; ++i) {
+            match->found[i].explained = true;
+        }
+        ERROR_AT(reader, pair.key,
+                 "merge keys ('<<') are not part of YAML 1.2: write the keys of %s out",
+                 match->title);
     } else if (found == NULL) {
         report_unknown(reader, match, pair.key, pair.value);
     } else if (found->key != NULL) {
@@ -437,14 +416,6 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
         found->key = pair.key;
         found->value = pair.value;
     }
-}
-
-static void report_missing(weft__reader *reader, const weft__match *match,
-                           const weft__key *key)
-{
-    char unit[32];
-    ERROR_AT(reader, match->map, "%s lacks the required key '%s'%s: %s", match->title,
-             key->name, weft__unit_text(key, unit, sizeof unit), key->meaning);
 }
 
 /* Whether a key goes with the choice in the section's first key, which was read into
@@ -483,17 +454,25 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     const weft__key *key = &match->section->keys[i];
     weft__found *found = &match->found[i];
     unsigned choice = 0;
+    char unit[32];
     if (!goes_with_choice(match->section, key, base, &choice)) {
         report_foreign(reader, match, i, choice);
     } else if (found->value != NULL) {
         const size_t mistakes = reader->report->mistakes;
         weft__read_value(reader, key, found->value, base);
         found->wrong = reader->report->mistakes > mistakes;
+        match->wrong = match->wrong || found->wrong;
     } else if (key->required && (key->also >> choice & 1U) == 0 && !found->explained
                && match->map != NULL) {
-        report_missing(reader, match, key);
+        ERROR_AT(reader, match->map, "%s lacks the required key '%s'%s: %s",
+                 match->title, key->name, weft__unit_text(key, unit, sizeof unit),
+                 key->meaning);
     } else if (key->fallback != NULL) {
-        read_fallback(reader, key, base);
+        weft__node plain;
+        const weft__node *node = weft__fallback_node(reader->tree, key, &plain);
+        if (node != NULL) {
+            weft__read_value(reader, key, node, base);
+        }
     } else if (key->kind == WEFT__MAPPING) {
         weft__read_section(reader, key->section, key->name, NULL,
                            (char *)base + key->at);
@@ -523,6 +502,19 @@ static void report_fault(void *ctx, size_t field, size_t other, const char *mess
     }
 }
 
+/* Reports a key that stands without another one. */
+static void check_together(weft__reader *reader, const weft__match *match,
+                           const char *name, const char *other)
+{
+    const weft__node *key = weft__key_in(match, name);
+    char unit[32];
+    if (key != NULL && weft__lacks(match, other)) {
+        ERROR_AT(
+            reader, key, "%s has no effect without %s%s", name, other,
+            weft__unit_text(weft__key_named(match->section, other), unit, sizeof unit));
+    }
+}
+
 void weft__read_section(weft__reader *reader, const weft__section *section,
                         const char *title, const weft__node *node, void *base)
 {
@@ -543,6 +535,12 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
     }
     for (size_t i = 0; i < section->count; ++i) {
         read_key(reader, &match, i, base);
+    }
+    if (node != NULL && section->one[0] != NULL) {
+        weft__check_one(reader, &match, section->one);
+    }
+    for (size_t i = 0; i < 2 && section->together[i] != NULL; ++i) {
+        check_together(reader, &match, section->together[i], section->together[1 - i]);
     }
     if (node != NULL && section->check != NULL) {
         section->check(reader, &match, base);
@@ -614,19 +612,4 @@ void weft__check_one(weft__reader *reader, const weft__match *match,
     }
     ERROR_AT(reader, match->map, "%s lacks %s: exactly one is required", match->title,
              list);
-}
-
-void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
-                          const char *b)
-{
-    const char *const names[] = { a, b };
-    for (size_t i = 0; i < 2; ++i) {
-        const weft__node *key = weft__key_in(match, names[i]);
-        const weft__key *other = weft__key_named(match->section, names[1 - i]);
-        char unit[32];
-        if (key != NULL && weft__lacks(match, other->name)) {
-            ERROR_AT(reader, key, "%s has no effect without %s%s", names[i],
-                     other->name, weft__unit_text(other, unit, sizeof unit));
-        }
-    }
 }

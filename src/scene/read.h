@@ -58,7 +58,7 @@ typedef struct weft__list {
 
 typedef struct weft__tableau {
     weft__list a, b, c, b_embedded;
-    size_t order, embedded_order;
+    weft_butcher set;
 } weft__tableau;
 
 /* A controller and the list its gains are read into. */
@@ -66,12 +66,6 @@ typedef struct weft__control {
     weft_controller set;
     weft__list gains;
 } weft__control;
-
-/* Settings of linear systems, and the order as it is read. */
-typedef struct weft__solver {
-    weft_linear set;
-    size_t max_order;
-} weft__solver;
 
 /* A rotation about an axis, which comes first, as in weft_turn. */
 typedef struct weft__turn {
@@ -181,8 +175,7 @@ struct weft_scene {
     const weft_stepper_type *type;
     weft__tableau tableau;
     weft__control control;
-    weft__solver solver;
-    weft_butcher butcher;
+    weft_linear solver;
     bool large_matrices;     /* are allowed */
     weft_diagnostic refusal; /* at stepper.method, without a message */
 };
@@ -246,6 +239,7 @@ typedef struct weft__match {
     const char *title;
     const weft__node *map;
     weft__found found[WEFT__MAX_KEYS]; /* in the order of the section's keys */
+    bool wrong;                        /* one of them is */
 } weft__match;
 
 /* Read a mapping by its section into base; NULL: the section is absent, and only its
@@ -309,12 +303,6 @@ bool weft__check_exclusive(weft__reader *reader, const weft__match *match,
                            const char *const *names);
 void weft__check_one(weft__reader *reader, const weft__match *match,
                      const char *const *names);
-#define CHECK_ONE(reader, match, ...)                                                  \
-    weft__check_one(reader, match, (const char *const[]){ __VA_ARGS__, NULL })
-
-/* Reports one of two keys that stands without the other. */
-void weft__check_together(weft__reader *reader, const weft__match *match, const char *a,
-                          const char *b);
 
 /* scene_pins.c: the oscillation [m], [Hz] of a pin or a shape; whether it is finite. */
 bool weft__check_motion(weft__reader *reader, const weft__match *match,
@@ -334,14 +322,13 @@ WEFT__KIND_LIST(WEFT__READER)
 
 /* scene_contact.c */
 weft__read_fn weft__read_shape;
-weft__check_fn weft__check_shape, weft__check_shape_turn, weft__check_contact;
+weft__check_fn weft__check_shape, weft__check_contact;
 
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 
 /* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
 void weft__check_stop(weft__reader *reader, const weft__match *match);
-weft__check_fn weft__check_condition;
 
 /* scene_fabric.c */
 weft__check_fn weft__check_bend, weft__check_fabric;
@@ -351,7 +338,7 @@ void weft__make_fabric(weft__reader *reader, const weft__match *cloth);
 
 /* scene_pins.c */
 weft__read_fn weft__read_pin;
-weft__check_fn weft__check_place, weft__check_pin, weft__check_load, weft__check_wind;
+weft__check_fn weft__check_place, weft__check_pin;
 
 /* scene_cut.c */
 weft__check_fn weft__check_cut;
@@ -389,7 +376,7 @@ void weft__warn_of_held(weft__reader *reader, const weft__node *at);
 
 /* scene_vertices.c */
 /* Whether a pin or a load says on what it is, in the way of its cloth. */
-void weft__check_vertices(weft__reader *reader, const weft__match *match);
+weft__check_fn weft__check_vertices;
 
 /* The same: of a scene without mistakes. */
 void weft__check_bands(weft__reader *reader, const weft__match *root);
@@ -420,6 +407,5 @@ void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
  * the methods of its plugin that have it. */
 void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
                         const char *lacks, const char *others);
-bool weft__is_plugin_id(const char *id);
 weft__check_fn weft__check_controller, weft__check_solver, weft__check_stepper,
     weft__check_record;

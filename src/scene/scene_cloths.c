@@ -57,7 +57,7 @@ void weft__check_part(weft__reader *reader, const weft__match *match, void *base
         report_grid(reader, match, base);
         return;
     }
-    CHECK_ONE(reader, match, "mesh", "cut");
+    weft__check_one(reader, match, (const char *const[]){ "mesh", "cut", NULL });
     weft__check_mesh_cloth(reader, match);
 }
 
@@ -220,12 +220,7 @@ static void join(weft__reader *reader, const weft__node *node)
         add_held(reader, &part->cloth, obj->def.vertices);
         add_mesh(obj, part->cloth.mesh, fabrics);
     }
-    obj->def.start = obj->start;
-    obj->def.names = obj->name;
-    obj->def.rest = obj->rest;
-    obj->def.corners = obj->corner;
-    obj->def.corner_places = obj->corner_place;
-    obj->def.fabric_of = obj->fabric_of;
+    weft__obj_show(obj);
     obj->def.fabrics = fabrics;
     obj->def.parts = parts;
     obj->def.part_count = scene->part_count;

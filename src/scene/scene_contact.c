@@ -19,22 +19,13 @@ void weft__read_shape(weft__reader *reader, const weft__key *key,
 
 /* ---- errors ------------------------------------------------------------------ */
 
-void weft__check_shape_turn(weft__reader *reader, const weft__match *match, void *base)
-{
-    weft__check_together(reader, match, "amplitude", "frequency");
-    weft__check_turn(reader, match, base);
-}
-
 void weft__check_shape(weft__reader *reader, const weft__match *match, void *base)
 {
     weft__shape_item *item = base;
     const weft_shape *shape = &item->shape;
     const size_t before = reader->report->mistakes;
     bool wrong = !weft__check_motion(reader, match, shape->amplitude, shape->frequency)
-                 || shape->kind == WEFT_SHAPES;
-    for (size_t i = 0; i < match->section->count; ++i) {
-        wrong = wrong || match->found[i].wrong;
-    }
+                 || shape->kind == WEFT_SHAPES || match->wrong;
     if (!wrong && shape->kind == WEFT_MESH && item->file != NULL) {
         weft__read_body(reader, match, item);
         wrong = reader->report->mistakes > before || item->shape.body == NULL;
@@ -233,16 +224,6 @@ static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin
     }
 }
 
-static void warn_of_pins(weft__reader *reader, const weft__node *pins)
-{
-    weft__mesh grid = { .rows = 0 };
-    size_t compared = 0;
-    weft__grid_init(&grid, &reader->scene->cloth);
-    for (size_t i = 0; i < reader->scene->cloth.pin_count; ++i) {
-        warn_of_pin(reader, &grid, i, weft__item(pins, i)->at, &compared);
-    }
-}
-
 /* In a step of the limit a particle at the stopping speed passes half the thickness. */
 static void warn_of_stepper(weft__reader *reader, const weft__node *method,
                             const weft__node *fixed_step)
@@ -304,8 +285,14 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
         warn_of_friction(reader->report, law,
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }
-    if (def->mesh == NULL && def->pin_count > 0 && law->shape_count > 0) {
-        warn_of_pins(reader, weft__value_of(weft__value_in(root, "cloth"), "pins"));
+    const weft__node *pins = def->mesh == NULL
+                                 ? weft__value_of(weft__value_in(root, "cloth"), "pins")
+                                 : NULL;
+    weft__mesh grid = { .rows = 0 };
+    size_t compared = 0;
+    for (size_t i = 0; pins != NULL && i < def->pin_count; ++i) {
+        weft__grid_init(&grid, def);
+        warn_of_pin(reader, &grid, i, weft__item(pins, i)->at, &compared);
     }
     warn_of_stepper(reader, weft__value_of(stepper, "method"),
                     weft__value_of(stepper, "fixed_step"));

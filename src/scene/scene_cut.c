@@ -315,12 +315,7 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
     cut->grid.rows = cut->grid.cols = 2;
     cut->grid.spacing[0] /= scene->renumbered ? (double)finer : 1.0;
     cut->grid.spacing[1] = cut->grid.spacing[0];
-    for (size_t i = 0; i < match->section->count; ++i) {
-        if (match->found[i].wrong) {
-            return;
-        }
-    }
-    if (weft__value_in(match, "outline") == NULL
+    if (match->wrong || weft__value_in(match, "outline") == NULL
         || weft__value_in(match, "spacing") == NULL) {
         return;
     }

@@ -127,7 +127,6 @@ void weft__check_bend(weft__reader *reader, const weft__match *match, void *base
     weft_spring_def *across = &cloth->across[WEFT_BEND];
     const weft__node *twist = weft__key_in(match, "twist");
     const weft__found *damping = weft__found_in(match, "damping");
-    CHECK_ONE(reader, match, "stiffness", "rigidity");
     springs->present = weft__key_in(match, "stiffness") != NULL;
     if (weft__key_in(match, "rigidity") == NULL) {
         if (twist != NULL) {

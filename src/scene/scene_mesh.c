@@ -59,12 +59,9 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
     weft_scene *scene = reader->scene;
     const size_t before = reader->report->mistakes;
     scene->meshed = true;
-    for (size_t i = 0; i < match->section->count; ++i) {
-        if (match->found[i].wrong) {
-            return;
-        }
-    }
-    char *path = from->file == NULL ? NULL : weft__mesh_path(reader, from->file, NULL);
+    char *path = match->wrong || from->file == NULL
+                     ? NULL
+                     : weft__mesh_path(reader, from->file, NULL);
     if (path == NULL) {
         return;
     }

@@ -5,6 +5,7 @@
  * mistakes. */
 #include <string.h>
 
+#include "base/name.h"
 #include "plugin/methods.h"
 #include "scene/read.h"
 
@@ -216,7 +217,7 @@ static const weft_stepper_type *find_type(const resolver *self)
     const char *id = find(self, "plugin").text, *name = find(self, "method").text;
     weft_error why;
     return id == NULL || name == NULL || def->find_plugin == NULL
-                   || !weft__is_plugin_id(id)
+                   || !WEFT__IS_PLUGIN_ID(id)
                ? NULL
                : weft_plugin_method(def->find_plugin(def->find_ctx, id, &why), name);
 }

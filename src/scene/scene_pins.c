@@ -99,22 +99,10 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
 
 /* ---- places ----------------------------------------------------------------- */
 
-static void read_particle(weft__reader *reader, const weft__node *node,
-                          weft__place *place)
-{
-    const weft_cloth_def *cloth = &reader->scene->cloth;
-    const axis down = { "rows", cloth->rows }, across = { "columns", cloth->cols };
-    ptrdiff_t row, col;
-    const bool has_row = read_one(reader, &down, "row", weft__item(node, 0), &row);
-    const bool has_col = read_one(reader, &across, "column", weft__item(node, 1), &col);
-    if (has_row && has_col) {
-        *place = (weft__place){ { row, row }, { col, col } };
-    }
-}
-
 void weft__read_place(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
+    const weft_cloth_def *cloth = &reader->scene->cloth;
     weft__place place = { { 0, 0 }, { 0, 0 } };
     if (reader->scene->meshed) {
         return; /* weft__check_vertices tells that it has no such places */
@@ -129,7 +117,12 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
     } else if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->section->title, node, &place);
     } else if (node->count == 2) {
-        read_particle(reader, node, &place);
+        const axis down = { "rows", cloth->rows }, across = { "columns", cloth->cols };
+        ptrdiff_t row, col;
+        const bool has_row = read_one(reader, &down, "row", weft__item(node, 0), &row);
+        if (read_one(reader, &across, "column", weft__item(node, 1), &col) && has_row) {
+            place = (weft__place){ { row, row }, { col, col } };
+        }
     } else {
         weft__refuse_value(reader, key, node);
     }
@@ -174,12 +167,6 @@ void weft__read_track(weft__reader *reader, const weft__key *key,
     }
 }
 
-void weft__check_wind(weft__reader *reader, const weft__match *match, void *base)
-{
-    (void)base;
-    CHECK_ONE(reader, match, "velocity", "table");
-}
-
 /* ---- pins ------------------------------------------------------------------- */
 
 bool weft__check_motion(weft__reader *reader, const weft__match *match,
@@ -189,7 +176,6 @@ bool weft__check_motion(weft__reader *reader, const weft__match *match,
     const weft__motion motion = weft__motion_of(rest, amplitude, frequency);
     const bool fast = !isfinite(motion.omega * motion.omega);
     const weft__node *at = weft__value_in(match, fast ? "frequency" : "amplitude");
-    weft__check_together(reader, match, "amplitude", "frequency");
     if (at != NULL && !weft__motion_usable(&motion)) {
         ERROR_AT(reader, at,
                  "accelerations of (2 pi frequency)^2 amplitude, with "
@@ -203,13 +189,7 @@ void weft__check_pin(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_pin *pin = base;
     (void)weft__check_motion(reader, match, pin->amplitude, pin->frequency);
-    weft__check_vertices(reader, match);
-}
-
-void weft__check_load(weft__reader *reader, const weft__match *match, void *base)
-{
-    (void)base;
-    weft__check_vertices(reader, match);
+    weft__check_vertices(reader, match, base);
 }
 
 /* A pin is a mapping with `at`, or the place of a pin at rest: a mapping with a key of

@@ -49,24 +49,6 @@ static void report_method(weft__reader *reader, const weft__match *match,
     ERROR_AT(reader, weft__value_in(match, "method"), "%s", why.message);
 }
 
-/* An id becomes part of a file's name and of a function's. */
-bool weft__is_plugin_id(const char *id)
-{
-    return weft__is_name(id, "_", 48);
-}
-
-static bool check_id(weft__reader *reader, const weft__match *match)
-{
-    const char *id = reader->scene->plugin;
-    if (weft__is_plugin_id(id)) {
-        return true;
-    }
-    ERROR_AT(reader, weft__value_in(match, "plugin"),
-             "plugin '%.40s' is no plugin's name: at most 48 letters, digits and _",
-             id);
-    return false;
-}
-
 /* The method that takes a table from the scene. Without its plugin such a scene is
  * still read and checked: it is valid, but cannot be run. */
 static bool asks_for_table(const weft_scene *scene)
@@ -80,8 +62,14 @@ static void report_type(weft__reader *reader, const weft__match *match)
 {
     const weft_scene *scene = reader->scene;
     weft_error why = { .message = "not found" };
-    if (scene->plugin == NULL || !check_id(reader, match)
+    if (scene->plugin == NULL || !WEFT__IS_PLUGIN_ID(scene->plugin)
         || reader->def->find_plugin == NULL) {
+        if (scene->plugin != NULL && !WEFT__IS_PLUGIN_ID(scene->plugin)) {
+            ERROR_AT(reader, weft__value_in(match, "plugin"),
+                     "plugin '%.40s' is no plugin's name: at most 48 letters, digits "
+                     "and _",
+                     scene->plugin);
+        }
         return;
     }
     const weft_plugin *plugin
@@ -108,7 +96,7 @@ static void check_table(weft__reader *reader, const weft__match *match)
                  scene->method, scene->plugin);
     } else if (table != NULL && weft__value_in(match, "fixed_step") == NULL
                && scene->tableau.b_embedded.side == 0
-               && scene->tableau.embedded_order == 0) {
+               && scene->tableau.set.embedded_order == 0) {
         ERROR_AT(reader, table,
                  "without b_embedded and embedded_order there is no error "
                  "control: fixed_step [s] is needed");
@@ -142,11 +130,9 @@ void weft__check_controller(weft__reader *reader, const weft__match *match, void
 
 void weft__check_solver(weft__reader *reader, const weft__match *match, void *base)
 {
-    weft__solver *solver = base;
     (void)match;
-    solver->set.struct_size = sizeof solver->set;
-    solver->set.max_order = (int)solver->max_order;
-    reader->scene->config.linear = &solver->set;
+    reader->scene->solver.struct_size = sizeof reader->scene->solver;
+    reader->scene->config.linear = base;
 }
 
 /* [bytes] */

@@ -64,12 +64,6 @@ void weft__read_rest(weft__reader *reader, const weft__key *key, const weft__nod
     }
 }
 
-void weft__check_condition(weft__reader *reader, const weft__match *match, void *base)
-{
-    (void)base;
-    CHECK_ONE(reader, match, "when", "at_rest");
-}
-
 void weft__check_stop(weft__reader *reader, const weft__match *match)
 {
     const weft__node *limit = weft__key_in(match, "limit");

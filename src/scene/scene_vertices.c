@@ -156,8 +156,9 @@ void weft__read_inside(weft__reader *reader, const weft__key *key,
 
 /* ---- pins and loads ------------------------------------------------------------ */
 
-void weft__check_vertices(weft__reader *reader, const weft__match *match)
+void weft__check_vertices(weft__reader *reader, const weft__match *match, void *base)
 {
+    (void)base;
     static const char *const names[] = { "vertices", "group", "near", "inside", NULL },
                              *const at[] = { "at", NULL };
     if (reader->scene->meshed) {
