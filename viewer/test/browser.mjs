@@ -3,6 +3,7 @@
 import { readFileSync } from 'node:fs';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
+import { PNG } from 'pngjs';
 
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
@@ -18,7 +19,7 @@ export const launch = (...flags) => chromium.launch({
 /** Opens FILE#hash; `said` collects errors, warnings, dialogs and requests but its own. */
 export async function open(browser, file, hash = '', settings = {}) {
     const context = await browser.newContext({
-        viewport: { width: 1280, height: 800 }, reducedMotion: 'reduce', ...settings,
+        viewport: { width: 960, height: 600 }, reducedMotion: 'reduce', ...settings,
     });
     context.setDefaultTimeout(PATIENCE);
     const page = await context.newPage();
@@ -51,29 +52,15 @@ export const drawn = (page) => page.evaluate(
 );
 
 /** [red, green, blue] of every pixel of a PNG. */
-export async function pixelsOf(page, png) {
-    const reader = await page.context().newPage();
-    const url = await reader.evaluate(async (text) => {
-        const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-        const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
-        const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
-        canvas.drawImage(image, 0, 0);
-        const { data } = canvas.getImageData(0, 0, image.width, image.height);
-        return new Promise((done) => {
-            const file = new FileReader();
-            file.onload = () => done(file.result);
-            file.readAsDataURL(new Blob([data]));
-        });
-    }, png.toString('base64'));
-    await reader.close();
-    const flat = Buffer.from(url.slice(url.indexOf(',') + 1), 'base64');
-    return Array.from({ length: flat.length / 4 }, (_, i) => [flat[4 * i], flat[4 * i + 1], flat[4 * i + 2]]);
+export function pixelsOf(png) {
+    const { data } = PNG.sync.read(png);
+    return Array.from({ length: data.length / 4 }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
 }
 
 /** The same of an element as it is seen. */
 export async function pixels(page, selector) {
     await drawn(page);
-    return pixelsOf(page, await page.locator(selector).screenshot());
+    return pixelsOf(await page.locator(selector).screenshot());
 }
 
 /** The part of a picture in the colours of a plain cloth: warm, no grey. */
