@@ -126,6 +126,10 @@ LONGEST := verification hostile surroundings record_ends compare cli_resume step
 TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification gsl pins \
             limit_sheet checkpoint contact_time
 KERNEL_TESTS := kernel damping membrane
+# What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
+SLOW := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
+        skin skin_time scenes sensitivity self_time bands bands_ends conformance view untangle membrane cut bodies kernel batch_ends hostile_cost \
+        libm stiffness bounds mesh_orders ledger_order self_random
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
@@ -139,7 +143,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(if $(HAVE_CXX),$(BUILD)/examples/sail) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
-.PHONY: all check check-run check-reuse check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
+.PHONY: all check check-run check-slow check-reuse check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-compilers check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
@@ -409,7 +413,10 @@ check-validation: all
 ALL_OF_THEM = $(if $(findstring -j,$(MAKEFLAGS)),,-j $(shell getconf _NPROCESSORS_ONLN))
 
 check: deps
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) check-run
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(if $(filter file,$(origin TESTS)),TESTS='$(filter-out $(SLOW),$(TESTS))') check-run
+
+check-slow:
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS='$(SLOW)' check-run
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 	@TEST_TOGETHER='$(TOGETHER)' tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
@@ -477,7 +484,7 @@ docs: all
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
 # long what others run as well, or whose wide kernels compile for minutes (ASAN_WITHOUT=: all).
 ASAN_WITHOUT ?= $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
-                self_time skin_time stability stepper_accuracy stiffness
+                self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness
 
 asan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
@@ -575,8 +582,8 @@ check-reuse:
 valgrind: all
 	@tools/valgrind $(BUILD)
 
-# Tests of the steppers alone, with no more built than they need.
-STEPPER_TESTS := agree arkode cvode sundials_vector controllers methods quadratures steppers verification
+# Tests of the steppers that differ with SUNDIALS's release, with no more built than they need.
+STEPPER_TESTS := agree arkode cvode sundials_vector controllers methods
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
 	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
@@ -630,7 +637,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-slow | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

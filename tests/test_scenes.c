@@ -175,6 +175,7 @@ START_TEST(every_scene_stays_within_its_bounds)
 }
 END_TEST
 
+/* The garment takes longer until it does than all others together. */
 START_TEST(cloth_passes_through_itself_where_self_contact_is_off)
 {
     const bounds *bound = &scenes[_i];
@@ -183,7 +184,8 @@ START_TEST(cloth_passes_through_itself_where_self_contact_is_off)
         return;
     }
 #endif
-    if (!bound->self) {
+    if (!bound->self
+        || (strcmp(bound->file, "dressed.yaml") == 0 && test_rounds(1, 0))) {
         return;
     }
     weft_scene *scene = load(bound->file, "contact.self=false");

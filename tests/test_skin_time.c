@@ -204,7 +204,7 @@ START_TEST(a_mesh_passes_through_itself_without)
 }
 END_TEST
 
-/* 6; `make nightly`: 100. */
+/* 4; `make nightly`: 100. */
 START_TEST(a_mesh_never_passes_through_itself)
 {
     start_course(_i, _i < 6 ? 15 : 21, true);
@@ -321,12 +321,12 @@ END_TEST
 START_TEST(neither_threads_nor_skins_nor_instructions_change_results)
 {
     uint64_t first = 0;
-    for (size_t i = 0; i < 5; ++i) {
-        run.config.threads = (size_t)1 << i % 3;
+    for (size_t i = 0; i < 3; ++i) {
+        run.config.threads = (size_t)1 << i;
         start_pile();
-        if (i > 2) {
-            sim->forces.self->skin *= i == 3 ? 0.3 : 3.0;
-            weft__cloth_choose(sim->cloth, i == 3 ? (weft__isa)0 : weft__isa_last());
+        if (i > 0) {
+            sim->forces.self->skin *= i == 1 ? 0.3 : 3.0;
+            weft__cloth_choose(sim->cloth, i == 1 ? (weft__isa)0 : weft__isa_last());
         }
         go(0.3);
         ck_assert_uint_gt(weft_sim_measure(sim).self_touching, 0);
@@ -367,8 +367,8 @@ TEST_SUITE(skin_time)
     tcase_set_timeout(bits, 300);
     tcase_add_loop_test(apart, a_mesh_passes_through_itself_without, 0, COURSES);
     tcase_add_loop_test(apart, a_mesh_never_passes_through_itself, 0,
-                        test_rounds(6, 100));
-    tcase_add_loop_test(physics, dormand_prince_keeps_its_order, 0, 4);
+                        test_rounds(4, 100));
+    tcase_add_loop_test(physics, dormand_prince_keeps_its_order, 0, test_rounds(1, 4));
     tcase_add_test(physics, energy_closes_with_the_tolerance_and_momenta_are_kept);
     tcase_add_test(bits, a_list_has_the_pairs_of_a_search);
     tcase_add_test(bits, neither_threads_nor_skins_nor_instructions_change_results);
