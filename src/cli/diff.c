@@ -255,24 +255,6 @@ static void print_positions(const comparison *self)
     }
 }
 
-/* Equal states have equal positions and velocities. Their strain differs if the springs
- * do. */
-static void print_other_frames(const comparison *self)
-{
-    const bool damaged = self->begin.found || self->field == fields[0].name;
-    printf("the states are equal by their hashes in series.csv: %s\n",
-           damaged ? "one run.vtkhdf is damaged"
-                   : "the springs differ, or one run.vtkhdf is damaged");
-    if (self->begin.found) {
-        print_positions(self);
-    }
-    if (self->field != NULL) {
-        printf("first other %s: ", self->field);
-        print_frame(&self->other);
-        putchar('\n');
-    }
-}
-
 static void print_compared(const comparison *self)
 {
     fputs("compared: states by their hashes in series.csv; ", stdout);
@@ -311,7 +293,20 @@ static void print_all(const comparison *self)
         printf("; %zu of %zu states differ\n", self->unequal, self->rows);
     }
     if (other_frames) {
-        print_other_frames(self);
+        /* Equal states have equal positions and velocities. Their strain differs if the
+         * springs do. */
+        const bool damaged = self->begin.found || self->field == fields[0].name;
+        printf("the states are equal by their hashes in series.csv: %s\n",
+               damaged ? "one run.vtkhdf is damaged"
+                       : "the springs differ, or one run.vtkhdf is damaged");
+        if (self->begin.found) {
+            print_positions(self);
+        }
+        if (self->field != NULL) {
+            printf("first other %s: ", self->field);
+            print_frame(&self->other);
+            putchar('\n');
+        }
     } else if (framed && (self->unequal > 0 || !bitwise)) {
         print_positions(self);
     } else if (!framed && self->unequal > 0) {

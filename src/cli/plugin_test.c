@@ -100,22 +100,6 @@ typedef struct finding {
     bool hung;    /* it did not come to an end */
 } finding;
 
-/* Reports the first line printed, if only this breaks the promise. */
-static void report_output(FILE *printed, finding *out)
-{
-    const bool kept = out->of.verdict != WEFT_PROMISE_BROKEN;
-    char line[256], seen[320];
-    /* the stream may still buffer the output of an earlier check */
-    const ssize_t length = pread(fileno(printed), line, sizeof line - 1, 0);
-    if (length > 0) {
-        line[length] = '\0';
-        (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
-                       line);
-        breaks(&out->of, seen);
-        out->printed = kept;
-    }
-}
-
 /* A check that takes long is named while it runs. */
 static void name_check(void *ctx)
 {
@@ -161,7 +145,18 @@ static bool run_check(bench *self, size_t check, finding *out)
         process_describe(status, text, sizeof text);
         breaks(&out->of, out->hung ? "the check did not come to an end" : text);
     }
-    report_output(self->printed, out);
+    /* Reports the first line printed, if only this breaks the promise. */
+    const bool kept = out->of.verdict != WEFT_PROMISE_BROKEN;
+    char line[256], seen[320];
+    /* the stream may still buffer the output of an earlier check */
+    const ssize_t length = pread(fileno(self->printed), line, sizeof line - 1, 0);
+    if (length > 0) {
+        line[length] = '\0';
+        (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
+                       line);
+        breaks(&out->of, seen);
+        out->printed = kept;
+    }
     return true;
 }
 

@@ -155,27 +155,6 @@ static void method_yaml(yaml_out *out, const weft_stepper_type *type)
                    type->license);
 }
 
-static int print_yaml(const weft_registry *registry)
-{
-    yaml_out out;
-    yaml_out_begin(&out, stdout);
-    yaml_out_write(&out, "plugins: [");
-    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
-        const weft_plugin *plugin = weft_registry_at(registry, i);
-        yaml_out_write(&out,
-                       "{ id: \"%s\", version: \"%s\", solver: \"%s\", file: \"%s\", "
-                       "methods: [",
-                       plugin->id, plugin->version, plugin->solver,
-                       weft_registry_file(registry, i));
-        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
-            method_yaml(&out, plugin->types[m]);
-        }
-        yaml_out_write(&out, "] }");
-    }
-    yaml_out_write(&out, "]");
-    return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
-}
-
 static int steppers_verb(const arguments *given)
 {
     weft_error err = { 0 };
@@ -183,7 +162,24 @@ static int steppers_verb(const arguments *given)
         return report_error(&err);
     }
     if (given->yaml) {
-        return print_yaml(given->registry);
+        yaml_out out;
+        yaml_out_begin(&out, stdout);
+        yaml_out_write(&out, "plugins: [");
+        for (size_t i = 0; i < weft_registry_count(given->registry); ++i) {
+            const weft_plugin *plugin = weft_registry_at(given->registry, i);
+            yaml_out_write(
+                &out,
+                "{ id: \"%s\", version: \"%s\", solver: \"%s\", file: \"%s\", "
+                "methods: [",
+                plugin->id, plugin->version, plugin->solver,
+                weft_registry_file(given->registry, i));
+            for (size_t m = 0; plugin->types[m] != NULL; ++m) {
+                method_yaml(&out, plugin->types[m]);
+            }
+            yaml_out_write(&out, "] }");
+        }
+        yaml_out_write(&out, "]");
+        return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
     }
     (given->markdown ? print_markdown : print_text)(given->registry);
     return EXIT_DONE;

@@ -113,24 +113,19 @@ char *weft__name_of_file(weft__tree *tree, const char *file)
     return name;
 }
 
-/* The start of a scene's first key, if it belongs to a block mapping at the margin, so
- * that a line can be inserted before it; NULL if not. */
-static const char *first_key(const weft__node *root, const char *text)
+char *weft__name_insert(weft__tree *tree, const char *text, const char *name)
 {
-    const weft__node *key = root->entries[0].key;
+    /* The start of a scene's first key, if it belongs to a block mapping at the margin,
+     * so that a line can be inserted before it; NULL if not. */
+    const weft__node *key = tree->root->entries[0].key;
     for (size_t line = 0; text != NULL && line < key->at.line; ++line) {
         text = strchr(text, '\n');
         text = text == NULL ? NULL : text + 1;
     }
-    const bool is_there = text != NULL && root->style == YAML_BLOCK_MAPPING_STYLE
+    const bool is_there = text != NULL && tree->root->style == YAML_BLOCK_MAPPING_STYLE
                           && key->at.column == 0
                           && strncmp(text, key->text, key->count) == 0;
-    return is_there ? text : NULL;
-}
-
-char *weft__name_insert(weft__tree *tree, const char *text, const char *name)
-{
-    const char *before = first_key(tree->root, text);
+    const char *before = is_there ? text : NULL;
     const size_t room = strlen(text) + 2 * strlen(name) + sizeof "name: \"\"\n";
     char *made = before == NULL ? NULL : weft__tree_take(tree, room, 1);
     if (made == NULL) {

@@ -36,24 +36,6 @@ static size_t lines_in(const char *from, const char *to)
     return lines;
 }
 
-static void fill_place(const weft__obj *obj, const char *at, weft_diagnostic *item)
-{
-    const char *begin = at,
-               *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
-    while (begin > obj->text && begin[-1] != '\n') {
-        --begin;
-    }
-    end = end == NULL ? obj->text + obj->length : end;
-    end -= end > begin && end[-1] == '\r';
-    const weft__source line
-        = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
-    const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
-    (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
-    weft__one_line(item->place);
-    item->column = (int)mark.column + 1;
-    item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
-}
-
 static void fill_places(const weft__obj *obj)
 {
     for (size_t i = 0; obj->text != NULL && i < obj->report->found->count; ++i) {
@@ -61,7 +43,21 @@ static void fill_places(const weft__obj *obj)
         const size_t byte = obj->report->origin[i].at.byte;
         if (byte > 0 && item->line == 0) {
             const char *at = obj->text + (byte - 1);
-            fill_place(obj, at, item);
+            const char *begin = at,
+                       *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
+            while (begin > obj->text && begin[-1] != '\n') {
+                --begin;
+            }
+            end = end == NULL ? obj->text + obj->length : end;
+            end -= end > begin && end[-1] == '\r';
+            const weft__source line
+                = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
+            const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
+            (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
+            weft__one_line(item->place);
+            item->column = (int)mark.column + 1;
+            item->caret
+                = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
             item->line = (int)lines_in(obj->text, at) + 1;
         }
     }
@@ -211,44 +207,6 @@ static void add_face(obj_builder *self, size_t index)
     }
 }
 
-static void warn_of_unused(const weft__obj *obj, size_t first, size_t count)
-{
-    char more[48] = "";
-    if (count > 1) {
-        (void)snprintf(more, sizeof more, ", the first of %zu", count);
-    }
-    weft__report_warning(obj->report, weft__obj_mark(obj, obj->vertex_byte[first]),
-                         "vertex %zu (from 0) belongs to no face and is dropped%s",
-                         first, more);
-}
-
-/* Numbers the vertices of faces in the order of the file. */
-static void take_vertices(weft__obj *obj, bool whole)
-{
-    size_t unused = 0, first = 0;
-    memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
-    for (size_t f = 0; f < obj->faces; ++f) {
-        for (size_t k = 0; k < 4; ++k) {
-            if (obj->face[f].vertex[k] != WEFT__NONE) {
-                obj->vertex_of[obj->face[f].vertex[k]] = 0;
-            }
-        }
-    }
-    for (size_t v = 0; v < obj->vertices; ++v) {
-        if (obj->vertex_of[v] == WEFT__NONE) {
-            first = unused++ == 0 ? v : first;
-            continue;
-        }
-        const size_t i = obj->def.vertices++;
-        obj->vertex_of[v] = (uint32_t)i;
-        obj->name[i] = v;
-        memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
-    }
-    if (unused > 0 && whole) {
-        warn_of_unused(obj, first, unused);
-    }
-}
-
 static bool make_room(obj_builder *self)
 {
     weft__obj *obj = self->obj;
@@ -294,7 +252,35 @@ static bool build(weft__obj *obj, bool whole)
     obj->def = weft_mesh_def_default();
     if (make_room(&self)) {
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
-        take_vertices(obj, whole);
+        /* Numbers the vertices of faces in the order of the file. */
+        size_t unused = 0, first = 0;
+        memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
+        for (size_t f = 0; f < obj->faces; ++f) {
+            for (size_t k = 0; k < 4; ++k) {
+                if (obj->face[f].vertex[k] != WEFT__NONE) {
+                    obj->vertex_of[obj->face[f].vertex[k]] = 0;
+                }
+            }
+        }
+        for (size_t v = 0; v < obj->vertices; ++v) {
+            if (obj->vertex_of[v] == WEFT__NONE) {
+                first = unused++ == 0 ? v : first;
+                continue;
+            }
+            const size_t i = obj->def.vertices++;
+            obj->vertex_of[v] = (uint32_t)i;
+            obj->name[i] = v;
+            memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
+        }
+        if (unused > 0 && whole) {
+            char more[48] = "";
+            if (unused > 1) {
+                (void)snprintf(more, sizeof more, ", the first of %zu", unused);
+            }
+            weft__report_warning(
+                obj->report, weft__obj_mark(obj, obj->vertex_byte[first]),
+                "vertex %zu (from 0) belongs to no face and is dropped%s", first, more);
+        }
         for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {
             fetch_ahead(&self, f);
             add_face(&self, f);

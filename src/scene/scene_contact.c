@@ -47,22 +47,6 @@ static bool has_friction(const weft_contact_def *contact)
 /* Comparisons; what takes more is left to weft_cloth_create. */
 #define MAX_COMPARED ((double)(1 << 26))
 
-/* The grid and its pins have been read before. */
-static void check_start(weft__reader *reader, const weft__node *shapes)
-{
-    const weft_cloth_def *def = &reader->scene->cloth;
-    const double particles = (double)weft__particles_in(reader->scene);
-    const double each
-        = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
-    for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
-         ++k) {
-        char inside[120];
-        if (!weft__start_check(def, k, inside, sizeof inside)) {
-            ERROR_AT(reader, weft__item(shapes, k), "%s", inside);
-        }
-    }
-}
-
 /* What weft_cloth_create finds: a grid starts flat, so that only rounding can bring it
  * into itself; of a mesh also notches. */
 static void check_crossings(weft__reader *reader, const weft__node *at, bool bodies)
@@ -104,7 +88,19 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
         return;
     }
     if (contact->shape_count > 0 && reader->scene->cloth.untangle == 0.0) {
-        check_start(reader, weft__value_in(match, "shapes"));
+        /* The grid and its pins have been read before. */
+        const weft_cloth_def *def = &reader->scene->cloth;
+        const double particles = (double)weft__particles_in(reader->scene);
+        const double each
+            = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
+        for (size_t k = 0;
+             k < def->contact.shape_count && particles * each < MAX_COMPARED; ++k) {
+            char inside[120];
+            if (!weft__start_check(def, k, inside, sizeof inside)) {
+                ERROR_AT(reader, weft__item((weft__value_in(match, "shapes")), k), "%s",
+                         inside);
+            }
+        }
     }
     if (reader->scene->body_files != NULL && reader->report->found->errors == 0) {
         check_crossings(reader, weft__value_in(match, "shapes"), true);
@@ -247,21 +243,6 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     }
 }
 
-/* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits). */
-static void warn_of_cells(weft__reader *reader, weft__mark at)
-{
-    const weft_cloth_def *def = &reader->scene->cloth;
-    const double down = def->spacing[0], right = def->spacing[1];
-    if (def->rows > 1 && def->cols > 1
-        && fmax(down, right) > 10.0 * fmin(down, right)) {
-        weft__report_warning(reader->report, at,
-                             "the cells of %g m x %g m are more than 10 times as long "
-                             "as wide: contact of the cloth with itself may need very "
-                             "short steps",
-                             down, right);
-    }
-}
-
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
@@ -275,7 +256,18 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
     if (law->self) {
         warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
                          weft__value_of(contact, "self")->at);
-        warn_of_cells(reader, weft__value_of(contact, "self")->at);
+        /* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits).
+         */
+        const double down = def->spacing[0], right = def->spacing[1];
+        if (def->rows > 1 && def->cols > 1
+            && fmax(down, right) > 10.0 * fmin(down, right)) {
+            weft__report_warning(
+                reader->report, weft__value_of(contact, "self")->at,
+                "the cells of %g m x %g m are more than 10 times as long "
+                "as wide: contact of the cloth with itself may need very "
+                "short steps",
+                down, right);
+        }
     }
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;

@@ -96,30 +96,6 @@ const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 
 /* ---- all runs ------------------------------------------------------------------ */
 
-/* Adds the runs to messages that concern only some of them. */
-static void name_runs(const weft_sweep *sweep, const weft__report *report, size_t read)
-{
-    for (size_t i = 0; i < report->found->count; ++i) {
-        const weft__origin *origin = &report->origin[i];
-        char *message = report->found->items[i].message;
-        const size_t size = sizeof report->found->items[i].message;
-        size_t used = strlen(message);
-        if (origin->runs == read || origin->first == 0) {
-            continue;
-        }
-        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
-                                 origin->runs, read);
-        for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
-            used += (size_t)snprintf(message + used, size - used, "%s %s=%s%s",
-                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
-                                     weft_sweep_value(sweep, k, origin->first),
-                                     k + 1 == weft_sweep_keys(sweep) ? ")" : "");
-        }
-        weft__fit(message, size, (int)used);
-        weft__one_line(message);
-    }
-}
-
 /* Reads one run after another until the report is full. */
 static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_error *err)
 {
@@ -133,7 +109,26 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
     } while (report->run < weft_sweep_runs(sweep)
              && (status == WEFT_OK || status == WEFT_BAD_SCENE)
              && report->found->errors < WEFT_DIAGNOSTICS_MAX);
-    name_runs(sweep, report, report->run);
+    /* Adds the runs to messages that concern only some of them. */
+    for (size_t i = 0; i < report->found->count; ++i) {
+        const weft__origin *origin = &report->origin[i];
+        char *message = report->found->items[i].message;
+        const size_t size = sizeof report->found->items[i].message;
+        size_t used = strlen(message);
+        if (origin->runs == report->run || origin->first == 0) {
+            continue;
+        }
+        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
+                                 origin->runs, report->run);
+        for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
+            used += (size_t)snprintf(message + used, size - used, "%s %s=%s%s",
+                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
+                                     weft_sweep_value(sweep, k, origin->first),
+                                     k + 1 == weft_sweep_keys(sweep) ? ")" : "");
+        }
+        weft__fit(message, size, (int)used);
+        weft__one_line(message);
+    }
     return status;
 }
 

@@ -130,19 +130,6 @@ static void print_shape(const weft_cloth_def *def, size_t k)
     print_item("", "%s", text.text);
 }
 
-/* Two flat layers that lie on each other have pairs of 1.3 m e phi per particle, on
- * average: those that meet at the speed v turn where that is m v^2 / 4. */
-static void print_self(const weft_contact_def *law)
-{
-    const double pairs = 1.3, v = law->stopping_speed;
-    const double z = solve(potential, law, 0.25 * v * v / pairs);
-    print_item("",
-               "itself: friction %g; two layers that meet at %g m/s: gap some %.2g mm, "
-               "omega some %.2g 1/s",
-               law->friction, v, 1e3 * z * law->thickness,
-               sqrt(2.0 * pairs) * omega(law, z));
-}
-
 void contact_print(const weft_cloth_def *def)
 {
     const weft_contact_def *law = &def->contact;
@@ -162,7 +149,17 @@ void contact_print(const weft_cloth_def *def)
         print_shape(def, k);
     }
     if (law->self) {
-        print_self(law);
+        /* Two flat layers that lie on each other have pairs of 1.3 m e phi per
+         * particle, on average: those that meet at the speed v turn where that is m v^2
+         * / 4. */
+        const double pairs = 1.3, v = law->stopping_speed;
+        const double at = solve(potential, law, 0.25 * v * v / pairs);
+        print_item(
+            "",
+            "itself: friction %g; two layers that meet at %g m/s: gap some %.2g mm, "
+            "omega some %.2g 1/s",
+            law->friction, v, 1e3 * at * law->thickness,
+            sqrt(2.0 * pairs) * omega(law, at));
     }
 }
 

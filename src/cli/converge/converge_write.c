@@ -50,21 +50,6 @@ static const struct {
                      { "order", "%.2f", 6 },
                      { "extrapolated", "%.10g", 16 } };
 
-/* NAN: no value. */
-static void fill_row(const converge *self, size_t of, size_t i, double cells[CELLS])
-{
-    double h[3] = { 0 }, v[3] = { 0 };
-    for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
-        h[k] = self->sizes[i + k - 2].spacing;
-        v[k] = self->results[i + k - 2].values[of];
-    }
-    cells[0] = h[2];
-    cells[1] = v[2];
-    cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
-    cells[3] = i < 2 ? (double)NAN : order_of(h, v);
-    cells[4] = extrapolate(cells[3], h, v);
-}
-
 static void print_header(const char *first, bool csv)
 {
     printf("%s", first);
@@ -79,9 +64,18 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
     const weft_cloth *cloth = self->sizes[i].cloth;
     const size_t rows = weft_cloth_rows(cloth), cols = weft_cloth_cols(cloth);
     const size_t particles = weft_cloth_particles(cloth);
-    double cells[CELLS];
+    double cells[CELLS]; /* NAN: no value */
     char text[48];
-    fill_row(self, of, i, cells);
+    double h[3] = { 0 }, v[3] = { 0 };
+    for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
+        h[k] = self->sizes[i + k - 2].spacing;
+        v[k] = self->results[i + k - 2].values[of];
+    }
+    cells[0] = h[2];
+    cells[1] = v[2];
+    cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
+    cells[3] = i < 2 ? (double)NAN : order_of(h, v);
+    cells[4] = extrapolate(cells[3], h, v);
     if (self->mesh) {
         (void)snprintf(text, sizeof text, "%zu", particles);
     } else {

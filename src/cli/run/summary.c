@@ -46,18 +46,6 @@ static void print_what(const summary *self)
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
 
-static void print_time(const summary *self)
-{
-    sentence speed = { "" };
-    const record_result *result = self->result;
-    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
-    if (t > 0.0 && result->wall_time > 0.0) {
-        say(&speed, ", %.3g times real time", t / result->wall_time);
-    }
-    print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
-               result->planned, t, human_time(result->wall_time).text, speed.text);
-}
-
 static void print_steps(const summary *self)
 {
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
@@ -214,7 +202,14 @@ static void print_sensitivity(const summary *self)
 void summary_print(const summary *self)
 {
     print_what(self);
-    print_time(self);
+    sentence speed = { "" };
+    const record_result *result = self->result;
+    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
+    if (t > 0.0 && result->wall_time > 0.0) {
+        say(&speed, ", %.3g times real time", t / result->wall_time);
+    }
+    print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
+               result->planned, t, human_time(result->wall_time).text, speed.text);
     print_steps(self);
     print_step_sizes(self);
     print_strain(self);
