@@ -163,24 +163,6 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
     return WEFT_OK;
 }
 
-static void find_farthest(const comparison *self, gap *here)
-{
-    const double *a = self->side[0].x, *b = self->side[1].x;
-    for (size_t p = 0; p < self->side[0].frames->faces.particles; ++p) {
-        double d[3];
-        for (size_t k = 0; k < 3; ++k) {
-            d[k] = rounded(self, a[3 * p + k]) - rounded(self, b[3 * p + k]);
-        }
-        const double distance
-            = hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
-        if (distance > here->distance) {
-            here->distance = distance;
-            here->particle = p;
-            here->found = true;
-        }
-    }
-}
-
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
     record_frames *a = self->side[0].frames, *b = self->side[1].frames;
@@ -189,7 +171,20 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
     TRY(record_frames_positions(a, i, self->side[0].x, err));
     TRY(record_frames_positions(b, j, self->side[1].x, err));
     if (!are_equal(self, 3 * a->faces.particles)) {
-        find_farthest(self, &here);
+        const double *x = self->side[0].x, *y = self->side[1].x;
+        for (size_t p = 0; p < a->faces.particles; ++p) {
+            double d[3];
+            for (size_t k = 0; k < 3; ++k) {
+                d[k] = rounded(self, x[3 * p + k]) - rounded(self, y[3 * p + k]);
+            }
+            /* squares may overflow or underflow */
+            const double distance = hypot(hypot(d[0], d[1]), d[2]);
+            if (distance > here.distance) {
+                here.distance = distance;
+                here.particle = p;
+                here.found = true;
+            }
+        }
     }
     if (self->tolerance < 0.0 && self->unequal == 0) {
         TRY(compare_fields(self, i, j, &here, err));

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* lab.c -- weft lab: tests of the textile laboratory on a fabric. Each is a scene,
  * which is written, and a number that is measured when the cloth has come to rest. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,18 +23,6 @@ typedef struct specimen {
     size_t count;
     const char *picture; /* file of the drape's */
 } specimen;
-
-static weft_status write_text(const char *path, const char *text, weft_error *err)
-{
-    FILE *to = fopen(path, "w");
-    const bool written = to != NULL && fputs(text, to) >= 0 && fflush(to) == 0;
-    const int why = errno;
-    if (to != NULL) {
-        (void)fclose(to);
-    }
-    return written ? WEFT_OK
-                   : weft_error_set(err, WEFT_IO, "%s: %s", path, strerror(why));
-}
 
 /* ---- drape ---- */
 
@@ -104,12 +91,9 @@ static size_t count_nodes(const specimen *self, size_t count)
 static weft_status draw(const specimen *self, const unsigned char *raster,
                         const char *title, weft_error *err)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *to = open_memstream(&text, &length);
-    if (to == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the picture");
-    }
+    record_file file;
+    TRY(record_file_open(&file, NULL, self->picture, err));
+    FILE *const to = file.stream;
     fprintf(
         to,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\">\n"
@@ -131,12 +115,7 @@ static weft_status draw(const specimen *self, const unsigned char *raster,
         "<circle cx=\"%d\" cy=\"%d\" r=\"%g\"/>"
         "<circle cx=\"%d\" cy=\"%d\" r=\"%g\" stroke-dasharray=\"6\"/></g>\n</svg>\n",
         SIDE / 2, SIDE / 2, INNER / cell, SIDE / 2, SIDE / 2, OUTER / cell);
-    const bool whole = fclose(to) == 0;
-    const weft_status status
-        = whole ? write_text(self->picture, text, err)
-                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the picture");
-    free(text);
-    return status;
+    return record_file_commit(&file, err);
 }
 
 static weft_status report_drape(const specimen *self, weft_error *err)
@@ -309,7 +288,10 @@ static weft_status write_scene(const char *path, size_t test, const weft_fabric 
                                     "replaces it",
                                     path);
     }
-    return write_text(path, text, err);
+    record_file file;
+    TRY(record_file_open(&file, NULL, path, err));
+    (void)fputs(text, file.stream);
+    return record_file_commit(&file, err);
 }
 
 /* ---- the run ---- */

@@ -38,21 +38,6 @@ static void count_gsl(const char *reason, const char *file, int line, int code)
     ++gsl_calls;
 }
 
-static gsl_set_handler *find_gsl(const char *file)
-{
-    gsl_set_handler *set = NULL;
-    char path[4096];
-    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
-                   file);
-    void *handle = dlopen(path, RTLD_NOW | RTLD_NOLOAD);
-    if (handle != NULL) {
-        void *symbol = dlsym(handle, "gsl_set_error_handler");
-        memcpy(&set, &symbol, sizeof set);
-        (void)dlclose(handle); /* the registry holds it open */
-    }
-    return set;
-}
-
 /* Shared with the process of a check. */
 typedef struct bench {
     const weft_stepper_type *type;
@@ -283,7 +268,15 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
     }
     for (size_t i = 0; able && plugin->types[i] != NULL; ++i) {
         on->type = plugin->types[i];
-        on->gsl = find_gsl(file);
+        char path[4096];
+        (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
+                       file);
+        void *handle = dlopen(path, RTLD_NOW | RTLD_NOLOAD);
+        if (handle != NULL) {
+            void *symbol = dlsym(handle, "gsl_set_error_handler");
+            memcpy(&on->gsl, &symbol, sizeof on->gsl);
+            (void)dlclose(handle); /* the registry holds it open */
+        }
         on->printed = printed;
         able = test_method(plugin, on, all, &of);
     }

@@ -139,22 +139,6 @@ static void print_markdown(const weft_registry *registry)
     }
 }
 
-static void method_yaml(yaml_out *out, const weft_stepper_type *type)
-{
-    yaml_out_write(out, "{ name: \"%s\"", type->name);
-    if (weft_stepper_full_name(type) != NULL) {
-        yaml_out_write(out, "full_name: \"%s\"", weft_stepper_full_name(type));
-    }
-    yaml_out_write(out, "order: %d, error_order: %d, stages: %d", type->order,
-                   type->error_order, type->stages);
-    for (size_t i = 0; i < FLAG_NAMES; ++i) {
-        yaml_out_write(out, "%s: %s", flag_names[i].name,
-                       yaml_bool((type->flags & flag_names[i].flag) != 0));
-    }
-    yaml_out_write(out, "reference: \"%s\", license: \"%s\" }", type->reference,
-                   type->license);
-}
-
 static int steppers_verb(const arguments *given)
 {
     weft_error err = { 0 };
@@ -174,7 +158,20 @@ static int steppers_verb(const arguments *given)
                 plugin->id, plugin->version, plugin->solver,
                 weft_registry_file(given->registry, i));
             for (size_t m = 0; plugin->types[m] != NULL; ++m) {
-                method_yaml(&out, plugin->types[m]);
+                const weft_stepper_type *type = plugin->types[m];
+                yaml_out_write(&out, "{ name: \"%s\"", type->name);
+                if (weft_stepper_full_name(type) != NULL) {
+                    yaml_out_write(&out, "full_name: \"%s\"",
+                                   weft_stepper_full_name(type));
+                }
+                yaml_out_write(&out, "order: %d, error_order: %d, stages: %d",
+                               type->order, type->error_order, type->stages);
+                for (size_t k = 0; k < FLAG_NAMES; ++k) {
+                    yaml_out_write(&out, "%s: %s", flag_names[k].name,
+                                   yaml_bool((type->flags & flag_names[k].flag) != 0));
+                }
+                yaml_out_write(&out, "reference: \"%s\", license: \"%s\" }",
+                               type->reference, type->license);
             }
             yaml_out_write(&out, "] }");
         }

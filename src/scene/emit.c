@@ -66,19 +66,6 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
                           : yaml_sequence_end_event_initialize(&event));
 }
 
-static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
-{
-    yaml_event_t event;
-    yaml_emitter_set_unicode(to, 1);
-    yaml_emitter_set_width(to, -1);
-    return yaml_emitter_open(to)
-           && emit(to, &event,
-                   yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
-           && emit_node(to, root)
-           && emit(to, &event, yaml_document_end_event_initialize(&event, 1))
-           && yaml_emitter_close(to) && yaml_emitter_flush(to);
-}
-
 char *weft__tree_emit(weft__tree *tree)
 {
     buffer out = { .memory = tree->report->memory };
@@ -86,7 +73,15 @@ char *weft__tree_emit(weft__tree *tree)
     char *text = NULL;
     if (yaml_emitter_initialize(&to)) {
         yaml_emitter_set_output(&to, append, &out);
-        if (emit_tree(&to, tree->root)) {
+        yaml_event_t event;
+        yaml_emitter_set_unicode(&to, 1);
+        yaml_emitter_set_width(&to, -1);
+        if (yaml_emitter_open(&to)
+            && emit(&to, &event,
+                    yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+            && emit_node(&to, tree->root)
+            && emit(&to, &event, yaml_document_end_event_initialize(&event, 1))
+            && yaml_emitter_close(&to) && yaml_emitter_flush(&to)) {
             text = weft__tree_text(tree, out.text, out.length);
         }
         yaml_emitter_delete(&to);

@@ -129,12 +129,6 @@ typedef struct obj_builder {
     size_t rest_room, next_room, place_room; /* of arrays as long as the places */
 } obj_builder;
 
-static bool same_place(const weft__obj *obj, uint32_t a, uint32_t b)
-{
-    const double *x = obj->place[a], *y = obj->place[b];
-    return a == b || (x[0] == y[0] && x[1] == y[1]);
-}
-
 /* The place of a corner: a new one if its vertex has none at the same vt yet. */
 static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t corner)
 {
@@ -148,7 +142,8 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
         return first->place;
     }
     for (; *slot != WEFT__NONE; slot = &self->next[*slot], ++before) {
-        if (same_place(obj, obj->place_of[*slot], vt)) {
+        const double *x = obj->place[obj->place_of[*slot]], *y = obj->place[vt];
+        if (obj->place_of[*slot] == vt || (x[0] == y[0] && x[1] == y[1])) {
             return *slot;
         }
     }
@@ -294,36 +289,32 @@ static bool build(weft__obj *obj, bool whole)
 
 /* ---- files --------------------------------------------------------------------- */
 
-/* Reports what else is wrong with the faces whose statements have no mistakes. */
-static void check_faces(weft__obj *obj)
-{
-    const weft_fabric any = { .density = 1.0 };
-    size_t good = 0;
-    for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
-        const weft__obj_face *face = &obj->face[f];
-        bool finite = true;
-        for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
-            finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
-                     && isfinite(obj->place[face->place[k]][0]);
-        }
-        obj->face[good] = *face;
-        good += finite;
-    }
-    obj->faces = good;
-    if (good > 0 && build(obj, false)) {
-        weft_mesh_def def = obj->def;
-        def.fabrics = &any, def.fabric_count = 1;
-        (void)weft__triangles_create(NULL, &def, obj->report->memory,
-                                     &(weft__mesh_faults){ weft__obj_fault, obj },
-                                     &obj->report->no_memory);
-    }
-}
-
 bool weft__obj_read(weft__obj *obj)
 {
     const bool read = weft__obj_parse(obj);
     if (!read && !obj->report->no_memory) {
-        check_faces(obj);
+        /* Reports what else is wrong with the faces whose statements have no mistakes.
+         */
+        const weft_fabric any = { .density = 1.0 };
+        size_t good = 0;
+        for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
+            const weft__obj_face *face = &obj->face[f];
+            bool finite = true;
+            for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
+                finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
+                         && isfinite(obj->place[face->place[k]][0]);
+            }
+            obj->face[good] = *face;
+            good += finite;
+        }
+        obj->faces = good;
+        if (good > 0 && build(obj, false)) {
+            weft_mesh_def def = obj->def;
+            def.fabrics = &any, def.fabric_count = 1;
+            (void)weft__triangles_create(NULL, &def, obj->report->memory,
+                                         &(weft__mesh_faults){ weft__obj_fault, obj },
+                                         &obj->report->no_memory);
+        }
     }
     return read && build(obj, true);
 }

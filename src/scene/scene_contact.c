@@ -129,26 +129,6 @@ static double edge_cut(double a, double r)
     return sqrt(sqrt(2.0)) * r - s;
 }
 
-/* Between particles the cloth is flat. */
-static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_t k,
-                          weft__mark at)
-{
-    const weft_shape *shape = &def->contact.shapes[k];
-    const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
-                          def->cols > 1 ? def->spacing[1] : 0.0);
-    const bool box = shape->kind == WEFT_BOX;
-    const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
-                       : box ? edge_cut(a, shape->rounding)
-                             : a * a / (8.0 * shape->radius);
-    if (sag > def->contact.thickness) {
-        weft__report_warning(
-            report, at,
-            "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
-            "more than the thickness of %.3g mm: the shape shows through",
-            a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
-    }
-}
-
 /* The stiffness of coulomb is 2 friction N / (m slip): at rest N / m is gravity's. */
 static void warn_of_friction(weft__report *report, const weft_contact_def *contact,
                              double friction, const char *of, weft__mark at)
@@ -273,7 +253,23 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
         const weft__mark at = weft__item(shapes, k)->at;
         char name[32];
         (void)snprintf(name, sizeof name, "shapes[%zu]", k);
-        warn_of_chord(reader->report, def, k, at);
+        /* Between particles the cloth is flat. */
+        const weft_shape *shape = &def->contact.shapes[k];
+        const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
+                              def->cols > 1 ? def->spacing[1] : 0.0);
+        const bool box = shape->kind == WEFT_BOX;
+        const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
+                           : box ? edge_cut(a, shape->rounding)
+                                 : a * a / (8.0 * shape->radius);
+        if (sag > def->contact.thickness) {
+            weft__report_warning(
+                reader->report, at,
+                "between particles %.3g m apart the cloth dips %.3g mm into "
+                "%sshapes[%zu], "
+                "more than the thickness of %.3g mm: the shape shows through",
+                a, 1e3 * sag, box ? "the edges of " : "", k,
+                1e3 * def->contact.thickness);
+        }
         warn_of_friction(reader->report, law,
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }

@@ -34,21 +34,6 @@ static void print_value(FILE *out, const weft__node *node)
     fputc(is_map ? '}' : ']', out);
 }
 
-/* A node in one line; NULL: no memory. */
-static const char *value_text(weft__tree *tree, const weft__node *node)
-{
-    char *printed = NULL, *text = NULL;
-    size_t length;
-    FILE *stream = open_memstream(&printed, &length);
-    if (stream != NULL) {
-        print_value(stream, node);
-        (void)fclose(stream);
-    }
-    text = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
-    free(printed);
-    return text;
-}
-
 /* The values as texts; false: no memory. */
 static bool keep_texts(weft_sweep *self)
 {
@@ -57,7 +42,16 @@ static bool keep_texts(weft_sweep *self)
         const weft__node *list = self->base.sweep.axis[i].list;
         self->value[i] = weft__tree_take(tree, list->count, sizeof *self->value[i]);
         for (size_t k = 0; self->value[i] != NULL && k < list->count; ++k) {
-            self->value[i][k] = value_text(tree, weft__item(list, k));
+            char *printed = NULL;
+            size_t length;
+            FILE *stream = open_memstream(&printed, &length);
+            if (stream != NULL) {
+                print_value(stream, weft__item(list, k));
+                (void)fclose(stream);
+            }
+            self->value[i][k]
+                = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
+            free(printed);
             if (self->value[i][k] == NULL) {
                 return false;
             }

@@ -61,27 +61,6 @@ static double rest_of(const weft_cloth_def *def)
 
 enum { MOST_MOVES = 1000 };
 
-/* [m] How far the cloth, kept as it starts, falls until it touches its shape: as no
- * point is nearer than the smallest gap, it may fall by that. Infinite: past it. */
-static double drop_of(const weft_cloth *cloth, const weft_cloth_def *def, double *y)
-{
-    const size_t n = weft_cloth_particles(cloth);
-    const double g = length_of(def->gravity), thickness = def->contact.thickness;
-    double drop = 0.0, gap = INFINITY;
-    weft_cloth_start(cloth, y);
-    for (int i = 0; i < MOST_MOVES && g > 0.0; ++i) {
-        gap = weft_cloth_gap(cloth, 0.0, y, NULL, NULL);
-        if (gap < thickness || !isfinite(gap)) {
-            break;
-        }
-        drop += gap;
-        for (size_t j = 0; j < 3 * n; ++j) {
-            y[j] += gap * (def->gravity[j / n] / g);
-        }
-    }
-    return gap < thickness ? drop : INFINITY;
-}
-
 typedef struct fall {
     double drop, speed; /* [m], [m/s]; infinite: it does not fall onto the shape */
     double z;           /* where it is stopped */
@@ -96,7 +75,24 @@ static fall fall_onto(const weft_cloth_def *def, size_t shape)
     one.contact.shape_count = 1;
     double *y = calloc(6 * weft_cloth_def_particles(def), sizeof *y);
     if (y != NULL && weft_cloth_create(&one, &cloth, NULL) == WEFT_OK) {
-        out.drop = drop_of(cloth, def, y);
+        /* [m] How far the cloth, kept as it starts, falls until it touches its shape:
+         * as no point is nearer than the smallest gap, it may fall by that. Infinite:
+         * past it. */
+        const size_t n = weft_cloth_particles(cloth);
+        const double g = length_of(def->gravity), thickness = def->contact.thickness;
+        double drop = 0.0, gap = INFINITY;
+        weft_cloth_start(cloth, y);
+        for (int i = 0; i < MOST_MOVES && g > 0.0; ++i) {
+            gap = weft_cloth_gap(cloth, 0.0, y, NULL, NULL);
+            if (gap < thickness || !isfinite(gap)) {
+                break;
+            }
+            drop += gap;
+            for (size_t j = 0; j < 3 * n; ++j) {
+                y[j] += gap * (def->gravity[j / n] / g);
+            }
+        }
+        out.drop = gap < thickness ? drop : INFINITY;
     }
     weft_cloth_destroy(cloth);
     free(y);

@@ -31,12 +31,6 @@ static double order_of(const double h[3], const double v[3])
     return 0.5 * (low + high);
 }
 
-/* Richardson's limit of a value that converges with order p; NAN: it does not. */
-static double extrapolate(double p, const double h[3], const double v[3])
-{
-    return p > 0.0 ? v[2] + (v[2] - v[1]) / expm1(p * log(h[1] / h[2])) : (double)NAN;
-}
-
 /* ---- the table -------------------------------------------------------------- */
 
 enum { CELLS = 5 };
@@ -75,7 +69,10 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
     cells[1] = v[2];
     cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
     cells[3] = i < 2 ? (double)NAN : order_of(h, v);
-    cells[4] = extrapolate(cells[3], h, v);
+    /* Richardson's limit of a value that converges with order p; NAN: it does not. */
+    cells[4] = cells[3] > 0.0
+                   ? v[2] + (v[2] - v[1]) / expm1(cells[3] * log(h[1] / h[2]))
+                   : (double)NAN;
     if (self->mesh) {
         (void)snprintf(text, sizeof text, "%zu", particles);
     } else {

@@ -105,7 +105,7 @@ weft_status run_checkpoint(run *self, size_t index, weft_error *err)
     now->frame = index;
     now->series = self->series.table.extent;
     now->shapes = self->shapes.extent;
-    now->extremes = self->summary.extremes;
+    now->extremes = self->extremes;
     now->wall_time = weft__wall_clock() - self->began;
     TRY(run_in_place(self, err));
     if (!isfinite(weft_sim_ledger(self->sim).residual)) {
@@ -281,7 +281,7 @@ weft_status run_take_up(run *self, weft_error *err)
     remove_ends(self);
     self->result.frames = from->frame + 1;
     self->limit_sweeps = limit.sweeps;
-    self->summary.extremes = from->extremes;
+    self->extremes = from->extremes;
     self->began -= from->wall_time;
     return is_longer(self) ? run_checkpoint(self, from->frame, err) : WEFT_OK;
 }

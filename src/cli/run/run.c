@@ -108,7 +108,7 @@ static weft_status add_frame(run *self, size_t index, weft_error *err)
         TRY(write_state(self, name, record_obj, err));
     }
     self->result.frames = index + 1;
-    summary_frame(&self->summary, &self->series.worst);
+    summary_frame(self);
     progress_show(&self->progress, index);
     return WEFT_OK;
 }
@@ -135,7 +135,7 @@ static bool on_step(void *ctx)
 {
     run *self = ctx;
     (void)pthread_mutex_lock(&self->watch.records);
-    summary_step(&self->summary);
+    summary_step(self);
     if (self->given->mode >= PROGRESS_TERMINAL) { /* lines come with frames */
         progress_show(&self->progress, self->result.frames - 1);
     }
@@ -165,9 +165,9 @@ static void give_up(void *ctx)
         status = record_result_write(self->out, &self->result, &err);
     }
     if (status == WEFT_OK && self->given->mode == PROGRESS_YAML) {
-        summary_yaml_end(&self->summary);
+        summary_yaml_end(self);
     } else if (status == WEFT_OK && !self->given->quiet) {
-        summary_print_frames(&self->summary);
+        summary_print_frames(self);
     }
     const int code
         = status == WEFT_OK ? interrupt_code(interrupt_signal()) : report_error(&err);
@@ -185,7 +185,7 @@ static weft_status simulate(run *self, weft_error *err)
                                .step = on_step,
                                .ctx = self };
     if (self->given->mode == PROGRESS_YAML) {
-        summary_yaml_begin(&self->summary);
+        summary_yaml_begin(self);
     }
     progress_begin(&self->progress, self->given->mode, self->sim, frames.run);
     interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
@@ -281,9 +281,9 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         run_remove(self, RECORD_CHECKPOINT);
     }
     if (self->given->mode == PROGRESS_YAML) {
-        summary_yaml_end(&self->summary);
+        summary_yaml_end(self);
     } else if (!self->given->quiet) {
-        summary_print(&self->summary);
+        summary_print(self);
     }
     if (interrupted && status == WEFT_OK) {
         return interrupt_code(interrupt_signal());
@@ -313,10 +313,6 @@ static int refuse(const run *self, const weft_error *why)
 static int run_prepared(run *self)
 {
     weft_error err = { 0 };
-    self->summary = (summary){ .directory = self->out,
-                               .scene = self->scene,
-                               .sim = self->sim,
-                               .result = &self->result };
     weft_status status
         = run_agree(self,
                     record_checkpoint_identify(&self->checkpoint, self->scene,

@@ -10,15 +10,6 @@
 #include "record/checkpoint.h"
 #include "record/result.h"
 
-/* What summary.c prints. */
-typedef struct summary {
-    const char *directory;
-    const weft_scene *scene;
-    const weft_sim *sim;
-    const record_result *result;
-    record_extremes extremes;
-} summary;
-
 typedef struct run {
     const arguments *given;
     const char *out;
@@ -39,7 +30,7 @@ typedef struct run {
     double began; /* [s] of the wall clock, less the time of earlier parts */
     interrupt_watch watch;
     progress progress;
-    summary summary;
+    record_extremes extremes;
     uint64_t limit_sweeps; /* up to the last frame */
     bool beyond;           /* fixed_step the stable one, at t = 0 */
     bool warned_held;      /* of the strain limit */
@@ -80,16 +71,15 @@ weft_status crossings_write(const arguments *given, const char *out,
 void crossings_of_mistake(const arguments *given, const char *out);
 
 /* summary.c: the results of a run, in eight lines or as YAML. */
-void summary_step(summary *self); /* after each accepted step */
-/* After each frame, with the spring of the largest strain in it. */
-void summary_frame(summary *self, const weft_spring *now);
+void summary_step(run *self);  /* after each accepted step */
+void summary_frame(run *self); /* after each frame */
 
-void summary_print(const summary *self);
+void summary_print(const run *self);
 /* The part that is known within a step. */
-void summary_print_frames(const summary *self);
+void summary_print_frames(const run *self);
 /* The same as YAML documents of a line each, at the begin and at the end. */
-void summary_yaml_begin(const summary *self);
-void summary_yaml_end(const summary *self);
+void summary_yaml_begin(const run *self);
+void summary_yaml_end(const run *self);
 /* The failure, the stable step and what to try, as lines to stderr
  * and as one text. */
 void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_sim *sim,

@@ -10,7 +10,7 @@
 #include "cli/survey/survey.h"
 #include "record/yaml_out.h"
 
-void summary_step(summary *self)
+void summary_step(run *self)
 {
     const double h = weft_sim_stats(self->sim).last_step;
     record_extremes *all = &self->extremes;
@@ -20,8 +20,9 @@ void summary_step(summary *self)
     all->long_step = h > all->long_step ? h : all->long_step;
 }
 
-void summary_frame(summary *self, const weft_spring *now)
+void summary_frame(run *self)
 {
+    const weft_spring *now = &self->series.worst;
     record_extremes *all = &self->extremes;
     if (all->strain.p == all->strain.q || now->strain > all->strain.strain) {
         all->strain = *now;
@@ -31,22 +32,22 @@ void summary_frame(summary *self, const weft_spring *now)
 
 /* ---- for people -------------------------------------------------------- */
 
-static void print_what(const summary *self)
+static void print_what(const run *self)
 {
     char text[RECORD_PATH], size[HUMAN_SIZE];
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
-    const bool stopped = self->result->reason[0] != '\0'
-                         && (strcmp(self->result->status, "interrupted") == 0
-                             || strcmp(self->result->status, "done") == 0);
-    (void)snprintf(text, sizeof text, "%s%s%s: %s (%s, %s %s)", self->result->status,
-                   stopped ? " by " : "", stopped ? self->result->reason : "",
+    const bool stopped = self->result.reason[0] != '\0'
+                         && (strcmp(self->result.status, "interrupted") == 0
+                             || strcmp(self->result.status, "done") == 0);
+    (void)snprintf(text, sizeof text, "%s%s%s: %s (%s, %s %s)", self->result.status,
+                   stopped ? " by " : "", stopped ? self->result.reason : "",
                    weft_scene_name(self->scene),
                    weft_cloth_text(cloth, size, sizeof size),
                    weft_scene_plugin(self->scene), weft_scene_method(self->scene));
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
 
-static void print_steps(const summary *self)
+static void print_steps(const run *self)
 {
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
     const uint64_t back = weft_sim_vetoed(self->sim);
@@ -65,7 +66,7 @@ static void print_steps(const summary *self)
     }
 }
 
-static void print_step_sizes(const summary *self)
+static void print_step_sizes(const run *self)
 {
     const uint64_t steps = weft_sim_stats(self->sim).steps;
     const record_extremes *all = &self->extremes;
@@ -84,7 +85,7 @@ static void print_step_sizes(const summary *self)
                asked.text);
 }
 
-static void print_strain(const summary *self)
+static void print_strain(const run *self)
 {
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const weft_spring *most = &self->extremes.strain;
@@ -96,12 +97,12 @@ static void print_strain(const summary *self)
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
                100.0 * most->strain, self->extremes.strain_time,
                weft_spring_text(cloth, most, spring, sizeof spring),
-               100.0 * self->result->measures.worst.strain);
+               100.0 * self->result.measures.worst.strain);
 }
 
-static void print_energy(const summary *self)
+static void print_energy(const run *self)
 {
-    const weft_ledger ledger = self->result->ledger;
+    const weft_ledger ledger = self->result.ledger;
     sentence balance = { "" };
     if (ledger.kept) {
         say(&balance, ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J",
@@ -111,7 +112,7 @@ static void print_energy(const summary *self)
         }
         say(&balance, "; ledger closes to %.2g J", ledger.residual);
     }
-    print_item("energy", "%.6g -> %.6g J%s", self->result->energy_start,
+    print_item("energy", "%.6g -> %.6g J%s", self->result.energy_start,
                weft_energy_total(ledger.energy), balance.text);
 }
 
@@ -125,13 +126,13 @@ static void say_gap(sentence *text, double gap)
 }
 
 /* Nothing without contact. */
-static void print_contact(const summary *self)
+static void print_contact(const run *self)
 {
     sentence text = { "" };
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
     const size_t shapes = weft_cloth_shapes(cloth);
     const bool has_self = weft_cloth_contact(cloth).self;
-    const weft_measures all = self->result->measures;
+    const weft_measures all = self->result.measures;
     if (shapes > 0) {
         say(&text, "%zu %s, %s particles touch", shapes,
             shapes == 1 ? "shape" : "shapes", human_count(all.touching).text);
@@ -148,7 +149,7 @@ static void print_contact(const summary *self)
     }
 }
 
-static void print_limit(const summary *self)
+static void print_limit(const run *self)
 {
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
     const weft_limit_def *limit = weft_scene_limit(self->scene);
@@ -164,18 +165,18 @@ static void print_limit(const summary *self)
                100.0 * weft_sim_limit_worst(self->sim).strain);
 }
 
-static void print_files(const summary *self)
+static void print_files(const run *self)
 {
     sentence names = { "" };
     for (size_t i = 0; record_names[i] != NULL; ++i) {
-        if (record_exists(self->directory, record_names[i])) {
+        if (record_exists(self->out, record_names[i])) {
             say(&names, "%s %s", names.text[0] == '\0' ? ":" : "", record_names[i]);
         }
     }
-    print_item("files", "in %s%s", self->directory, names.text);
+    print_item("files", "in %s%s", self->out, names.text);
 }
 
-static void print_sensitivity(const summary *self)
+static void print_sensitivity(const run *self)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
     size_t worst = 0;
@@ -199,11 +200,11 @@ static void print_sensitivity(const summary *self)
         warning.text);
 }
 
-void summary_print(const summary *self)
+void summary_print(const run *self)
 {
     print_what(self);
     sentence speed = { "" };
-    const record_result *result = self->result;
+    const record_result *result = &self->result;
     const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
     if (t > 0.0 && result->wall_time > 0.0) {
         say(&speed, ", %.3g times real time", t / result->wall_time);
@@ -220,35 +221,35 @@ void summary_print(const summary *self)
     print_files(self);
 }
 
-void summary_print_frames(const summary *self)
+void summary_print_frames(const run *self)
 {
     print_what(self);
-    print_item("time", "%zu of %zu frames in %s", self->result->frames,
-               self->result->planned, human_time(self->result->wall_time).text);
+    print_item("time", "%zu of %zu frames in %s", self->result.frames,
+               self->result.planned, human_time(self->result.wall_time).text);
     print_files(self);
 }
 
 /* ---- for machines ----------------------------------------------------------- */
 
-void summary_yaml_begin(const summary *self)
+void summary_yaml_begin(const run *self)
 {
     yaml_out out;
     yaml_out_begin_event(&out, "begin");
     yaml_out_write(&out,
                    "name: \"%s\", directory: \"%s\", plugin: \"%s\", method: \"%s\"",
-                   weft_scene_name(self->scene), self->directory,
+                   weft_scene_name(self->scene), self->out,
                    weft_scene_plugin(self->scene), weft_scene_method(self->scene));
     yaml_out_size(&out, weft_sim_cloth(self->sim));
-    yaml_out_write(&out, "frames_planned: %zu, duration: %g", self->result->planned,
+    yaml_out_write(&out, "frames_planned: %zu, duration: %g", self->result.planned,
                    weft_scene_run(self->scene)->duration);
     yaml_out_end_event(&out);
 }
 
-void summary_yaml_end(const summary *self)
+void summary_yaml_end(const run *self)
 {
     yaml_out out;
     yaml_out_begin_event(&out, "end");
-    record_result_items(&out, self->result);
+    record_result_items(&out, &self->result);
     yaml_out_end_event(&out);
 }
 
