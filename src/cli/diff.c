@@ -163,6 +163,24 @@ static weft_status compare_fields(comparison *self, size_t i, size_t j, const ga
     return WEFT_OK;
 }
 
+static void find_farthest(const comparison *self, gap *here)
+{
+    const double *a = self->side[0].x, *b = self->side[1].x;
+    for (size_t p = 0; p < self->side[0].frames->faces.particles; ++p) {
+        double d[3];
+        for (size_t k = 0; k < 3; ++k) {
+            d[k] = rounded(self, a[3 * p + k]) - rounded(self, b[3 * p + k]);
+        }
+        const double distance
+            = hypot(hypot(d[0], d[1]), d[2]); /* squares may overflow or underflow */
+        if (distance > here->distance) {
+            here->distance = distance;
+            here->particle = p;
+            here->found = true;
+        }
+    }
+}
+
 static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_error *err)
 {
     record_frames *a = self->side[0].frames, *b = self->side[1].frames;
@@ -171,20 +189,7 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
     TRY(record_frames_positions(a, i, self->side[0].x, err));
     TRY(record_frames_positions(b, j, self->side[1].x, err));
     if (!are_equal(self, 3 * a->faces.particles)) {
-        const double *x = self->side[0].x, *y = self->side[1].x;
-        for (size_t p = 0; p < a->faces.particles; ++p) {
-            double d[3];
-            for (size_t k = 0; k < 3; ++k) {
-                d[k] = rounded(self, x[3 * p + k]) - rounded(self, y[3 * p + k]);
-            }
-            /* squares may overflow or underflow */
-            const double distance = hypot(hypot(d[0], d[1]), d[2]);
-            if (distance > here.distance) {
-                here.distance = distance;
-                here.particle = p;
-                here.found = true;
-            }
-        }
+        find_farthest(self, &here);
     }
     if (self->tolerance < 0.0 && self->unequal == 0) {
         TRY(compare_fields(self, i, j, &here, err));
@@ -250,6 +255,24 @@ static void print_positions(const comparison *self)
     }
 }
 
+/* Equal states have equal positions and velocities. Their strain differs if the springs
+ * do. */
+static void print_other_frames(const comparison *self)
+{
+    const bool damaged = self->begin.found || self->field == fields[0].name;
+    printf("the states are equal by their hashes in series.csv: %s\n",
+           damaged ? "one run.vtkhdf is damaged"
+                   : "the springs differ, or one run.vtkhdf is damaged");
+    if (self->begin.found) {
+        print_positions(self);
+    }
+    if (self->field != NULL) {
+        printf("first other %s: ", self->field);
+        print_frame(&self->other);
+        putchar('\n');
+    }
+}
+
 static void print_compared(const comparison *self)
 {
     fputs("compared: states by their hashes in series.csv; ", stdout);
@@ -288,20 +311,7 @@ static void print_all(const comparison *self)
         printf("; %zu of %zu states differ\n", self->unequal, self->rows);
     }
     if (other_frames) {
-        /* Equal states have equal positions and velocities. Their strain differs if the
-         * springs do. */
-        const bool damaged = self->begin.found || self->field == fields[0].name;
-        printf("the states are equal by their hashes in series.csv: %s\n",
-               damaged ? "one run.vtkhdf is damaged"
-                       : "the springs differ, or one run.vtkhdf is damaged");
-        if (self->begin.found) {
-            print_positions(self);
-        }
-        if (self->field != NULL) {
-            printf("first other %s: ", self->field);
-            print_frame(&self->other);
-            putchar('\n');
-        }
+        print_other_frames(self);
     } else if (framed && (self->unequal > 0 || !bitwise)) {
         print_positions(self);
     } else if (!framed && self->unequal > 0) {

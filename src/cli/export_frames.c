@@ -77,6 +77,21 @@ static record_surface part_at(const export_job *job, size_t part, double time)
                                             time, job->shape_position);
 }
 
+/* One line for any number of frames of a part. */
+static void print_files(const export_job *job, size_t part)
+{
+    char stem[NAME / 2], name[NAME];
+    (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->first));
+    name_part(name, stem, part, job->format->suffix);
+    print_plainly(stdout, "%s/frames/%s", job->directory, name);
+    if (job->last > job->first) {
+        (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->last));
+        name_part(name, stem, part, job->format->suffix);
+        printf(" to %s, %zu files", name, job->last - job->first + 1);
+    }
+    putchar('\n');
+}
+
 static weft_status write_parts(const export_job *job, const char *stem, double time,
                                weft_error *err)
 {
@@ -168,17 +183,7 @@ static weft_status export_frames(export_job *job, weft_error *err)
         TRY(read_frames(job, err));
     }
     for (size_t part = 0; job->format->write != NULL && part <= job->shapes; ++part) {
-        /* One line for any number of frames of a part. */
-        char stem[NAME / 2], name[NAME];
-        (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->first));
-        name_part(name, stem, part, job->format->suffix);
-        print_plainly(stdout, "%s/frames/%s", job->directory, name);
-        if (job->last > job->first) {
-            (void)snprintf(stem, sizeof stem, "frame-%06zu", number_of(job, job->last));
-            name_part(name, stem, part, job->format->suffix);
-            printf(" to %s, %zu files", name, job->last - job->first + 1);
-        }
-        putchar('\n');
+        print_files(job, part);
     }
     return WEFT_OK;
 }
@@ -189,23 +194,9 @@ static double time_of(const export_job *job, size_t i)
                                : job->frames->times[i];
 }
 
-static weft_status export_part(export_job *job, size_t part, weft_error *err)
+static weft_status begin_movie(export_job *job, const char *name, size_t points,
+                               weft_error *err)
 {
-    char name[NAME];
-    if (job->format->rest) {
-        /* The pose that a cache moves: the particles at rest, a shape at t = 0. */
-        if (job->frames == NULL) {
-            weft_cloth_rest(job->cloth, job->values);
-        } else {
-            memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
-        }
-        const record_surface pose = part_at(job, part, 0.0);
-        name_part(name, "rest", part, "obj");
-        TRY(record_surface_write(job->directory, name, record_obj, &pose, err));
-        print_plainly(stdout, "%s/%s\n", job->directory, name);
-    }
-    const record_surface surface = part_at(job, part, 0.0);
-    name_part(name, "run", part, job->format->name);
     double *times = malloc(job->count * sizeof *times);
     if (times == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the times");
@@ -213,14 +204,40 @@ static weft_status export_part(export_job *job, size_t part, weft_error *err)
     for (size_t i = 0; i < job->count; ++i) {
         times[i] = time_of(job, i);
     }
-    weft_status status = record_file_open(&job->movie, job->directory, name, err);
+    const weft_status status = record_file_open(&job->movie, job->directory, name, err);
     if (status == WEFT_OK) {
-        job->format->movie->begin(job->movie.stream, times, job->count,
-                                  surface.faces.particles);
+        job->format->movie->begin(job->movie.stream, times, job->count, points);
     }
     free(times);
-    TRY(status);
-    status = part == 0 ? export_frames(job, err) : WEFT_OK;
+    return status;
+}
+
+/* The pose that a cache moves: the particles at rest, a shape at t = 0. */
+static weft_status write_rest(export_job *job, size_t part, weft_error *err)
+{
+    char name[NAME];
+    if (job->frames == NULL) {
+        weft_cloth_rest(job->cloth, job->values);
+    } else {
+        memcpy(job->values, job->frames->rest, 3 * job->n * sizeof *job->values);
+    }
+    const record_surface surface = part_at(job, part, 0.0);
+    name_part(name, "rest", part, "obj");
+    TRY(record_surface_write(job->directory, name, record_obj, &surface, err));
+    print_plainly(stdout, "%s/%s\n", job->directory, name);
+    return WEFT_OK;
+}
+
+static weft_status export_part(export_job *job, size_t part, weft_error *err)
+{
+    char name[NAME];
+    if (job->format->rest) {
+        TRY(write_rest(job, part, err));
+    }
+    const record_surface surface = part_at(job, part, 0.0);
+    name_part(name, "run", part, job->format->name);
+    TRY(begin_movie(job, name, surface.faces.particles, err));
+    const weft_status status = part == 0 ? export_frames(job, err) : WEFT_OK;
     for (size_t i = 0; part > 0 && i < job->count; ++i) {
         const record_surface at = part_at(job, part, time_of(job, i));
         job->format->movie->points(job->movie.stream, &at);
@@ -376,7 +393,37 @@ static int make_surface(export_job *job)
     return EXIT_DONE;
 }
 
+static int export_run(const arguments *given, export_job *job)
+{
+    int code = record_exists(job->directory, "run.vtkhdf") ? open_recorded(job)
+                                                           : open_anew(given, job);
+    code = code == EXIT_DONE ? make_surface(job) : code;
+    code = code == EXIT_DONE ? export_wanted(given, job) : code;
+    free(job->values);
+    free(job->shape_position);
+    free(job->series);
+    record_faces_free(&job->faces);
+    record_frames_close(job->frames);
+    weft_sim_destroy(job->sim);
+    weft_cloth_destroy(job->cloth);
+    weft_scene_destroy(job->scene);
+    return code;
+}
+
 /* ---- the rest shape ---------------------------------------------------------- */
+
+/* dress.obj, or dress-shirt.obj of one of several cloths. */
+static void name_garment(char name[RECORD_PATH], const char *to, const char *cloth)
+{
+    const size_t length = strlen(to);
+    const size_t stem
+        = length > 4 && strcmp(to + length - 4, ".obj") == 0 ? length - 4 : length;
+    if (cloth == NULL) {
+        (void)snprintf(name, RECORD_PATH, "%s", to);
+    } else {
+        (void)snprintf(name, RECORD_PATH, "%.*s-%s%s", (int)stem, to, cloth, to + stem);
+    }
+}
 
 /* The mesh of a scene, or of the scene of a run, as a new file. */
 static int export_garment(const arguments *given)
@@ -401,16 +448,7 @@ static int export_garment(const arguments *given)
                                operand);
     for (size_t k = 0; status == WEFT_OK && k < (parts > 0 ? parts : 1); ++k) {
         char name[RECORD_PATH];
-        /* dress.obj, or dress-shirt.obj of one of several cloths. */
-        const size_t length = strlen(to);
-        const size_t stem
-            = length > 4 && strcmp(to + length - 4, ".obj") == 0 ? length - 4 : length;
-        if (parts == 0) {
-            (void)snprintf(name, RECORD_PATH, "%s", to);
-        } else {
-            (void)snprintf(name, RECORD_PATH, "%.*s-%s%s", (int)stem, to,
-                           mesh->parts[k].name, to + stem);
-        }
+        name_garment(name, to, parts > 0 ? mesh->parts[k].name : NULL);
         status = record_exists(NULL, name)
                      ? weft_error_set(&err, WEFT_IO, "%.200s: the file exists", name)
                      : record_mesh(NULL, name, scene, k, &err);
@@ -451,19 +489,7 @@ static int export_verb(const arguments *given)
                            job.format->name);
     }
     report_unfinished(job.directory);
-    int code = record_exists(job.directory, "run.vtkhdf") ? open_recorded(&job)
-                                                          : open_anew(given, &job);
-    code = code == EXIT_DONE ? make_surface(&job) : code;
-    code = code == EXIT_DONE ? export_wanted(given, &job) : code;
-    free(job.values);
-    free(job.shape_position);
-    free(job.series);
-    record_faces_free(&job.faces);
-    record_frames_close(job.frames);
-    weft_sim_destroy(job.sim);
-    weft_cloth_destroy(job.cloth);
-    weft_scene_destroy(job.scene);
-    return code;
+    return export_run(given, &job);
 }
 
 const verb verb_export = {

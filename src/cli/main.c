@@ -63,6 +63,24 @@ static int flush_stdout(int code)
     return code;
 }
 
+static int no_verb(const char *typed)
+{
+    weft__guess guess = { 0 };
+    char near[80];
+    for (size_t i = 0; i < VERBS; ++i) {
+        weft__guess_try(&guess, typed, verbs[i]->name);
+    }
+    weft__guess_try(&guess, typed, "--version");
+    const size_t length = strlen(typed);
+    const bool scene = length > 5 && strcmp(typed + length - 5, ".yaml") == 0;
+    sentence hint = { "" };
+    say(&hint, scene ? " (did you mean 'weft run %s'?)" : "%s",
+        scene ? typed : weft__guess_text(&guess, near, sizeof near));
+    print_line(stderr, "weft: no verb '%s'%s; 'weft --help' lists them", typed,
+               hint.text);
+    return EXIT_USAGE;
+}
+
 /* A file opened later would take the number of a closed standard stream, and receive
  * its messages. */
 static bool open_standard_streams(void)
@@ -119,18 +137,5 @@ int main(int argc, char **argv)
         print_usage(stdout);
         return flush_stdout(EXIT_DONE);
     }
-    weft__guess guess = { 0 };
-    char near[80];
-    for (size_t i = 0; i < VERBS; ++i) {
-        weft__guess_try(&guess, argv[1], verbs[i]->name);
-    }
-    weft__guess_try(&guess, argv[1], "--version");
-    const size_t length = strlen(argv[1]);
-    const bool scene = length > 5 && strcmp(argv[1] + length - 5, ".yaml") == 0;
-    sentence hint = { "" };
-    say(&hint, scene ? " (did you mean 'weft run %s'?)" : "%s",
-        scene ? argv[1] : weft__guess_text(&guess, near, sizeof near));
-    print_line(stderr, "weft: no verb '%s'%s; 'weft --help' lists them", argv[1],
-               hint.text);
-    return EXIT_USAGE;
+    return no_verb(argv[1]);
 }

@@ -19,6 +19,25 @@
 #include "cut/cut.h"
 #include "record/child_process.h"
 
+/* The build tree has its plugins beside libweft; "" if it is none. */
+static void tree_plugins(char *directory, size_t size)
+{
+    const char *(*const function)(void) = weft_version;
+    char library[PATH_MAX];
+    const void *address; /* POSIX has functions and data of one size */
+    Dl_info info;
+    memcpy(&address, &function, sizeof address);
+    directory[0] = '\0';
+    if (dladdr(address, &info) != 0 && strchr(info.dli_fname, '/') != NULL
+        && realpath(info.dli_fname, library) != NULL) {
+        *strrchr(library, '/') = '\0';
+        (void)snprintf(directory, size, "%s/plugins", library);
+        if (access(directory, F_OK) != 0) {
+            directory[0] = '\0';
+        }
+    }
+}
+
 /* ---- plugins: each is loaded in a child first, as it may end or block its process
  * ---- */
 
@@ -77,21 +96,7 @@ static weft_status admit_plugin(void *ctx, const char *file, weft_error *err)
 weft_registry *open_registry(const char *plugin_path, bool trial)
 {
     char fallback[PATH_MAX + 16];
-    /* The build tree has its plugins beside libweft; "" if it is none. */
-    const char *(*const function)(void) = weft_version;
-    char library[PATH_MAX];
-    const void *address; /* POSIX has functions and data of one size */
-    Dl_info info;
-    memcpy(&address, &function, sizeof address);
-    fallback[0] = '\0';
-    if (dladdr(address, &info) != 0 && strchr(info.dli_fname, '/') != NULL
-        && realpath(info.dli_fname, library) != NULL) {
-        *strrchr(library, '/') = '\0';
-        (void)snprintf(fallback, sizeof fallback, "%s/plugins", library);
-        if (access(fallback, F_OK) != 0) {
-            fallback[0] = '\0';
-        }
-    }
+    tree_plugins(fallback, sizeof fallback);
     weft_error err;
     weft_registry *registry = NULL;
     weft_registry_def def = weft_registry_def_default();

@@ -62,6 +62,19 @@ static bool is_in_help(const char *help, const char *name)
     return strstr(help, line[0]) != NULL || strstr(help, line[1]) != NULL;
 }
 
+/* A verb takes --help and the options that its help lists. */
+static void list_options(const verb *self, struct option out[OPTIONS + 2])
+{
+    size_t count = 0;
+    out[count++] = (struct option){ "help", no_argument, NULL, 'h' };
+    for (size_t i = 0; i < OPTIONS; ++i) {
+        if (is_in_help(self->help, all_options[i].name)) {
+            out[count++] = all_options[i];
+        }
+    }
+    out[count] = (struct option){ 0 };
+}
+
 /* By what getopt_long returns. */
 static void apply(int value, arguments *out)
 {
@@ -141,15 +154,7 @@ static int parse(arguments *given, int argc)
     const verb *self = given->verb;
     char **argv = given->argv;
     struct option table[OPTIONS + 2];
-    /* A verb takes --help and the options that its help lists. */
-    size_t count = 0;
-    table[count++] = (struct option){ "help", no_argument, NULL, 'h' };
-    for (size_t i = 0; i < OPTIONS; ++i) {
-        if (is_in_help(self->help, all_options[i].name)) {
-            table[count++] = all_options[i];
-        }
-    }
-    table[count] = (struct option){ 0 };
+    list_options(self, table);
     const char *letters = is_in_help(self->help, "jobs") ? ":hj:" : ":h";
     opterr = 0;
     optind = 1;

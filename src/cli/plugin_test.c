@@ -38,6 +38,21 @@ static void count_gsl(const char *reason, const char *file, int line, int code)
     ++gsl_calls;
 }
 
+static gsl_set_handler *find_gsl(const char *file)
+{
+    gsl_set_handler *set = NULL;
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
+                   file);
+    void *handle = dlopen(path, RTLD_NOW | RTLD_NOLOAD);
+    if (handle != NULL) {
+        void *symbol = dlsym(handle, "gsl_set_error_handler");
+        memcpy(&set, &symbol, sizeof set);
+        (void)dlclose(handle); /* the registry holds it open */
+    }
+    return set;
+}
+
 /* Shared with the process of a check. */
 typedef struct bench {
     const weft_stepper_type *type;
@@ -85,6 +100,22 @@ typedef struct finding {
     bool hung;    /* it did not come to an end */
 } finding;
 
+/* Reports the first line printed, if only this breaks the promise. */
+static void report_output(FILE *printed, finding *out)
+{
+    const bool kept = out->of.verdict != WEFT_PROMISE_BROKEN;
+    char line[256], seen[320];
+    /* the stream may still buffer the output of an earlier check */
+    const ssize_t length = pread(fileno(printed), line, sizeof line - 1, 0);
+    if (length > 0) {
+        line[length] = '\0';
+        (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
+                       line);
+        breaks(&out->of, seen);
+        out->printed = kept;
+    }
+}
+
 /* A check that takes long is named while it runs. */
 static void name_check(void *ctx)
 {
@@ -130,18 +161,7 @@ static bool run_check(bench *self, size_t check, finding *out)
         process_describe(status, text, sizeof text);
         breaks(&out->of, out->hung ? "the check did not come to an end" : text);
     }
-    /* Reports the first line printed, if only this breaks the promise. */
-    const bool kept = out->of.verdict != WEFT_PROMISE_BROKEN;
-    char line[256], seen[320];
-    /* the stream may still buffer the output of an earlier check */
-    const ssize_t length = pread(fileno(self->printed), line, sizeof line - 1, 0);
-    if (length > 0) {
-        line[length] = '\0';
-        (void)snprintf(seen, sizeof seen, "it printed: %.*s", (int)strcspn(line, "\n"),
-                       line);
-        breaks(&out->of, seen);
-        out->printed = kept;
-    }
+    report_output(self->printed, out);
     return true;
 }
 
@@ -268,15 +288,7 @@ static int test_plugin(const char *file, const weft_plugin *plugin, bool all)
     }
     for (size_t i = 0; able && plugin->types[i] != NULL; ++i) {
         on->type = plugin->types[i];
-        char path[4096];
-        (void)snprintf(path, sizeof path, "%s%s", strchr(file, '/') == NULL ? "./" : "",
-                       file);
-        void *handle = dlopen(path, RTLD_NOW | RTLD_NOLOAD);
-        if (handle != NULL) {
-            void *symbol = dlsym(handle, "gsl_set_error_handler");
-            memcpy(&on->gsl, &symbol, sizeof on->gsl);
-            (void)dlclose(handle); /* the registry holds it open */
-        }
+        on->gsl = find_gsl(file);
         on->printed = printed;
         able = test_method(plugin, on, all, &of);
     }

@@ -139,6 +139,43 @@ static void print_markdown(const weft_registry *registry)
     }
 }
 
+static void method_yaml(yaml_out *out, const weft_stepper_type *type)
+{
+    yaml_out_write(out, "{ name: \"%s\"", type->name);
+    if (weft_stepper_full_name(type) != NULL) {
+        yaml_out_write(out, "full_name: \"%s\"", weft_stepper_full_name(type));
+    }
+    yaml_out_write(out, "order: %d, error_order: %d, stages: %d", type->order,
+                   type->error_order, type->stages);
+    for (size_t i = 0; i < FLAG_NAMES; ++i) {
+        yaml_out_write(out, "%s: %s", flag_names[i].name,
+                       yaml_bool((type->flags & flag_names[i].flag) != 0));
+    }
+    yaml_out_write(out, "reference: \"%s\", license: \"%s\" }", type->reference,
+                   type->license);
+}
+
+static int print_yaml(const weft_registry *registry)
+{
+    yaml_out out;
+    yaml_out_begin(&out, stdout);
+    yaml_out_write(&out, "plugins: [");
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *plugin = weft_registry_at(registry, i);
+        yaml_out_write(&out,
+                       "{ id: \"%s\", version: \"%s\", solver: \"%s\", file: \"%s\", "
+                       "methods: [",
+                       plugin->id, plugin->version, plugin->solver,
+                       weft_registry_file(registry, i));
+        for (size_t m = 0; plugin->types[m] != NULL; ++m) {
+            method_yaml(&out, plugin->types[m]);
+        }
+        yaml_out_write(&out, "] }");
+    }
+    yaml_out_write(&out, "]");
+    return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
+}
+
 static int steppers_verb(const arguments *given)
 {
     weft_error err = { 0 };
@@ -146,37 +183,7 @@ static int steppers_verb(const arguments *given)
         return report_error(&err);
     }
     if (given->yaml) {
-        yaml_out out;
-        yaml_out_begin(&out, stdout);
-        yaml_out_write(&out, "plugins: [");
-        for (size_t i = 0; i < weft_registry_count(given->registry); ++i) {
-            const weft_plugin *plugin = weft_registry_at(given->registry, i);
-            yaml_out_write(
-                &out,
-                "{ id: \"%s\", version: \"%s\", solver: \"%s\", file: \"%s\", "
-                "methods: [",
-                plugin->id, plugin->version, plugin->solver,
-                weft_registry_file(given->registry, i));
-            for (size_t m = 0; plugin->types[m] != NULL; ++m) {
-                const weft_stepper_type *type = plugin->types[m];
-                yaml_out_write(&out, "{ name: \"%s\"", type->name);
-                if (weft_stepper_full_name(type) != NULL) {
-                    yaml_out_write(&out, "full_name: \"%s\"",
-                                   weft_stepper_full_name(type));
-                }
-                yaml_out_write(&out, "order: %d, error_order: %d, stages: %d",
-                               type->order, type->error_order, type->stages);
-                for (size_t k = 0; k < FLAG_NAMES; ++k) {
-                    yaml_out_write(&out, "%s: %s", flag_names[k].name,
-                                   yaml_bool((type->flags & flag_names[k].flag) != 0));
-                }
-                yaml_out_write(&out, "reference: \"%s\", license: \"%s\" }",
-                               type->reference, type->license);
-            }
-            yaml_out_write(&out, "] }");
-        }
-        yaml_out_write(&out, "]");
-        return yaml_out_end(&out) ? EXIT_DONE : EXIT_FILE;
+        return print_yaml(given->registry);
     }
     (given->markdown ? print_markdown : print_text)(given->registry);
     return EXIT_DONE;

@@ -77,31 +77,35 @@ void report_unfinished(const char *directory)
     }
 }
 
+/* A run that another process has under way. */
+static int watch_elsewhere(const arguments *given)
+{
+    weft_error err = { 0 };
+    watch_def def = { .directory = given->operands[0], .ready = -1 };
+    const int code = watch_check(given, &def.port);
+    if (code != EXIT_DONE) {
+        return code;
+    }
+    if (given->operand_count > 1 || given->out != NULL) {
+        return usage_error(given, "--watch shows one run, and writes no page");
+    }
+    if (!record_outdir_locked(def.directory)) {
+        return usage_error(given,
+                           "%s: no run is under way there; without --watch the page "
+                           "has what was recorded",
+                           def.directory);
+    }
+    interrupt_catch(true);
+    if (watch_serve(&def, &err) != WEFT_OK) {
+        return report_error(&err);
+    }
+    return interrupt_code(interrupt_signal());
+}
+
 static int view_verb(const arguments *given)
 {
     if (given->watch || given->port != NULL) {
-        /* A run that another process has under way. */
-        weft_error err = { 0 };
-        watch_def def = { .directory = given->operands[0], .ready = -1 };
-        const int code = watch_check(given, &def.port);
-        if (code != EXIT_DONE) {
-            return code;
-        }
-        if (given->operand_count > 1 || given->out != NULL) {
-            return usage_error(given, "--watch shows one run, and writes no page");
-        }
-        if (!record_outdir_locked(def.directory)) {
-            return usage_error(
-                given,
-                "%s: no run is under way there; without --watch the page "
-                "has what was recorded",
-                def.directory);
-        }
-        interrupt_catch(true);
-        if (watch_serve(&def, &err) != WEFT_OK) {
-            return report_error(&err);
-        }
-        return interrupt_code(interrupt_signal());
+        return watch_elsewhere(given);
     }
     for (int i = 0; i < given->operand_count; ++i) {
         report_unfinished(given->operands[i]);

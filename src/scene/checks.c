@@ -108,22 +108,28 @@ static void report_product(void *ctx, size_t field, size_t other, const char *me
     weft__report_error(match->reader->report, at->at, "%s", message);
 }
 
+static void check_sheet(weft__reader *reader, const weft__match *match,
+                        const weft_cloth_def *cloth)
+{
+    weft__check_grid_cloth(reader, match);
+    if (weft__key_in(match, "fabric") != NULL) {
+        weft__make_fabric(reader, match);
+    } else {
+        weft__check_one(reader, match,
+                        (const char *const[]){ "mass", "density", NULL });
+    }
+    if (reader->report->found->errors == 0) {
+        weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
+    }
+}
+
 void weft__check_cloth(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_cloth_def *cloth = base;
     if (reader->scene->meshed) {
         weft__check_mesh_cloth(reader, match);
     } else if (weft__key_in(match, "grid") != NULL) {
-        weft__check_grid_cloth(reader, match);
-        if (weft__key_in(match, "fabric") != NULL) {
-            weft__make_fabric(reader, match);
-        } else {
-            weft__check_one(reader, match,
-                            (const char *const[]){ "mass", "density", NULL });
-        }
-        if (reader->report->found->errors == 0) {
-            weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
-        }
+        check_sheet(reader, match, cloth);
     }
     weft__warn_of_held(reader, weft__key_in(match, "pins"));
 }
@@ -151,6 +157,28 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     }
 }
 
+/* No step crosses a frame, or the end. The warning stands at the key to change; the
+ * stepper has been read before. */
+static void check_frame(weft__reader *reader, const weft__match *match,
+                        const weft_run_def *run)
+{
+    const double h = reader->scene->config.fixed_step;
+    const bool one = run->duration * run->fps < 1.0;
+    const double frame = one ? run->duration : 1.0 / run->fps;
+    const weft__node *at = weft__key_in(match, one ? "duration" : "fps");
+    char advice[80] = "";
+    if (run->duration >= h) {
+        (void)snprintf(advice, sizeof advice, "; run.fps=%.7g makes frames of %g s",
+                       1.0 / h, h);
+    }
+    if (h * run->fps > 1.0 + 1e-6) {
+        WARNING_AT(reader, (at == NULL ? match->map : at),
+                   "fixed_step %g s is longer than %s (%.4g s): every step "
+                   "will be %.4g s%s",
+                   h, one ? "the run" : "a frame", frame, frame, advice);
+    }
+}
+
 /* Room for all frames is made in run.vtkhdf: a copy of that file may fill a disk. */
 #define MAX_FRAMES 1e7
 
@@ -170,23 +198,7 @@ void weft__check_run(weft__reader *reader, const weft__match *match, void *base)
                            "threads is %zu: %s", run->threads, refusal);
     }
     if (!run->interpolate) {
-        /* No step crosses a frame, or the end. The warning stands at the key to change;
-         * the stepper has been read before. */
-        const double h = reader->scene->config.fixed_step;
-        const bool one = run->duration * run->fps < 1.0;
-        const double frame = one ? run->duration : 1.0 / run->fps;
-        const weft__node *at = weft__key_in(match, one ? "duration" : "fps");
-        char advice[80] = "";
-        if (run->duration >= h) {
-            (void)snprintf(advice, sizeof advice, "; run.fps=%.7g makes frames of %g s",
-                           1.0 / h, h);
-        }
-        if (h * run->fps > 1.0 + 1e-6) {
-            WARNING_AT(reader, (at == NULL ? match->map : at),
-                       "fixed_step %g s is longer than %s (%.4g s): every step "
-                       "will be %.4g s%s",
-                       h, one ? "the run" : "a frame", frame, frame, advice);
-        }
+        check_frame(reader, match, run);
     }
     reader->scene->step = reader->scene->config.fixed_step;
     if (reader->scene->step > 0.0 && weft__positive(run->duration)

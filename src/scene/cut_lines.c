@@ -320,6 +320,22 @@ static bool is_in(const weft__cut_path *path, const double x[2])
     return in;
 }
 
+static void check_holes(const line_maker *self)
+{
+    const weft__cut_paths *holes = &self->cut->holes;
+    for (size_t i = 0; i < holes->count; ++i) {
+        const weft__cut_path *hole = &holes->list[i];
+        if (!is_in(self->cut->outline.list, hole->points[0])) {
+            ERROR_AT(self->reader, hole->node, "hole %zu lies outside the outline", i);
+        }
+        for (size_t k = 0; k < holes->count; ++k) {
+            if (k != i && is_in(&holes->list[k], hole->points[0])) {
+                ERROR_AT(self->reader, hole->node, "hole %zu lies in hole %zu", i, k);
+            }
+        }
+    }
+}
+
 /* ---- lines that do not cross --------------------------------------------------- */
 
 static int by_part(const void *a, const void *b)
@@ -448,20 +464,7 @@ bool weft__cut_lines_of(weft__reader *reader, const weft__cut *cut,
         compare_all(&self);
     }
     if (!reader->report->no_memory && reader->report->mistakes == before) {
-        const weft__cut_paths *holes = &self.cut->holes;
-        for (size_t i = 0; i < holes->count; ++i) {
-            const weft__cut_path *hole = &holes->list[i];
-            if (!is_in(self.cut->outline.list, hole->points[0])) {
-                ERROR_AT(self.reader, hole->node, "hole %zu lies outside the outline",
-                         i);
-            }
-            for (size_t k = 0; k < holes->count; ++k) {
-                if (k != i && is_in(&holes->list[k], hole->points[0])) {
-                    ERROR_AT(self.reader, hole->node, "hole %zu lies in hole %zu", i,
-                             k);
-                }
-            }
-        }
+        check_holes(&self);
         divide_parts(&self);
     }
     number_points(&self);

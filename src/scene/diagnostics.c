@@ -50,6 +50,26 @@ static bool is_known(weft__report *report, size_t slot, weft__mark at,
     return false;
 }
 
+static void insert(weft__report *report, size_t slot, weft__mark at, bool warning,
+                   const char *message)
+{
+    weft_diagnostics *found = report->found;
+    if (found->count < WEFT_DIAGNOSTICS_MAX) {
+        ++found->count;
+    }
+    for (size_t i = found->count - 1; i > slot; --i) {
+        found->items[i] = found->items[i - 1];
+        report->origin[i] = report->origin[i - 1];
+    }
+    weft_diagnostic *item = &found->items[slot];
+    memset(item, 0, sizeof *item);
+    item->warning = warning;
+    strcpy(item->message, message);
+    report->origin[slot] = (weft__origin){
+        .at = at, .runs = 1, .first = report->run, .latest = report->run
+    };
+}
+
 void weft__fit(char *text, size_t size, int length)
 {
     static const char more[] = " ...";
@@ -83,21 +103,7 @@ void weft__report_add(weft__report *report, bool warning, weft__mark at,
     }
     ++*count;
     if (slot < WEFT_DIAGNOSTICS_MAX) {
-        weft_diagnostics *found = report->found;
-        if (found->count < WEFT_DIAGNOSTICS_MAX) {
-            ++found->count;
-        }
-        for (size_t i = found->count - 1; i > slot; --i) {
-            found->items[i] = found->items[i - 1];
-            report->origin[i] = report->origin[i - 1];
-        }
-        weft_diagnostic *item = &found->items[slot];
-        memset(item, 0, sizeof *item);
-        item->warning = warning;
-        strcpy(item->message, message);
-        report->origin[slot] = (weft__origin){
-            .at = at, .runs = 1, .first = report->run, .latest = report->run
-        };
+        insert(report, slot, at, warning, message);
     }
 }
 

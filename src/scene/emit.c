@@ -66,6 +66,19 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
                           : yaml_sequence_end_event_initialize(&event));
 }
 
+static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
+{
+    yaml_event_t event;
+    yaml_emitter_set_unicode(to, 1);
+    yaml_emitter_set_width(to, -1);
+    return yaml_emitter_open(to)
+           && emit(to, &event,
+                   yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+           && emit_node(to, root)
+           && emit(to, &event, yaml_document_end_event_initialize(&event, 1))
+           && yaml_emitter_close(to) && yaml_emitter_flush(to);
+}
+
 char *weft__tree_emit(weft__tree *tree)
 {
     buffer out = { .memory = tree->report->memory };
@@ -73,15 +86,7 @@ char *weft__tree_emit(weft__tree *tree)
     char *text = NULL;
     if (yaml_emitter_initialize(&to)) {
         yaml_emitter_set_output(&to, append, &out);
-        yaml_event_t event;
-        yaml_emitter_set_unicode(&to, 1);
-        yaml_emitter_set_width(&to, -1);
-        if (yaml_emitter_open(&to)
-            && emit(&to, &event,
-                    yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
-            && emit_node(&to, tree->root)
-            && emit(&to, &event, yaml_document_end_event_initialize(&event, 1))
-            && yaml_emitter_close(&to) && yaml_emitter_flush(&to)) {
+        if (emit_tree(&to, tree->root)) {
             text = weft__tree_text(tree, out.text, out.length);
         }
         yaml_emitter_delete(&to);
@@ -108,19 +113,24 @@ char *weft__name_of_file(weft__tree *tree, const char *file)
     return name;
 }
 
-char *weft__name_insert(weft__tree *tree, const char *text, const char *name)
+/* The start of a scene's first key, if it belongs to a block mapping at the margin, so
+ * that a line can be inserted before it; NULL if not. */
+static const char *first_key(const weft__node *root, const char *text)
 {
-    /* The start of a scene's first key, if it belongs to a block mapping at the margin,
-     * so that a line can be inserted before it; NULL if not. */
-    const weft__node *key = tree->root->entries[0].key;
+    const weft__node *key = root->entries[0].key;
     for (size_t line = 0; text != NULL && line < key->at.line; ++line) {
         text = strchr(text, '\n');
         text = text == NULL ? NULL : text + 1;
     }
-    const bool is_there = text != NULL && tree->root->style == YAML_BLOCK_MAPPING_STYLE
+    const bool is_there = text != NULL && root->style == YAML_BLOCK_MAPPING_STYLE
                           && key->at.column == 0
                           && strncmp(text, key->text, key->count) == 0;
-    const char *before = is_there ? text : NULL;
+    return is_there ? text : NULL;
+}
+
+char *weft__name_insert(weft__tree *tree, const char *text, const char *name)
+{
+    const char *before = first_key(tree->root, text);
     const size_t room = strlen(text) + 2 * strlen(name) + sizeof "name: \"\"\n";
     char *made = before == NULL ? NULL : weft__tree_take(tree, room, 1);
     if (made == NULL) {

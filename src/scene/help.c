@@ -89,7 +89,38 @@ static void print_tree(const printer *to, const weft__section *section, int dept
     }
 }
 
+static void print_text(const printer *to)
+{
+    static const char *const places[] = {
+        "",
+        "A place is a corner (top-left, top-right, bottom-left, bottom-right), an",
+        "edge (top, bottom, left, right), [row, column], or {rows: ..., cols: ...}",
+        "with an index, an inclusive [first, last] or all for each. Negative indices",
+        "count from the end. Units are SI, but for the sheets kes and fast, and are",
+        "never written in a scene.",
+    };
+    print_beside(to, "key", "type [unit]; default");
+    print_beside(to, "", "meaning");
+    print_tree(to, &weft__root, 0);
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
+        to->line(to->ctx, places[i]);
+    }
+}
+
 /* ---- Markdown: a table for each part ---------------------------------------- */
+
+static void print_row(const printer *to, const weft__key *key, const char *path)
+{
+    char type[200], line[600];
+    const char *fallback = default_text(key);
+    const char *tick = !key->required && key->fallback != NULL ? "`" : "";
+    (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
+                   weft__wanted(key, false, true, type, sizeof type),
+                   weft__unit_of(key) == NULL ? "" : weft__unit_of(key),
+                   key->required ? "**" : "", tick, fallback, tick,
+                   key->required ? "**" : "", key->meaning);
+    to->line(to->ctx, line);
+}
 
 static void print_rows(const printer *to, const weft__section *section,
                        const char *above)
@@ -99,15 +130,7 @@ static void print_rows(const printer *to, const weft__section *section,
         const bool list = key->kind == WEFT__ITEMS;
         char path[120];
         (void)snprintf(path, sizeof path, "%s%s", above, key->name);
-        char type[200], line[600];
-        const char *fallback = default_text(key);
-        const char *tick = !key->required && key->fallback != NULL ? "`" : "";
-        (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
-                       weft__wanted(key, false, true, type, sizeof type),
-                       weft__unit_of(key) == NULL ? "" : weft__unit_of(key),
-                       key->required ? "**" : "", tick, fallback, tick,
-                       key->required ? "**" : "", key->meaning);
-        to->line(to->ctx, line);
+        print_row(to, key, path);
         if (below(key) != NULL && above[0] != '\0') {
             (void)snprintf(path, sizeof path, "%s%s%s.", above, key->name,
                            list ? "[]" : "");
@@ -116,47 +139,36 @@ static void print_rows(const printer *to, const weft__section *section,
     }
 }
 
+static void print_markdown(const printer *to)
+{
+    const weft__section *root = &weft__root;
+    for (size_t i = 0; i <= root->count; ++i) {
+        char text[120];
+        const weft__key *part = i == 0 ? NULL : &root->keys[i - 1];
+        if (part != NULL && below(part) == NULL) {
+            continue;
+        }
+        if (i > 0) {
+            to->line(to->ctx, "");
+        }
+        (void)snprintf(text, sizeof text, "### %s", i == 0 ? "The scene" : part->name);
+        to->line(to->ctx, text);
+        to->line(to->ctx, "");
+        to->line(to->ctx, "| key | type | unit | default | meaning |");
+        to->line(to->ctx, "|---|---|---|---|---|");
+        (void)snprintf(text, sizeof text, "%s.", i == 0 ? "" : part->name);
+        print_rows(to, i == 0 ? root : part->section, i == 0 ? "" : text);
+    }
+}
+
 void weft_scene_help(weft_scene_help_format format,
                      void (*line)(void *ctx, const char *text), void *ctx)
 {
     const printer to = { line, ctx };
     if (format == WEFT_HELP_MARKDOWN) {
-        const weft__section *root = &weft__root;
-        for (size_t i = 0; i <= root->count; ++i) {
-            char text[120];
-            const weft__key *part = i == 0 ? NULL : &root->keys[i - 1];
-            if (part != NULL && below(part) == NULL) {
-                continue;
-            }
-            if (i > 0) {
-                to.line(to.ctx, "");
-            }
-            (void)snprintf(text, sizeof text, "### %s",
-                           i == 0 ? "The scene" : part->name);
-            to.line(to.ctx, text);
-            to.line(to.ctx, "");
-            to.line(to.ctx, "| key | type | unit | default | meaning |");
-            to.line(to.ctx, "|---|---|---|---|---|");
-            (void)snprintf(text, sizeof text, "%s.", i == 0 ? "" : part->name);
-            print_rows(&to, i == 0 ? root : part->section, i == 0 ? "" : text);
-        }
+        print_markdown(&to);
     } else {
-        static const char *const places[] = {
-            "",
-            "A place is a corner (top-left, top-right, bottom-left, bottom-right), an",
-            "edge (top, bottom, left, right), [row, column], or {rows: ..., cols: ...}",
-            "with an index, an inclusive [first, last] or all for each. Negative "
-            "indices",
-            "count from the end. Units are SI, but for the sheets kes and fast, and "
-            "are",
-            "never written in a scene.",
-        };
-        print_beside(&to, "key", "type [unit]; default");
-        print_beside(&to, "", "meaning");
-        print_tree(&to, &weft__root, 0);
-        for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
-            to.line(to.ctx, places[i]);
-        }
+        print_text(&to);
     }
 }
 

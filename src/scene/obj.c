@@ -36,6 +36,24 @@ static size_t lines_in(const char *from, const char *to)
     return lines;
 }
 
+static void fill_place(const weft__obj *obj, const char *at, weft_diagnostic *item)
+{
+    const char *begin = at,
+               *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
+    while (begin > obj->text && begin[-1] != '\n') {
+        --begin;
+    }
+    end = end == NULL ? obj->text + obj->length : end;
+    end -= end > begin && end[-1] == '\r';
+    const weft__source line
+        = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
+    const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
+    (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
+    weft__one_line(item->place);
+    item->column = (int)mark.column + 1;
+    item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
+}
+
 static void fill_places(const weft__obj *obj)
 {
     for (size_t i = 0; obj->text != NULL && i < obj->report->found->count; ++i) {
@@ -43,21 +61,7 @@ static void fill_places(const weft__obj *obj)
         const size_t byte = obj->report->origin[i].at.byte;
         if (byte > 0 && item->line == 0) {
             const char *at = obj->text + (byte - 1);
-            const char *begin = at,
-                       *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
-            while (begin > obj->text && begin[-1] != '\n') {
-                --begin;
-            }
-            end = end == NULL ? obj->text + obj->length : end;
-            end -= end > begin && end[-1] == '\r';
-            const weft__source line
-                = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
-            const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
-            (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
-            weft__one_line(item->place);
-            item->column = (int)mark.column + 1;
-            item->caret
-                = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
+            fill_place(obj, at, item);
             item->line = (int)lines_in(obj->text, at) + 1;
         }
     }
@@ -129,6 +133,12 @@ typedef struct obj_builder {
     size_t rest_room, next_room, place_room; /* of arrays as long as the places */
 } obj_builder;
 
+static bool same_place(const weft__obj *obj, uint32_t a, uint32_t b)
+{
+    const double *x = obj->place[a], *y = obj->place[b];
+    return a == b || (x[0] == y[0] && x[1] == y[1]);
+}
+
 /* The place of a corner: a new one if its vertex has none at the same vt yet. */
 static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t corner)
 {
@@ -142,8 +152,7 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
         return first->place;
     }
     for (; *slot != WEFT__NONE; slot = &self->next[*slot], ++before) {
-        const double *x = obj->place[obj->place_of[*slot]], *y = obj->place[vt];
-        if (obj->place_of[*slot] == vt || (x[0] == y[0] && x[1] == y[1])) {
+        if (same_place(obj, obj->place_of[*slot], vt)) {
             return *slot;
         }
     }
@@ -202,6 +211,44 @@ static void add_face(obj_builder *self, size_t index)
     }
 }
 
+static void warn_of_unused(const weft__obj *obj, size_t first, size_t count)
+{
+    char more[48] = "";
+    if (count > 1) {
+        (void)snprintf(more, sizeof more, ", the first of %zu", count);
+    }
+    weft__report_warning(obj->report, weft__obj_mark(obj, obj->vertex_byte[first]),
+                         "vertex %zu (from 0) belongs to no face and is dropped%s",
+                         first, more);
+}
+
+/* Numbers the vertices of faces in the order of the file. */
+static void take_vertices(weft__obj *obj, bool whole)
+{
+    size_t unused = 0, first = 0;
+    memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
+    for (size_t f = 0; f < obj->faces; ++f) {
+        for (size_t k = 0; k < 4; ++k) {
+            if (obj->face[f].vertex[k] != WEFT__NONE) {
+                obj->vertex_of[obj->face[f].vertex[k]] = 0;
+            }
+        }
+    }
+    for (size_t v = 0; v < obj->vertices; ++v) {
+        if (obj->vertex_of[v] == WEFT__NONE) {
+            first = unused++ == 0 ? v : first;
+            continue;
+        }
+        const size_t i = obj->def.vertices++;
+        obj->vertex_of[v] = (uint32_t)i;
+        obj->name[i] = v;
+        memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
+    }
+    if (unused > 0 && whole) {
+        warn_of_unused(obj, first, unused);
+    }
+}
+
 static bool make_room(obj_builder *self)
 {
     weft__obj *obj = self->obj;
@@ -247,35 +294,7 @@ static bool build(weft__obj *obj, bool whole)
     obj->def = weft_mesh_def_default();
     if (make_room(&self)) {
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
-        /* Numbers the vertices of faces in the order of the file. */
-        size_t unused = 0, first = 0;
-        memset(obj->vertex_of, 0xff, obj->vertices * sizeof *obj->vertex_of);
-        for (size_t f = 0; f < obj->faces; ++f) {
-            for (size_t k = 0; k < 4; ++k) {
-                if (obj->face[f].vertex[k] != WEFT__NONE) {
-                    obj->vertex_of[obj->face[f].vertex[k]] = 0;
-                }
-            }
-        }
-        for (size_t v = 0; v < obj->vertices; ++v) {
-            if (obj->vertex_of[v] == WEFT__NONE) {
-                first = unused++ == 0 ? v : first;
-                continue;
-            }
-            const size_t i = obj->def.vertices++;
-            obj->vertex_of[v] = (uint32_t)i;
-            obj->name[i] = v;
-            memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
-        }
-        if (unused > 0 && whole) {
-            char more[48] = "";
-            if (unused > 1) {
-                (void)snprintf(more, sizeof more, ", the first of %zu", unused);
-            }
-            weft__report_warning(
-                obj->report, weft__obj_mark(obj, obj->vertex_byte[first]),
-                "vertex %zu (from 0) belongs to no face and is dropped%s", first, more);
-        }
+        take_vertices(obj, whole);
         for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {
             fetch_ahead(&self, f);
             add_face(&self, f);
@@ -289,32 +308,36 @@ static bool build(weft__obj *obj, bool whole)
 
 /* ---- files --------------------------------------------------------------------- */
 
+/* Reports what else is wrong with the faces whose statements have no mistakes. */
+static void check_faces(weft__obj *obj)
+{
+    const weft_fabric any = { .density = 1.0 };
+    size_t good = 0;
+    for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
+        const weft__obj_face *face = &obj->face[f];
+        bool finite = true;
+        for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
+            finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
+                     && isfinite(obj->place[face->place[k]][0]);
+        }
+        obj->face[good] = *face;
+        good += finite;
+    }
+    obj->faces = good;
+    if (good > 0 && build(obj, false)) {
+        weft_mesh_def def = obj->def;
+        def.fabrics = &any, def.fabric_count = 1;
+        (void)weft__triangles_create(NULL, &def, obj->report->memory,
+                                     &(weft__mesh_faults){ weft__obj_fault, obj },
+                                     &obj->report->no_memory);
+    }
+}
+
 bool weft__obj_read(weft__obj *obj)
 {
     const bool read = weft__obj_parse(obj);
     if (!read && !obj->report->no_memory) {
-        /* Reports what else is wrong with the faces whose statements have no mistakes.
-         */
-        const weft_fabric any = { .density = 1.0 };
-        size_t good = 0;
-        for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
-            const weft__obj_face *face = &obj->face[f];
-            bool finite = true;
-            for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
-                finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
-                         && isfinite(obj->place[face->place[k]][0]);
-            }
-            obj->face[good] = *face;
-            good += finite;
-        }
-        obj->faces = good;
-        if (good > 0 && build(obj, false)) {
-            weft_mesh_def def = obj->def;
-            def.fabrics = &any, def.fabric_count = 1;
-            (void)weft__triangles_create(NULL, &def, obj->report->memory,
-                                         &(weft__mesh_faults){ weft__obj_fault, obj },
-                                         &obj->report->no_memory);
-        }
+        check_faces(obj);
     }
     return read && build(obj, true);
 }

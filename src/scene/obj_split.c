@@ -115,6 +115,26 @@ static void apply_split(weft__obj *obj, const split *at)
     def->names = named ? obj->name : NULL;
 }
 
+static void split_once(weft__obj *obj)
+{
+    weft__report *report = obj->report;
+    const size_t sides = 3 * obj->def.triangles;
+    split at
+        = { .vertex = weft__report_take(report, sides, sizeof *at.vertex),
+            .place = weft__report_take(report, sides, sizeof *at.place),
+            .vertex_ends = weft__report_take(report, sides, sizeof *at.vertex_ends),
+            .place_ends = weft__report_take(report, sides, sizeof *at.place_ends) };
+    if (!report->no_memory) {
+        at.vertices = number_sides(obj, obj->corner, at.vertex, at.vertex_ends);
+        at.places = number_sides(obj, obj->corner_place, at.place, at.place_ends);
+        report->no_memory = report->no_memory || !make_room(obj, &at);
+    }
+    if (!report->no_memory) {
+        apply_split(obj, &at);
+    }
+    WEFT__FREE_ALL(report->memory, at.vertex, at.place, at.vertex_ends, at.place_ends);
+}
+
 bool weft__obj_refine(weft__obj *obj, size_t by)
 {
     enum { MOST = 1 << 26 }; /* triangles */
@@ -128,23 +148,7 @@ bool weft__obj_refine(weft__obj *obj, size_t by)
     }
     obj->coarse = obj->def.vertices;
     for (; by > 1 && !obj->report->no_memory; by /= 2) {
-        weft__report *report = obj->report;
-        const size_t sides = 3 * obj->def.triangles;
-        split at
-            = { .vertex = weft__report_take(report, sides, sizeof *at.vertex),
-                .place = weft__report_take(report, sides, sizeof *at.place),
-                .vertex_ends = weft__report_take(report, sides, sizeof *at.vertex_ends),
-                .place_ends = weft__report_take(report, sides, sizeof *at.place_ends) };
-        if (!report->no_memory) {
-            at.vertices = number_sides(obj, obj->corner, at.vertex, at.vertex_ends);
-            at.places = number_sides(obj, obj->corner_place, at.place, at.place_ends);
-            report->no_memory = report->no_memory || !make_room(obj, &at);
-        }
-        if (!report->no_memory) {
-            apply_split(obj, &at);
-        }
-        WEFT__FREE_ALL(report->memory, at.vertex, at.place, at.vertex_ends,
-                       at.place_ends);
+        split_once(obj);
     }
     return !obj->report->no_memory;
 }

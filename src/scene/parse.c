@@ -176,6 +176,27 @@ static bool keep_anchor(tree_builder *self, const yaml_char_t *name,
     return key != NULL;
 }
 
+static void check_tag(const tree_builder *self, const yaml_char_t *tag,
+                      const weft__node *node)
+{
+    static const struct {
+        int type;
+        const char *tag;
+    } known[] = { { WEFT__SCALAR, YAML_STR_TAG },   { WEFT__SCALAR, YAML_INT_TAG },
+                  { WEFT__SCALAR, YAML_FLOAT_TAG }, { WEFT__SCALAR, YAML_BOOL_TAG },
+                  { WEFT__SCALAR, YAML_NULL_TAG },  { WEFT__LIST, YAML_SEQ_TAG },
+                  { WEFT__MAP, YAML_MAP_TAG } };
+    bool good = tag == NULL || strcmp((const char *)tag, "!") == 0;
+    for (size_t i = 0; !good && i < sizeof known / sizeof known[0]; ++i) {
+        good = (int)node->type == known[i].type
+               && strcmp((const char *)tag, known[i].tag) == 0;
+    }
+    if (!good) {
+        ERROR_AT(self->tree, node, "tag '%.60s' means nothing in a scene",
+                 (const char *)tag);
+    }
+}
+
 static const weft__node *build_scalar(tree_builder *self, const yaml_event_t *event)
 {
     const char *tag = (const char *)event->data.scalar.tag;
@@ -259,22 +280,7 @@ static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
     }
     const bool kept = node != NULL && keep_anchor(self, anchor, node);
     if (kept) {
-        static const struct {
-            int type;
-            const char *tag;
-        } known[] = { { WEFT__SCALAR, YAML_STR_TAG },   { WEFT__SCALAR, YAML_INT_TAG },
-                      { WEFT__SCALAR, YAML_FLOAT_TAG }, { WEFT__SCALAR, YAML_BOOL_TAG },
-                      { WEFT__SCALAR, YAML_NULL_TAG },  { WEFT__LIST, YAML_SEQ_TAG },
-                      { WEFT__MAP, YAML_MAP_TAG } };
-        bool good = tag == NULL || strcmp((const char *)tag, "!") == 0;
-        for (size_t i = 0; !good && i < sizeof known / sizeof known[0]; ++i) {
-            good = (int)node->type == known[i].type
-                   && strcmp((const char *)tag, known[i].tag) == 0;
-        }
-        if (!good) {
-            ERROR_AT(self->tree, node, "tag '%.60s' means nothing in a scene",
-                     (const char *)tag);
-        }
+        check_tag(self, tag, node);
     }
     yaml_event_delete(event);
     return kept && (parent == NULL || build_entries(self, parent, depth)) ? node : NULL;

@@ -418,6 +418,18 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
     }
 }
 
+/* Whether a key goes with the choice in the section's first key, which was read into
+ * base; no key for some choices goes with a wrong one. */
+static bool goes_with_choice(const weft__section *section, const weft__key *key,
+                             const void *base, unsigned *choice)
+{
+    const unsigned with = key->of | key->also;
+    if (with != 0) {
+        memcpy(choice, (const char *)base + section->keys[0].at, sizeof *choice);
+    }
+    return with == 0 || (with >> *choice & 1U) != 0;
+}
+
 static void report_foreign(weft__reader *reader, const weft__match *match, size_t i,
                            unsigned choice)
 {
@@ -443,13 +455,7 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     weft__found *found = &match->found[i];
     unsigned choice = 0;
     char unit[32];
-    /* choices in the section's first key, which was read into base; no key for some
-     * goes with a wrong one */
-    const unsigned with = key->of | key->also;
-    if (with != 0) {
-        memcpy(&choice, (const char *)base + match->section->keys[0].at, sizeof choice);
-    }
-    if (with != 0 && (with >> choice & 1U) == 0) {
+    if (!goes_with_choice(match->section, key, base, &choice)) {
         report_foreign(reader, match, i, choice);
     } else if (found->value != NULL) {
         const size_t mistakes = reader->report->mistakes;

@@ -21,33 +21,36 @@ static weft_status no_memory(weft_error *err)
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a scene");
 }
 
+/* Reads up to one byte more than allowed, so that a file that is too large is noticed.
+ */
+static weft_status read_file(weft__base *base, weft_error *err)
+{
+    FILE *stream = weft__file_open(base->def.file, "r", err);
+    if (stream == NULL) {
+        return WEFT_IO;
+    }
+    const bool sought = fseek(stream, 0, SEEK_END) == 0;
+    const long size = sought ? ftell(stream) : -1;
+    const size_t most = size < 0 || (size_t)size > WEFT__MAX_BYTES ? WEFT__MAX_BYTES + 1
+                                                                   : (size_t)size;
+    rewind(stream);
+    base->text = weft__tree_take(&base->tree, most + 1, 1);
+    weft_status status = base->text == NULL ? no_memory(err) : WEFT_OK;
+    if (status == WEFT_OK) {
+        base->length = fread(base->text, 1, most, stream);
+        if (ferror(stream)) {
+            status = weft_error_set(err, WEFT_IO, "%.200s: %s", base->def.file,
+                                    strerror(errno));
+        }
+    }
+    (void)fclose(stream);
+    return status;
+}
+
 static weft_status take_text(weft__base *base, weft_error *err)
 {
     if (base->def.text == NULL) {
-        /* Reads up to one byte more than allowed, so that a file that is too large is
-         * noticed.
-         */
-        FILE *stream = weft__file_open(base->def.file, "r", err);
-        if (stream == NULL) {
-            return WEFT_IO;
-        }
-        const bool sought = fseek(stream, 0, SEEK_END) == 0;
-        const long size = sought ? ftell(stream) : -1;
-        const size_t most = size < 0 || (size_t)size > WEFT__MAX_BYTES
-                                ? WEFT__MAX_BYTES + 1
-                                : (size_t)size;
-        rewind(stream);
-        base->text = weft__tree_take(&base->tree, most + 1, 1);
-        weft_status status = base->text == NULL ? no_memory(err) : WEFT_OK;
-        if (status == WEFT_OK) {
-            base->length = fread(base->text, 1, most, stream);
-            if (ferror(stream)) {
-                status = weft_error_set(err, WEFT_IO, "%.200s: %s", base->def.file,
-                                        strerror(errno));
-            }
-        }
-        (void)fclose(stream);
-        return status;
+        return read_file(base, err);
     }
     base->length = base->def.length;
     base->text = weft__tree_text(&base->tree, base->def.text, base->length);
@@ -81,6 +84,18 @@ static weft_status make_sources(weft__base *base, weft_error *err)
     return WEFT_OK;
 }
 
+/* Applies the overrides; checks come later. */
+static void resolve(weft__base *base)
+{
+    const size_t sets = base->def.set_count;
+    for (size_t i = 1; i <= sets; ++i) {
+        weft__override_apply(&base->tree, &base->sources[i]);
+    }
+    weft__sweep_take(&base->tree, sets, &base->sweep);
+    base->changed = sets > 0 || base->sweep.present;
+    base->readable = base->sweep.runs > 0;
+}
+
 static void load_tree(weft__base *base)
 {
     const weft__source *file = &base->sources[0];
@@ -96,14 +111,7 @@ static void load_tree(weft__base *base)
     } else if (tree->root->type != WEFT__MAP) {
         ERROR_AT(tree, tree->root, "a scene is a mapping that begins with 'weft: 1'");
     } else {
-        /* Applies the overrides; checks come later. */
-        const size_t sets = base->def.set_count;
-        for (size_t i = 1; i <= sets; ++i) {
-            weft__override_apply(&base->tree, &base->sources[i]);
-        }
-        weft__sweep_take(&base->tree, sets, &base->sweep);
-        base->changed = sets > 0 || base->sweep.present;
-        base->readable = base->sweep.runs > 0;
+        resolve(base);
     }
 }
 

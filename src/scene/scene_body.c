@@ -17,6 +17,20 @@ typedef struct pattern {
     int width;
 } pattern;
 
+static pattern pattern_of(const char *name)
+{
+    const char *at = strchr(name, '%');
+    pattern out = { .name = name };
+    if (at != NULL) {
+        const bool wide = at[1] == '0' && at[2] > '0' && at[2] <= '0' + WIDEST;
+        out.before = (size_t)(at - name);
+        out.width = wide ? at[2] - '0' : 1;
+        at += wide ? 3 : 1;
+        out.rest = *at == 'd' && strchr(at, '%') == NULL ? at + 1 : NULL;
+    }
+    return out;
+}
+
 /* The file of key k, from `start` on; NULL: no memory. */
 static char *key_path(weft__reader *reader, const pattern *of, size_t start, size_t key)
 {
@@ -132,16 +146,7 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
 {
     const weft__node *file = weft__value_in(match, "file");
     const weft__node *fps = weft__key_in(match, "fps");
-    const char *at = strchr(item->file, '%');
-    pattern out = { .name = item->file };
-    if (at != NULL) {
-        const bool wide = at[1] == '0' && at[2] > '0' && at[2] <= '0' + WIDEST;
-        out.before = (size_t)(at - item->file);
-        out.width = wide ? at[2] - '0' : 1;
-        at += wide ? 3 : 1;
-        out.rest = *at == 'd' && strchr(at, '%') == NULL ? at + 1 : NULL;
-    }
-    const pattern of = out;
+    const pattern of = pattern_of(item->file);
     const bool keyed = strchr(item->file, '%') != NULL;
     const size_t before = reader->report->mistakes;
     size_t start = 0, keys = 1;

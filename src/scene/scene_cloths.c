@@ -18,9 +18,29 @@ void weft__scene_begin(weft_scene *scene)
     scene->cloth.shape_size = sizeof(weft_shape);
 }
 
-void weft__check_part(weft__reader *reader, const weft__match *match, void *base)
+/* The cut that is the same sheet, if the grid is a good one. */
+static void report_grid(weft__reader *reader, const weft__match *match,
+                        const weft_cloth_def *grid)
 {
-    const weft_cloth_def *grid = base;
+    char cut[320] = "";
+    if (grid->rows > 1 && grid->cols > 1) {
+        const double width = (double)(grid->cols - 1) * grid->spacing[1],
+                     height = (double)(grid->rows - 1) * grid->spacing[0];
+        (void)snprintf(cut, sizeof cut,
+                       ": the same sheet is cut: {outline: [[0, 0], [0, %g], [%g, %g], "
+                       "[%g, 0]], spacing: %g} with its origin, right and down",
+                       -height, width, -height, width,
+                       fmin(grid->spacing[0], grid->spacing[1]));
+    }
+    ERROR_AT(
+        reader, weft__key_in(match, "grid"),
+        "a cloth of several is a mesh or a cut with a fabric, as a grid of springs "
+        "has no triangles%s",
+        cut);
+}
+
+static void check_name(weft__reader *reader, const weft__match *match)
+{
     const weft__node *name = weft__value_in(match, "name");
     if (name != NULL && !weft__found_in(match, "name")->wrong
         && !WEFT__IS_CLOTH_NAME(reader->scene->part_name)) {
@@ -28,24 +48,13 @@ void weft__check_part(weft__reader *reader, const weft__match *match, void *base
                  "'%.60s' is no name of a cloth: 1 to %d letters, digits, _ and -",
                  reader->scene->part_name, WEFT_CLOTH_NAME_MAX);
     }
+}
+
+void weft__check_part(weft__reader *reader, const weft__match *match, void *base)
+{
+    check_name(reader, match);
     if (weft__key_in(match, "grid") != NULL) {
-        /* The cut that is the same sheet, if the grid is a good one. */
-        char cut[320] = "";
-        if (grid->rows > 1 && grid->cols > 1) {
-            const double width = (double)(grid->cols - 1) * grid->spacing[1],
-                         height = (double)(grid->rows - 1) * grid->spacing[0];
-            (void)snprintf(
-                cut, sizeof cut,
-                ": the same sheet is cut: {outline: [[0, 0], [0, %g], [%g, %g], "
-                "[%g, 0]], spacing: %g} with its origin, right and down",
-                -height, width, -height, width,
-                fmin(grid->spacing[0], grid->spacing[1]));
-        }
-        ERROR_AT(
-            reader, weft__key_in(match, "grid"),
-            "a cloth of several is a mesh or a cut with a fabric, as a grid of springs "
-            "has no triangles%s",
-            cut);
+        report_grid(reader, match, base);
         return;
     }
     weft__check_one(reader, match, (const char *const[]){ "mesh", "cut", NULL });
@@ -78,6 +87,22 @@ static void check_pair(weft__reader *reader, const weft__node *list, size_t part
     }
     check_same(reader, node, "seams", part, own->obj.def.seams != all->obj.def.seams);
     check_same(reader, node, "membrane", part, own->obj.def.arc != all->obj.def.arc);
+}
+
+static void read_part(weft__reader *reader, const weft__key *key,
+                      const weft__node *node, size_t index)
+{
+    char title[32];
+    weft_scene *part = &reader->scene->parts[index];
+    weft__reader own = *reader;
+    (void)snprintf(title, sizeof title, "cloths[%zu]", index);
+    weft__scene_begin(part);
+    part->meshed = true;
+    part->part = index + 1;
+    part->mistakes = reader->report->mistakes;
+    own.scene = part;
+    weft__read_section(&own, key->section, title, node, &part->cloth);
+    weft__obj_forget(&part->obj);
 }
 
 /* ---- all of them ---------------------------------------------------------------- */
@@ -221,18 +246,7 @@ void weft__read_cloths(weft__reader *reader, const weft__key *key,
     memcpy(to, &parts, sizeof parts);
     scene->part_count = count;
     for (size_t i = 0; i < count; ++i) {
-        char title[32];
-        weft_scene *part = &reader->scene->parts[i];
-        weft__reader own = *reader;
-        (void)snprintf(title, sizeof title, "cloths[%zu]", i);
-        weft__scene_begin(part);
-        part->meshed = true;
-        part->part = i + 1;
-        part->mistakes = reader->report->mistakes;
-        own.scene = part;
-        weft__read_section(&own, key->section, title, (weft__item(node, i)),
-                           &part->cloth);
-        weft__obj_forget(&part->obj);
+        read_part(reader, key, weft__item(node, i), i);
         check_pair(reader, node, i);
     }
     const bool alone = scene->obj.report == NULL; /* no mesh of `cloth` beside them */

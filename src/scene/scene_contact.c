@@ -47,6 +47,22 @@ static bool has_friction(const weft_contact_def *contact)
 /* Comparisons; what takes more is left to weft_cloth_create. */
 #define MAX_COMPARED ((double)(1 << 26))
 
+/* The grid and its pins have been read before. */
+static void check_start(weft__reader *reader, const weft__node *shapes)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    const double particles = (double)weft__particles_in(reader->scene);
+    const double each
+        = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
+    for (size_t k = 0; k < def->contact.shape_count && particles * each < MAX_COMPARED;
+         ++k) {
+        char inside[120];
+        if (!weft__start_check(def, k, inside, sizeof inside)) {
+            ERROR_AT(reader, weft__item(shapes, k), "%s", inside);
+        }
+    }
+}
+
 /* What weft_cloth_create finds: a grid starts flat, so that only rounding can bring it
  * into itself; of a mesh also notches. */
 static void check_crossings(weft__reader *reader, const weft__node *at, bool bodies)
@@ -88,19 +104,7 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
         return;
     }
     if (contact->shape_count > 0 && reader->scene->cloth.untangle == 0.0) {
-        /* The grid and its pins have been read before. */
-        const weft_cloth_def *def = &reader->scene->cloth;
-        const double particles = (double)weft__particles_in(reader->scene);
-        const double each
-            = (double)def->contact.shape_count * (1.0 + (double)def->pin_count);
-        for (size_t k = 0;
-             k < def->contact.shape_count && particles * each < MAX_COMPARED; ++k) {
-            char inside[120];
-            if (!weft__start_check(def, k, inside, sizeof inside)) {
-                ERROR_AT(reader, weft__item((weft__value_in(match, "shapes")), k), "%s",
-                         inside);
-            }
-        }
+        check_start(reader, weft__value_in(match, "shapes"));
     }
     if (reader->scene->body_files != NULL && reader->report->found->errors == 0) {
         check_crossings(reader, weft__value_in(match, "shapes"), true);
@@ -127,6 +131,26 @@ static double edge_cut(double a, double r)
                          ? sqrt(sqrt(8.0 * u2 * u2 + 2.0 * r * r * r * r) - 3.0 * u2)
                          : sqrt(2.0) * r - u;
     return sqrt(sqrt(2.0)) * r - s;
+}
+
+/* Between particles the cloth is flat. */
+static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_t k,
+                          weft__mark at)
+{
+    const weft_shape *shape = &def->contact.shapes[k];
+    const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
+                          def->cols > 1 ? def->spacing[1] : 0.0);
+    const bool box = shape->kind == WEFT_BOX;
+    const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
+                       : box ? edge_cut(a, shape->rounding)
+                             : a * a / (8.0 * shape->radius);
+    if (sag > def->contact.thickness) {
+        weft__report_warning(
+            report, at,
+            "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
+            "more than the thickness of %.3g mm: the shape shows through",
+            a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
+    }
 }
 
 /* The stiffness of coulomb is 2 friction N / (m slip): at rest N / m is gravity's. */
@@ -223,6 +247,21 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     }
 }
 
+/* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits). */
+static void warn_of_cells(weft__reader *reader, weft__mark at)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    const double down = def->spacing[0], right = def->spacing[1];
+    if (def->rows > 1 && def->cols > 1
+        && fmax(down, right) > 10.0 * fmin(down, right)) {
+        weft__report_warning(reader->report, at,
+                             "the cells of %g m x %g m are more than 10 times as long "
+                             "as wide: contact of the cloth with itself may need very "
+                             "short steps",
+                             down, right);
+    }
+}
+
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
@@ -236,40 +275,13 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
     if (law->self) {
         warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
                          weft__value_of(contact, "self")->at);
-        /* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits).
-         */
-        const double down = def->spacing[0], right = def->spacing[1];
-        if (def->rows > 1 && def->cols > 1
-            && fmax(down, right) > 10.0 * fmin(down, right)) {
-            weft__report_warning(
-                reader->report, weft__value_of(contact, "self")->at,
-                "the cells of %g m x %g m are more than 10 times as long "
-                "as wide: contact of the cloth with itself may need very "
-                "short steps",
-                down, right);
-        }
+        warn_of_cells(reader, weft__value_of(contact, "self")->at);
     }
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;
         char name[32];
         (void)snprintf(name, sizeof name, "shapes[%zu]", k);
-        /* Between particles the cloth is flat. */
-        const weft_shape *shape = &def->contact.shapes[k];
-        const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
-                              def->cols > 1 ? def->spacing[1] : 0.0);
-        const bool box = shape->kind == WEFT_BOX;
-        const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
-                           : box ? edge_cut(a, shape->rounding)
-                                 : a * a / (8.0 * shape->radius);
-        if (sag > def->contact.thickness) {
-            weft__report_warning(
-                reader->report, at,
-                "between particles %.3g m apart the cloth dips %.3g mm into "
-                "%sshapes[%zu], "
-                "more than the thickness of %.3g mm: the shape shows through",
-                a, 1e3 * sag, box ? "the edges of " : "", k,
-                1e3 * def->contact.thickness);
-        }
+        warn_of_chord(reader->report, def, k, at);
         warn_of_friction(reader->report, law,
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }

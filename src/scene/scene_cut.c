@@ -97,6 +97,18 @@ static double area_of(const weft__cut_path *path)
     return sum;
 }
 
+static void turn_path(weft__cut_path *path)
+{
+    path->reversed = path->closed && area_of(path) < 0.0;
+    for (size_t i = 1, j = path->count - 1; path->reversed && i < j; ++i, --j) {
+        for (size_t k = 0; k < 2; ++k) {
+            const double x = path->points[i][k];
+            path->points[i][k] = path->points[j][k];
+            path->points[j][k] = x;
+        }
+    }
+}
+
 /* Points of all paths in order; false: one is wrong, or there are too many. */
 static bool take_paths(weft__reader *reader, weft__cut *cut)
 {
@@ -110,14 +122,7 @@ static bool take_paths(weft__reader *reader, weft__cut *cut)
                 take_disc(reader, cut->grid.spacing[0], path);
             }
             if (path->count > 0) {
-                path->reversed = path->closed && area_of(path) < 0.0;
-                for (size_t a = 1, b = path->count - 1; path->reversed && a < b;
-                     ++a, --b) {
-                    double x[2];
-                    memcpy(x, path->points[a], sizeof x);
-                    memcpy(path->points[a], path->points[b], sizeof x);
-                    memcpy(path->points[b], x, sizeof x);
-                }
+                turn_path(path);
             }
             count += path->count;
         }
@@ -179,6 +184,26 @@ WEFT_PRINTF(2, 3) static void put(writer *to, const char *format, ...)
     va_end(values);
 }
 
+static void put_vertices(writer *to, const weft__cut *cut, const weft_cut_mesh *mesh)
+{
+    const weft_cloth_def *grid = &cut->grid;
+    const double right = weft__length(grid->right), down = weft__length(grid->down);
+    for (size_t i = 0; i < mesh->vertices; ++i) {
+        const double *place = &mesh->places[2 * i];
+        double x[3];
+        for (size_t k = 0; k < 3; ++k) {
+            x[k] = grid->origin[k]
+                   + grid->scale
+                         * (place[0] * (grid->right[k] / right)
+                            - place[1] * (grid->down[k] / down));
+        }
+        put(to, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+    }
+    for (size_t i = 0; i < mesh->vertices; ++i) {
+        put(to, "vt %.17g %.17g\n", mesh->places[2 * i], mesh->places[2 * i + 1]);
+    }
+}
+
 /* The points of each path as a group. Whether every path has some. */
 static void put_groups(writer *to, weft__reader *reader, const weft__cut *cut,
                        const weft__cut_lines *lines, const weft_cut_mesh *mesh)
@@ -217,22 +242,7 @@ static bool write_text(weft__reader *reader, const weft__cut *cut,
     if (to.text == NULL) {
         return false;
     }
-    const weft_cloth_def *grid = &cut->grid;
-    const double right = weft__length(grid->right), down = weft__length(grid->down);
-    for (size_t i = 0; i < mesh->vertices; ++i) {
-        const double *place = &mesh->places[2 * i];
-        double x[3];
-        for (size_t k = 0; k < 3; ++k) {
-            x[k] = grid->origin[k]
-                   + grid->scale
-                         * (place[0] * (grid->right[k] / right)
-                            - place[1] * (grid->down[k] / down));
-        }
-        put(&to, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
-    }
-    for (size_t i = 0; i < mesh->vertices; ++i) {
-        put(&to, "vt %.17g %.17g\n", mesh->places[2 * i], mesh->places[2 * i + 1]);
-    }
+    put_vertices(&to, cut, mesh);
     put(&to, "usemtl cloth\n");
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const uint32_t *c = &mesh->corners[3 * t], a = c[0] + 1, b = c[1] + 1,
@@ -251,6 +261,18 @@ static bool write_text(weft__reader *reader, const weft__cut *cut,
 }
 
 /* ---- the mesh ------------------------------------------------------------------ */
+
+static void warn_of_angle(weft__reader *reader, const weft__node *at,
+                          const weft_cut_mesh *mesh)
+{
+    if (mesh->least_angle < LEAST_ANGLE) {
+        WARNING_AT(reader, at,
+                   "the mesh has an angle of %.1f degrees at [%.4g, %.4g] m, "
+                   "below %g",
+                   mesh->least_angle, mesh->least_at[0], mesh->least_at[1],
+                   LEAST_ANGLE);
+    }
+}
 
 static bool make_mesh(weft__reader *reader, const weft__match *match,
                       const weft__cut *cut, const weft__cut_lines *lines)
@@ -272,13 +294,7 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
     const weft_status status = def->mesh_cut(def->mesh_ctx, &given, &mesh, &err);
     reader->report->no_memory = reader->report->no_memory || status == WEFT_NO_MEMORY;
     if (status == WEFT_OK) {
-        if (mesh.least_angle < LEAST_ANGLE) {
-            WARNING_AT(reader, (weft__value_in(match, "spacing")),
-                       "the mesh has an angle of %.1f degrees at [%.4g, %.4g] m, "
-                       "below %g",
-                       mesh.least_angle, mesh.least_at[0], mesh.least_at[1],
-                       LEAST_ANGLE);
-        }
+        warn_of_angle(reader, weft__value_in(match, "spacing"), &mesh);
     } else if (status != WEFT_NO_MEMORY) {
         ERROR_AT(reader, match->map, "%s", err.message);
     }

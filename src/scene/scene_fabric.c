@@ -54,14 +54,12 @@ void weft__read_sheet(weft__reader *reader, const weft__key *key,
         = units[key->first].shear * (key->first == WEFT__KES ? mean : 1.0 / mean);
 }
 
-void weft__check_fabric(weft__reader *reader, const weft__match *match, void *base)
+/* A sheet, of which there may be one, instead of a preset. Whether there is one. */
+static bool check_sheets(weft__reader *reader, const weft__match *match)
 {
-    static const char *const needed[] = { "density", "stretch" };
-    weft_fabric *fabric = base;
     static const char *const sources[] = { "preset", "kes", "fast", NULL };
     static const char *const replaced[] = { "density", "stretch", "shear", "bend" };
     (void)weft__check_exclusive(reader, match, sources);
-    /* of which there may be one, instead of a preset */
     const weft__node *sheet = weft__key_in(match, "kes");
     sheet = sheet == NULL ? weft__key_in(match, "fast") : sheet;
     for (size_t i = 0; sheet != NULL && i < sizeof replaced / sizeof replaced[0]; ++i) {
@@ -70,6 +68,14 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
             weft__report_exclusive(reader->report, sheet, key);
         }
     }
+    return sheet != NULL;
+}
+
+void weft__check_fabric(weft__reader *reader, const weft__match *match, void *base)
+{
+    static const char *const needed[] = { "density", "stretch" };
+    weft_fabric *fabric = base;
+    const bool sheet = check_sheets(reader, match);
     if (weft__key_in(match, "coupling") == NULL
         && weft__key_in(match, "preset") == NULL) {
         fabric->coupling = fabric->shear;
@@ -80,8 +86,7 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; ++i) {
         char unit[32];
         const weft__key *key = weft__key_named(match->section, needed[i]);
-        if (sheet == NULL && weft__lacks(match, needed[i])
-            && weft__lacks(match, "preset")) {
+        if (!sheet && weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
             ERROR_AT(reader, match->map,
                      "%s lacks '%s'%s, which is required without 'preset', 'kes' or "
                      "'fast'",

@@ -110,6 +110,22 @@ void weft__read_fabrics(weft__reader *reader, const weft__key *key,
     }
 }
 
+/* The fabric of each statement usemtl; 0: that of all others. */
+static void find_fabrics(weft__reader *reader, uint32_t *of)
+{
+    const weft__obj *obj = &reader->scene->obj;
+    const weft__node *node = reader->scene->fabrics.node;
+    for (size_t i = 0; i < node->count; ++i) {
+        const weft__node *name = node->entries[i].key;
+        if (!weft__obj_named(&obj->fabrics, name->text, name->count, of,
+                             (uint32_t)(i + 1))) {
+            char near[80];
+            ERROR_AT(reader, name, "the mesh has no usemtl '%.60s'%s", name->text,
+                     weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
+        }
+    }
+}
+
 /* Gives each triangle its fabric. */
 static void put_fabrics(weft__reader *reader)
 {
@@ -123,17 +139,7 @@ static void put_fabrics(weft__reader *reader)
     obj->fabric_of
         = weft__report_take(reader->report, obj->def.triangles, sizeof *obj->fabric_of);
     if (of != NULL && obj->fabric_of != NULL) {
-        /* The fabric of each statement usemtl; 0: that of all others. */
-        const weft__node *node = reader->scene->fabrics.node;
-        for (size_t i = 0; i < node->count; ++i) {
-            const weft__node *name = node->entries[i].key;
-            if (!weft__obj_named(&obj->fabrics, name->text, name->count, of,
-                                 (uint32_t)(i + 1))) {
-                char near[80];
-                ERROR_AT(reader, name, "the mesh has no usemtl '%.60s'%s", name->text,
-                         weft__obj_near(&obj->fabrics, name->text, near, sizeof near));
-            }
-        }
+        find_fabrics(reader, of);
         for (size_t t = 0; t < obj->def.triangles; ++t) {
             obj->fabric_of[t] = of[obj->face[obj->face_of[t]].fabric];
         }

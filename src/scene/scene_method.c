@@ -173,6 +173,25 @@ static void check_use(resolver *self, uint32_t flags)
     }
 }
 
+/* Reported at the later key of each pair: at fixed_step once for all before it. */
+static void check_exclusive(const resolver *self)
+{
+    const weft__node *fixed = find(self, "fixed_step").key;
+    weft__report *report = self->reader->report;
+    char before[320] = "";
+    for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
+        const weft__node *key = find(self, adaptive_keys[i]).key;
+        if (key != NULL && weft__mark_before(fixed->at, key->at)) {
+            weft__report_exclusive(report, fixed, key);
+        } else if (key != NULL) {
+            append_place(self->reader->report, before, sizeof before, key);
+        }
+    }
+    if (before[0] != '\0') {
+        weft__report_error(report, fixed->at, "fixed_step excludes %s", before);
+    }
+}
+
 /* Fixed steps exclude the keys of adaptive ones: the latest choice holds. */
 static void choose_steps(resolver *self)
 {
@@ -188,21 +207,7 @@ static void choose_steps(resolver *self)
         drop_earlier(self, adaptive_keys, ADAPTIVE, fixed,
                      "fixed_step excludes error control");
     }
-    /* Reported at the later key of each pair: at fixed_step once for all before it. */
-    const weft__node *at = find(self, "fixed_step").key;
-    weft__report *report = self->reader->report;
-    char before[320] = "";
-    for (size_t i = 0; at != NULL && i < ADAPTIVE; ++i) {
-        const weft__node *key = find(self, adaptive_keys[i]).key;
-        if (key != NULL && weft__mark_before(at->at, key->at)) {
-            weft__report_exclusive(report, at, key);
-        } else if (key != NULL) {
-            append_place(self->reader->report, before, sizeof before, key);
-        }
-    }
-    if (before[0] != '\0') {
-        weft__report_error(report, at->at, "fixed_step excludes %s", before);
-    }
+    check_exclusive(self);
 }
 
 /* NULL: not known, or wrong, which is reported when the key is read. */

@@ -9,6 +9,30 @@
 
 /* ---- step sizes ------------------------------------------------------------- */
 
+/* Sizes that the scene has must be in order; min_step and max_step are also compared
+ * with each other's default. */
+static void check_sizes(weft__reader *reader, const weft__match *match)
+{
+    const weft_stepper_config *config = &reader->scene->config;
+    const struct {
+        const char *name;
+        double h;
+    } sizes[] = { { "min_step", config->min_step },
+                  { "first_step", config->first_step },
+                  { "max_step", config->max_step } };
+    for (size_t k = 0; k < 3; ++k) {
+        const size_t i = k / 2, j = k == 0 ? 2 : k; /* 0, 2; 0, 1; 1, 2 */
+        const weft__node *a = weft__value_in(match, sizes[i].name);
+        const weft__node *b = weft__value_in(match, sizes[j].name);
+        const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
+        if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
+            ERROR_AT(reader, weft__later(a, b), "%s, %g s%s, is above %s, %g s",
+                     sizes[i].name, sizes[i].h, a == NULL ? " by default" : "",
+                     sizes[j].name, sizes[j].h);
+        }
+    }
+}
+
 /* ---- plugin and method ------------------------------------------------------ */
 
 static void report_method(weft__reader *reader, const weft__match *match,
@@ -208,26 +232,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     const weft__node *method = weft__value_in(match, "method");
     weft__report_place(reader->report, (method == NULL ? match->map : method)->at,
                        &reader->scene->refusal);
-    /* Sizes that the scene has must be in order; min_step and max_step are also
-     * compared with each other's default. */
-    const weft_stepper_config *config = &reader->scene->config;
-    const struct {
-        const char *name;
-        double h;
-    } sizes[] = { { "min_step", config->min_step },
-                  { "first_step", config->first_step },
-                  { "max_step", config->max_step } };
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t i = k / 2, j = k == 0 ? 2 : k; /* 0, 2; 0, 1; 1, 2 */
-        const weft__node *a = weft__value_in(match, sizes[i].name);
-        const weft__node *b = weft__value_in(match, sizes[j].name);
-        const bool given = k == 0 ? a != NULL || b != NULL : a != NULL && b != NULL;
-        if (given && sizes[i].h > sizes[j].h && sizes[j].h > 0.0) {
-            ERROR_AT(reader, weft__later(a, b), "%s, %g s%s, is above %s, %g s",
-                     sizes[i].name, sizes[i].h, a == NULL ? " by default" : "",
-                     sizes[j].name, sizes[j].h);
-        }
-    }
+    check_sizes(reader, match);
     if (type == NULL) {
         report_type(reader, match);
     } else {

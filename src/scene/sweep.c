@@ -30,6 +30,29 @@ typedef struct taker {
     weft__sweep *out;
 } taker;
 
+/* Reports a key that is varied twice, or lies inside another one, which would be lost.
+ */
+static void check_overlap(const taker *self, const weft__node *key)
+{
+    char where[64];
+    for (size_t i = 0; i < self->out->keys; ++i) {
+        const weft__node *other = self->out->axis[i].key;
+        if (overlap(key->text, key->count, other->text, other->count)) {
+            ERROR_AT(self, key, "%s is varied twice (first at %s)", key->text,
+                     weft__place_text(self->report, other->at, where, sizeof where));
+        }
+    }
+    for (size_t i = 1; i <= self->set_count; ++i) {
+        const weft__source *set = &self->report->sources[i];
+        if (overlap(key->text, key->count, set->text, weft__override_path(set))) {
+            weft__report_error(
+                self->report, weft__source_mark(set, 0), "%s is varied by sweep (%s)",
+                key->text,
+                weft__place_text(self->report, key->at, where, sizeof where));
+        }
+    }
+}
+
 static void take_axis(taker *self, const weft__node *key, const weft__node *list)
 {
     char shown[64];
@@ -43,27 +66,7 @@ static void take_axis(taker *self, const weft__node *key, const weft__node *list
     } else if (self->out->keys == WEFT__SWEEP_KEYS) {
         ERROR_AT(self, key, "more than %d keys", WEFT__SWEEP_KEYS);
     } else {
-        /* Reports a key that is varied twice, or lies inside another one, which would
-         * be lost.
-         */
-        char where[64];
-        for (size_t i = 0; i < self->out->keys; ++i) {
-            const weft__node *other = self->out->axis[i].key;
-            if (overlap(key->text, key->count, other->text, other->count)) {
-                ERROR_AT(
-                    self, key, "%s is varied twice (first at %s)", key->text,
-                    weft__place_text(self->report, other->at, where, sizeof where));
-            }
-        }
-        for (size_t i = 1; i <= self->set_count; ++i) {
-            const weft__source *set = &self->report->sources[i];
-            if (overlap(key->text, key->count, set->text, weft__override_path(set))) {
-                weft__report_error(
-                    self->report, weft__source_mark(set, 0),
-                    "%s is varied by sweep (%s)", key->text,
-                    weft__place_text(self->report, key->at, where, sizeof where));
-            }
-        }
+        check_overlap(self, key);
         self->out->axis[self->out->keys++] = (weft__axis){ .key = key, .list = list };
     }
 }
@@ -100,6 +103,20 @@ static void take_pairs(taker *self, const weft__node *map)
     }
 }
 
+/* Each run reads the rest of the tree and one value of each list. */
+static void check_cost(const taker *self)
+{
+    const weft__sweep *out = self->out;
+    size_t nodes = self->tree->root->size;
+    for (size_t i = 0; i < out->keys; ++i) {
+        nodes += out->axis[i].list->size / out->axis[i].list->count;
+    }
+    if (out->runs > MAX_READ / nodes) {
+        ERROR_AT(self, out, "%zu runs of a scene of %zu nodes: more than %d in all",
+                 out->runs, nodes, MAX_READ);
+    }
+}
+
 /* Zipped lists must have one length; the combinations of others must not be too many.
  */
 static void count_runs(taker *self)
@@ -121,15 +138,7 @@ static void count_runs(taker *self)
         }
     }
     out->runs = runs;
-    /* Each run reads the rest of the tree and one value of each list. */
-    size_t nodes = self->tree->root->size;
-    for (size_t i = 0; i < out->keys; ++i) {
-        nodes += out->axis[i].list->size / out->axis[i].list->count;
-    }
-    if (out->runs > MAX_READ / nodes) {
-        ERROR_AT(self, out, "%zu runs of a scene of %zu nodes: more than %d in all",
-                 out->runs, nodes, MAX_READ);
-    }
+    check_cost(self);
 }
 
 /* Removes the values of all pairs with key `sweep`. Returns the first pair; it has no

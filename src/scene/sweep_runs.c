@@ -34,6 +34,21 @@ static void print_value(FILE *out, const weft__node *node)
     fputc(is_map ? '}' : ']', out);
 }
 
+/* A node in one line; NULL: no memory. */
+static const char *value_text(weft__tree *tree, const weft__node *node)
+{
+    char *printed = NULL, *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&printed, &length);
+    if (stream != NULL) {
+        print_value(stream, node);
+        (void)fclose(stream);
+    }
+    text = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
+    free(printed);
+    return text;
+}
+
 /* The values as texts; false: no memory. */
 static bool keep_texts(weft_sweep *self)
 {
@@ -42,16 +57,7 @@ static bool keep_texts(weft_sweep *self)
         const weft__node *list = self->base.sweep.axis[i].list;
         self->value[i] = weft__tree_take(tree, list->count, sizeof *self->value[i]);
         for (size_t k = 0; self->value[i] != NULL && k < list->count; ++k) {
-            char *printed = NULL;
-            size_t length;
-            FILE *stream = open_memstream(&printed, &length);
-            if (stream != NULL) {
-                print_value(stream, weft__item(list, k));
-                (void)fclose(stream);
-            }
-            self->value[i][k]
-                = printed == NULL ? NULL : weft__tree_text(tree, printed, length);
-            free(printed);
+            self->value[i][k] = value_text(tree, weft__item(list, k));
             if (self->value[i][k] == NULL) {
                 return false;
             }
@@ -90,6 +96,30 @@ const char *weft_sweep_value(const weft_sweep *sweep, size_t key, size_t run)
 
 /* ---- all runs ------------------------------------------------------------------ */
 
+/* Adds the runs to messages that concern only some of them. */
+static void name_runs(const weft_sweep *sweep, const weft__report *report, size_t read)
+{
+    for (size_t i = 0; i < report->found->count; ++i) {
+        const weft__origin *origin = &report->origin[i];
+        char *message = report->found->items[i].message;
+        const size_t size = sizeof report->found->items[i].message;
+        size_t used = strlen(message);
+        if (origin->runs == read || origin->first == 0) {
+            continue;
+        }
+        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
+                                 origin->runs, read);
+        for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
+            used += (size_t)snprintf(message + used, size - used, "%s %s=%s%s",
+                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
+                                     weft_sweep_value(sweep, k, origin->first),
+                                     k + 1 == weft_sweep_keys(sweep) ? ")" : "");
+        }
+        weft__fit(message, size, (int)used);
+        weft__one_line(message);
+    }
+}
+
 /* Reads one run after another until the report is full. */
 static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_error *err)
 {
@@ -103,26 +133,7 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
     } while (report->run < weft_sweep_runs(sweep)
              && (status == WEFT_OK || status == WEFT_BAD_SCENE)
              && report->found->errors < WEFT_DIAGNOSTICS_MAX);
-    /* Adds the runs to messages that concern only some of them. */
-    for (size_t i = 0; i < report->found->count; ++i) {
-        const weft__origin *origin = &report->origin[i];
-        char *message = report->found->items[i].message;
-        const size_t size = sizeof report->found->items[i].message;
-        size_t used = strlen(message);
-        if (origin->runs == report->run || origin->first == 0) {
-            continue;
-        }
-        used += (size_t)snprintf(message + used, size - used, " (in %zu of %zu runs,",
-                                 origin->runs, report->run);
-        for (size_t k = 0; k < weft_sweep_keys(sweep) && used < size; ++k) {
-            used += (size_t)snprintf(message + used, size - used, "%s %s=%s%s",
-                                     k == 0 ? " first" : ",", weft_sweep_key(sweep, k),
-                                     weft_sweep_value(sweep, k, origin->first),
-                                     k + 1 == weft_sweep_keys(sweep) ? ")" : "");
-        }
-        weft__fit(message, size, (int)used);
-        weft__one_line(message);
-    }
+    name_runs(sweep, report, report->run);
     return status;
 }
 

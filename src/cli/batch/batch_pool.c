@@ -89,6 +89,22 @@ static int run_job(void *ctx, size_t job)
 
 /* ---- the end of a run ---------------------------------------------------------- */
 
+/* The result of a run that died without one, from its other files. */
+static record_result find_result(const batch_run *one, double began,
+                                 const char *directory)
+{
+    record_result result = { .wall_time = weft__wall_clock() - began };
+    weft_scene *scene = NULL;
+    record_series_row *rows;
+    (void)record_series_rows(directory, &rows, &result.frames, NULL);
+    free(rows);
+    if (weft_sweep_scene(one->scene->sweep, one->number, &scene, NULL) == WEFT_OK) {
+        result.planned = weft_run_last_frame(weft_scene_run(scene)) + 1;
+        weft_scene_destroy(scene);
+    }
+    return result;
+}
+
 /* Keeps all but status and reason of the result that the run has left. */
 static batch_status write_end(const batch_pool *self, const process *ended,
                               batch_status status, const char *reason)
@@ -98,16 +114,7 @@ static batch_status write_end(const batch_pool *self, const process *ended,
     const batch_run *one = self->runs[ended->job];
     weft_status written = record_path(self->batch->out, one->name, directory, &err);
     if (written == WEFT_OK) {
-        /* The result of a run that died without one, from its other files. */
-        record_result result = { .wall_time = weft__wall_clock() - ended->began };
-        weft_scene *scene = NULL;
-        record_series_row *rows;
-        (void)record_series_rows(directory, &rows, &result.frames, NULL);
-        free(rows);
-        if (weft_sweep_scene(one->scene->sweep, one->number, &scene, NULL) == WEFT_OK) {
-            result.planned = weft_run_last_frame(weft_scene_run(scene)) + 1;
-            weft_scene_destroy(scene);
-        }
+        record_result result = find_result(one, ended->began, directory);
         result.status = batch_status_names[status];
         result.reason = reason;
         written = record_result_amend(directory, &result, &err);

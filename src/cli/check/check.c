@@ -60,22 +60,27 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
     }
 }
 
+static void print_cloths(const weft_mesh_def *mesh, const weft_cloth *cloth)
+{
+    for (size_t k = 0; k < mesh->part_count; ++k) {
+        const record_part_facts of = record_part_facts_of(cloth, k);
+        size_t triangles = 0;
+        for (size_t t = 0; t < mesh->triangles; ++t) {
+            triangles += part_of(mesh, mesh->corners[3 * t]) == k;
+        }
+        print_item(k == 0 ? "cloths" : "",
+                   "%s: %zu vertices, %zu triangles, %.6g kg, %zu held", of.part.name,
+                   of.part.count, triangles, of.mass, of.pinned);
+    }
+}
+
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     char size[HUMAN_SIZE];
     double least = weft_cloth_particle_mass(cloth, 0), most = least;
     if (def->mesh != NULL) {
         print_item("mesh", "%s", weft_cloth_text(cloth, size, sizeof size));
-        for (size_t k = 0; k < def->mesh->part_count; ++k) {
-            const record_part_facts of = record_part_facts_of(cloth, k);
-            size_t triangles = 0;
-            for (size_t t = 0; t < def->mesh->triangles; ++t) {
-                triangles += part_of(def->mesh, def->mesh->corners[3 * t]) == k;
-            }
-            print_item(k == 0 ? "cloths" : "",
-                       "%s: %zu vertices, %zu triangles, %.6g kg, %zu held",
-                       of.part.name, of.part.count, triangles, of.mass, of.pinned);
-        }
+        print_cloths(def->mesh, cloth);
     } else {
         printf("  particles  %zu (%zu rows x %zu columns)\n",
                weft_cloth_particles(cloth), def->rows, def->cols);
@@ -152,6 +157,19 @@ static void print_scene(const char *file, const weft_scene *scene,
     }
 }
 
+static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
+                       const weft_cloth *cloth, const survey *found)
+{
+    yaml_out_write(out, "{ file: \"%s\", name: \"%s\", particles: %zu, pinned: %zu",
+                   file, weft_scene_name(scene), weft_cloth_particles(cloth),
+                   weft_cloth_pins(cloth));
+    record_cloths(out, cloth);
+    fabric_yaml(out, scene);
+    contact_yaml(out, weft_scene_cloth(scene));
+    stability_yaml(out, scene, found);
+    yaml_out_write(out, "}");
+}
+
 /* Describes a valid scene, to *out or, if that is NULL, as text. */
 static int describe(const char *file, const weft_scene *scene, const arguments *given,
                     yaml_out *out)
@@ -186,14 +204,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
         (void)snprintf(err.file, sizeof err.file, "%.200s", file);
         err.line = err.column = 1;
     } else if (out != NULL) {
-        yaml_out_write(out, "{ file: \"%s\", name: \"%s\", particles: %zu, pinned: %zu",
-                       file, weft_scene_name(scene), weft_cloth_particles(cloth),
-                       weft_cloth_pins(cloth));
-        record_cloths(out, cloth);
-        fabric_yaml(out, scene);
-        contact_yaml(out, weft_scene_cloth(scene));
-        stability_yaml(out, scene, &found);
-        yaml_out_write(out, "}");
+        scene_yaml(out, file, scene, cloth, &found);
     } else {
         print_scene(file, scene, cloth, &found, given->all);
     }

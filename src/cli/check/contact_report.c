@@ -61,6 +61,27 @@ static double rest_of(const weft_cloth_def *def)
 
 enum { MOST_MOVES = 1000 };
 
+/* [m] How far the cloth, kept as it starts, falls until it touches its shape: as no
+ * point is nearer than the smallest gap, it may fall by that. Infinite: past it. */
+static double drop_of(const weft_cloth *cloth, const weft_cloth_def *def, double *y)
+{
+    const size_t n = weft_cloth_particles(cloth);
+    const double g = length_of(def->gravity), thickness = def->contact.thickness;
+    double drop = 0.0, gap = INFINITY;
+    weft_cloth_start(cloth, y);
+    for (int i = 0; i < MOST_MOVES && g > 0.0; ++i) {
+        gap = weft_cloth_gap(cloth, 0.0, y, NULL, NULL);
+        if (gap < thickness || !isfinite(gap)) {
+            break;
+        }
+        drop += gap;
+        for (size_t j = 0; j < 3 * n; ++j) {
+            y[j] += gap * (def->gravity[j / n] / g);
+        }
+    }
+    return gap < thickness ? drop : INFINITY;
+}
+
 typedef struct fall {
     double drop, speed; /* [m], [m/s]; infinite: it does not fall onto the shape */
     double z;           /* where it is stopped */
@@ -75,24 +96,7 @@ static fall fall_onto(const weft_cloth_def *def, size_t shape)
     one.contact.shape_count = 1;
     double *y = calloc(6 * weft_cloth_def_particles(def), sizeof *y);
     if (y != NULL && weft_cloth_create(&one, &cloth, NULL) == WEFT_OK) {
-        /* [m] How far the cloth, kept as it starts, falls until it touches its shape:
-         * as no point is nearer than the smallest gap, it may fall by that. Infinite:
-         * past it. */
-        const size_t n = weft_cloth_particles(cloth);
-        const double g = length_of(def->gravity), thickness = def->contact.thickness;
-        double drop = 0.0, gap = INFINITY;
-        weft_cloth_start(cloth, y);
-        for (int i = 0; i < MOST_MOVES && g > 0.0; ++i) {
-            gap = weft_cloth_gap(cloth, 0.0, y, NULL, NULL);
-            if (gap < thickness || !isfinite(gap)) {
-                break;
-            }
-            drop += gap;
-            for (size_t j = 0; j < 3 * n; ++j) {
-                y[j] += gap * (def->gravity[j / n] / g);
-            }
-        }
-        out.drop = gap < thickness ? drop : INFINITY;
+        out.drop = drop_of(cloth, def, y);
     }
     weft_cloth_destroy(cloth);
     free(y);
@@ -126,6 +130,19 @@ static void print_shape(const weft_cloth_def *def, size_t k)
     print_item("", "%s", text.text);
 }
 
+/* Two flat layers that lie on each other have pairs of 1.3 m e phi per particle, on
+ * average: those that meet at the speed v turn where that is m v^2 / 4. */
+static void print_self(const weft_contact_def *law)
+{
+    const double pairs = 1.3, v = law->stopping_speed;
+    const double z = solve(potential, law, 0.25 * v * v / pairs);
+    print_item("",
+               "itself: friction %g; two layers that meet at %g m/s: gap some %.2g mm, "
+               "omega some %.2g 1/s",
+               law->friction, v, 1e3 * z * law->thickness,
+               sqrt(2.0 * pairs) * omega(law, z));
+}
+
 void contact_print(const weft_cloth_def *def)
 {
     const weft_contact_def *law = &def->contact;
@@ -145,17 +162,7 @@ void contact_print(const weft_cloth_def *def)
         print_shape(def, k);
     }
     if (law->self) {
-        /* Two flat layers that lie on each other have pairs of 1.3 m e phi per
-         * particle, on average: those that meet at the speed v turn where that is m v^2
-         * / 4. */
-        const double pairs = 1.3, v = law->stopping_speed;
-        const double at = solve(potential, law, 0.25 * v * v / pairs);
-        print_item(
-            "",
-            "itself: friction %g; two layers that meet at %g m/s: gap some %.2g mm, "
-            "omega some %.2g 1/s",
-            law->friction, v, 1e3 * at * law->thickness,
-            sqrt(2.0 * pairs) * omega(law, at));
+        print_self(law);
     }
 }
 

@@ -101,6 +101,19 @@ static void print_triangles(const weft_mesh_def *mesh)
     print_least("heights", "%.3g mm", 1e3 * low, mesh, flat);
 }
 
+/* Pieces, and what is sewn. */
+static void print_pieces(const weft_cloth *cloth)
+{
+    size_t sewn;
+    double length;
+    sentence text = { "" };
+    say(&text, "%zu", weft_cloth_pieces(cloth, &sewn, &length));
+    if (sewn > 0) {
+        say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
+    }
+    print_item("pieces", "%s", text.text);
+}
+
 static void print_peirce(const report *of, const char *first, const char *second)
 {
     if (of->length[0] > 0.0 || of->length[1] > 0.0) {
@@ -111,15 +124,7 @@ static void print_peirce(const report *of, const char *first, const char *second
 
 static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
 {
-    /* Pieces, and what is sewn. */
-    size_t sewn;
-    double length;
-    sentence text = { "" };
-    say(&text, "%zu", weft_cloth_pieces(cloth, &sewn, &length));
-    if (sewn > 0) {
-        say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
-    }
-    print_item("pieces", "%s", text.text);
+    print_pieces(cloth);
     print_triangles(def->mesh);
     for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
         const report of = mesh_report(def, i);

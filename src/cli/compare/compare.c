@@ -145,6 +145,24 @@ static void find_scales(compare *self)
     self->at_play = fmax(high - low, kinetic);
 }
 
+static weft_status no_horizon(const compare *self, weft_error *err)
+{
+    const char *hint = weft_scene_limit(self->scene)->method == WEFT_LIMIT_NONE
+                           ? ""
+                           : "; the effect of a strain limit depends on the steps";
+    return self->parted ? weft_error_set(
+               err, WEFT_UNSUPPORTED,
+               "no reference: %s and %s at tolerance %g differ by more "
+               "than %g m at the first frame%s",
+               self->by[0].type->name, self->by[1].type->name, COMPARE_TIGHTEST,
+               COMPARE_PARTED, hint)
+                        : weft_error_set(
+                            err, WEFT_UNSUPPORTED,
+                            "not predictable: a twin displaced by %g m is more than "
+                            "%g m away at the first frame%s",
+                            COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
+}
+
 static weft_status find_horizon(compare *self, weft_error *err)
 {
     const size_t n = weft_cloth_particles(self->cloth);
@@ -163,21 +181,7 @@ static weft_status find_horizon(compare *self, weft_error *err)
         self->apart = fmax(self->apart, apart);
     }
     if (self->last == 0) {
-        const char *hint = weft_scene_limit(self->scene)->method == WEFT_LIMIT_NONE
-                               ? ""
-                               : "; the effect of a strain limit depends on the steps";
-        return self->parted
-                   ? weft_error_set(
-                       err, WEFT_UNSUPPORTED,
-                       "no reference: %s and %s at tolerance %g differ by more "
-                       "than %g m at the first frame%s",
-                       self->by[0].type->name, self->by[1].type->name, COMPARE_TIGHTEST,
-                       COMPARE_PARTED, hint)
-                   : weft_error_set(
-                       err, WEFT_UNSUPPORTED,
-                       "not predictable: a twin displaced by %g m is more than "
-                       "%g m away at the first frame%s",
-                       COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
+        return no_horizon(self, err);
     }
     find_scales(self);
     return WEFT_OK;

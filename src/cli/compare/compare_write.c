@@ -86,6 +86,28 @@ static int by_reach(const void *a, const void *b)
     return reached != 0 ? reached : (x->time > y->time) - (x->time < y->time);
 }
 
+static void print_rows(const compare *self, const compare_advice *advice)
+{
+    row *rows = calloc(self->count, sizeof *rows);
+    for (size_t m = 0; m < self->count && rows != NULL; ++m) {
+        rows[m] = (row){ .method = &self->shared->methods[m] };
+        for (size_t i = 0; i < advice->count; ++i) {
+            compare_cost cost;
+            if (compare_reach(rows[m].method, advice->ranks[i].accuracy, &cost)) {
+                rows[m].reached = i + 1;
+                rows[m].time = cost.time;
+            }
+        }
+    }
+    if (rows != NULL) {
+        qsort(rows, self->count, sizeof *rows, by_reach);
+    }
+    for (size_t m = 0; m < self->count; ++m) {
+        print_method(rows == NULL ? &self->shared->methods[m] : rows[m].method, advice);
+    }
+    free(rows);
+}
+
 void compare_print(const compare *self, const compare_advice *advice)
 {
     sentence legend = { "" };
@@ -105,24 +127,7 @@ void compare_print(const compare *self, const compare_advice *advice)
         printf(" %.0e", advice->ranks[i].accuracy);
     }
     printf("\n");
-    row *rows = calloc(self->count, sizeof *rows);
-    for (size_t m = 0; m < self->count && rows != NULL; ++m) {
-        rows[m] = (row){ .method = &self->shared->methods[m] };
-        for (size_t i = 0; i < advice->count; ++i) {
-            compare_cost cost;
-            if (compare_reach(rows[m].method, advice->ranks[i].accuracy, &cost)) {
-                rows[m].reached = i + 1;
-                rows[m].time = cost.time;
-            }
-        }
-    }
-    if (rows != NULL) {
-        qsort(rows, self->count, sizeof *rows, by_reach);
-    }
-    for (size_t m = 0; m < self->count; ++m) {
-        print_method(rows == NULL ? &self->shared->methods[m] : rows[m].method, advice);
-    }
-    free(rows);
+    print_rows(self, advice);
     say(&legend,
         "* the fastest, < the scene's method, - not within %" PRIu64
         " evaluations, or not at all",
@@ -261,49 +266,59 @@ static void put_method(const compare_method *method, FILE *stream)
     fputs("]}", stream);
 }
 
+static void put_advice(const compare *self, const compare_advice *advice, FILE *stream)
+{
+    fputs("\"ranks\":[", stream);
+    for (size_t i = 0; i < advice->count; ++i) {
+        const compare_rank *rank = &advice->ranks[i];
+        const compare_method *best = rank->best.method, *fewest = rank->fewest.method;
+        fprintf(stream, "%s{\"accuracy\":%.0e,\"best\":%td,\"fewest\":%td,\"text\":",
+                i == 0 ? "" : ",", rank->accuracy, best - self->shared->methods,
+                (fewest == NULL ? best : fewest) - self->shared->methods);
+        page_text(stream, compare_rank_text(rank).text);
+        putc('}', stream);
+    }
+    fputs("],", stream);
+}
+
+static void put_description(const compare *self, const compare_advice *advice,
+                            FILE *stream)
+{
+    char size[HUMAN_SIZE];
+    fputs("<script type=\"application/json\" id=\"weft-data\">{", stream);
+    put_member(stream, "weft", weft_version());
+    put_member(stream, "scene", weft_scene_name(self->scene));
+    put_member(stream, "size", weft_cloth_text(self->cloth, size, sizeof size));
+    put_member(stream, "yaml", weft_scene_text(self->scene));
+    put_member(stream, "horizon", compare_horizon_text(self).text);
+    put_member(stream, "reference", compare_reference_text(self).text);
+    put_member(stream, "asIs", compare_as_is_text(self).text);
+    put_member(stream, "stiffness", self->shared->stiffness.text);
+    put_advice(self, advice, stream);
+    if (judged(compare_as_is(self))) {
+        fputs("\"own\":", stream);
+        put_point(compare_as_is(self), stream);
+        putc(',', stream);
+    }
+    fprintf(stream,
+            "\"time\":%.9g,\"apart\":%.9g,\"near\":%.9g,"
+            "\"budget\":%" PRIu64 ",\"methods\":[",
+            compare_time(self, self->last), self->apart, COMPARE_NEAR * self->apart,
+            self->budget);
+    for (size_t i = 0; i < self->count; ++i) {
+        fputs(i == 0 ? "" : ",", stream);
+        put_method(&self->shared->methods[i], stream);
+    }
+    fputs("]}</script>\n", stream);
+}
+
 weft_status compare_html(const compare *self, const compare_advice *advice,
                          const char *directory, weft_error *err)
 {
     record_file file;
     TRY(record_file_open(&file, directory, "compare.html", err));
     page_begin(file.stream, weft__compare_page, false);
-    char size[HUMAN_SIZE];
-    fputs("<script type=\"application/json\" id=\"weft-data\">{", file.stream);
-    put_member(file.stream, "weft", weft_version());
-    put_member(file.stream, "scene", weft_scene_name(self->scene));
-    put_member(file.stream, "size", weft_cloth_text(self->cloth, size, sizeof size));
-    put_member(file.stream, "yaml", weft_scene_text(self->scene));
-    put_member(file.stream, "horizon", compare_horizon_text(self).text);
-    put_member(file.stream, "reference", compare_reference_text(self).text);
-    put_member(file.stream, "asIs", compare_as_is_text(self).text);
-    put_member(file.stream, "stiffness", self->shared->stiffness.text);
-    fputs("\"ranks\":[", file.stream);
-    for (size_t i = 0; i < advice->count; ++i) {
-        const compare_rank *rank = &advice->ranks[i];
-        const compare_method *best = rank->best.method, *fewest = rank->fewest.method;
-        fprintf(file.stream,
-                "%s{\"accuracy\":%.0e,\"best\":%td,\"fewest\":%td,\"text\":",
-                i == 0 ? "" : ",", rank->accuracy, best - self->shared->methods,
-                (fewest == NULL ? best : fewest) - self->shared->methods);
-        page_text(file.stream, compare_rank_text(rank).text);
-        putc('}', file.stream);
-    }
-    fputs("],", file.stream);
-    if (judged(compare_as_is(self))) {
-        fputs("\"own\":", file.stream);
-        put_point(compare_as_is(self), file.stream);
-        putc(',', file.stream);
-    }
-    fprintf(file.stream,
-            "\"time\":%.9g,\"apart\":%.9g,\"near\":%.9g,"
-            "\"budget\":%" PRIu64 ",\"methods\":[",
-            compare_time(self, self->last), self->apart, COMPARE_NEAR * self->apart,
-            self->budget);
-    for (size_t i = 0; i < self->count; ++i) {
-        fputs(i == 0 ? "" : ",", file.stream);
-        put_method(&self->shared->methods[i], file.stream);
-    }
-    fputs("]}</script>\n", file.stream);
+    put_description(self, advice, file.stream);
     page_end(file.stream, weft__compare_page);
     return record_file_commit(&file, err);
 }

@@ -59,6 +59,21 @@ static weft_status refine(converge *self, converge_size *to, weft_error *err)
     return WEFT_OK;
 }
 
+static int refuse_size(converge *self, const weft_error *why)
+{
+    enum { SHOWN = 4 };
+    sentence list = { "" };
+    const size_t most = 4 * self->grid.axis[self->grid.along].count;
+    for (size_t n = 2, shown = 0; n <= most && shown < SHOWN; ++n) {
+        converge_size one = { .size = n };
+        if (refine(self, &one, NULL) == WEFT_OK) {
+            say(&list, "%s%zu", shown++ == 0 ? "" : ", ", n);
+        }
+    }
+    return usage_error(self->given, "--sizes: %s; %s%s", why->message,
+                       list.text[0] == '\0' ? "no size does" : "these do: ", list.text);
+}
+
 static int report_size(size_t size, const weft_error *why)
 {
     return report_status(why->status, "size %zu: %s", size, why->message);
@@ -72,18 +87,7 @@ static int open_size(converge *self, converge_size *to)
         return converge_open_mesh(self, to);
     }
     if (refine(self, to, &err) != WEFT_OK) {
-        enum { SHOWN = 4 };
-        sentence list = { "" };
-        const size_t most = 4 * self->grid.axis[self->grid.along].count;
-        for (size_t n = 2, shown = 0; n <= most && shown < SHOWN; ++n) {
-            converge_size one = { .size = n };
-            if (refine(self, &one, NULL) == WEFT_OK) {
-                say(&list, "%s%zu", shown++ == 0 ? "" : ", ", n);
-            }
-        }
-        return usage_error(
-            self->given, "--sizes: %s; %s%s", err.message,
-            list.text[0] == '\0' ? "no size does" : "these do: ", list.text);
+        return refuse_size(self, &err);
     }
     if (cloth_create(self->scene, &self->grid.cloth, &to->cloth, &err)
         == WEFT_INVALID) {
@@ -185,6 +189,40 @@ static int run_sizes(converge *self)
 
 /* ---- the verb --------------------------------------------------------------- */
 
+static void warn_of_particles(const converge *self)
+{
+    const weft_cloth_def *cloth = weft_scene_cloth(self->scene);
+    const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
+    const bool chain = cloth->rows == 1 || cloth->cols == 1;
+    const bool fabric = weft_scene_fabric(self->scene) != NULL;
+    bool spread = false;
+    for (size_t i = 0; i < cloth->load_count; ++i) {
+        const weft_load *load = &cloth->loads[i];
+        spread = spread || load->rows.first != load->rows.last
+                 || load->cols.first != load->cols.last || load->vertex_count > 1;
+    }
+    const struct {
+        bool used;
+        const char *key, *each;
+    } keys[]
+        = { { cloth->mass > 0.0 && !self->mesh, "cloth.mass", "particle" },
+            { cloth->drag > 0.0, "forces.damping", "particle" },
+            { spread, "the mass of cloth.loads", "particle" },
+            { bend->present && bend->stiffness > 0.0, "cloth.springs.bend", "spring" },
+            { chain && cloth->law == WEFT_LAW_HOOKE && !fabric,
+              "cloth.springs.stretch of a chain with law: hooke", "spring" },
+            { !chain && !self->mesh && cloth->law == WEFT_LAW_STRAIN,
+              "cloth.springs of a sheet with law: strain", "spring" } };
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        if (keys[i].used) {
+            fprintf(stderr,
+                    "weft: warning: %s is the same for each %s, so its effect depends "
+                    "on the size\n",
+                    keys[i].key, keys[i].each);
+        }
+    }
+}
+
 static int prepare(converge *self, const arguments *given)
 {
     weft_error err = { 0 };
@@ -215,37 +253,7 @@ static int converge_verb(const arguments *given)
         code = prepare(&self, given);
     }
     if (code == EXIT_DONE) {
-        const weft_cloth_def *cloth = weft_scene_cloth(self.scene);
-        const weft_spring_def *bend = &cloth->springs[WEFT_BEND];
-        const bool chain = cloth->rows == 1 || cloth->cols == 1;
-        const bool fabric = weft_scene_fabric(self.scene) != NULL;
-        bool spread = false;
-        for (size_t i = 0; i < cloth->load_count; ++i) {
-            const weft_load *load = &cloth->loads[i];
-            spread = spread || load->rows.first != load->rows.last
-                     || load->cols.first != load->cols.last || load->vertex_count > 1;
-        }
-        const struct {
-            bool used;
-            const char *key, *each;
-        } keys[] = { { cloth->mass > 0.0 && !self.mesh, "cloth.mass", "particle" },
-                     { cloth->drag > 0.0, "forces.damping", "particle" },
-                     { spread, "the mass of cloth.loads", "particle" },
-                     { bend->present && bend->stiffness > 0.0, "cloth.springs.bend",
-                       "spring" },
-                     { chain && cloth->law == WEFT_LAW_HOOKE && !fabric,
-                       "cloth.springs.stretch of a chain with law: hooke", "spring" },
-                     { !chain && !self.mesh && cloth->law == WEFT_LAW_STRAIN,
-                       "cloth.springs of a sheet with law: strain", "spring" } };
-        for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
-            if (keys[i].used) {
-                fprintf(
-                    stderr,
-                    "weft: warning: %s is the same for each %s, so its effect depends "
-                    "on the size\n",
-                    keys[i].key, keys[i].each);
-            }
-        }
+        warn_of_particles(&self);
         code = run_sizes(&self);
     }
     for (size_t i = 0; i < self.count; ++i) {

@@ -31,6 +31,12 @@ static double order_of(const double h[3], const double v[3])
     return 0.5 * (low + high);
 }
 
+/* Richardson's limit of a value that converges with order p; NAN: it does not. */
+static double extrapolate(double p, const double h[3], const double v[3])
+{
+    return p > 0.0 ? v[2] + (v[2] - v[1]) / expm1(p * log(h[1] / h[2])) : (double)NAN;
+}
+
 /* ---- the table -------------------------------------------------------------- */
 
 enum { CELLS = 5 };
@@ -43,6 +49,21 @@ static const struct {
                      { "difference", "%.3e", 11 },
                      { "order", "%.2f", 6 },
                      { "extrapolated", "%.10g", 16 } };
+
+/* NAN: no value. */
+static void fill_row(const converge *self, size_t of, size_t i, double cells[CELLS])
+{
+    double h[3] = { 0 }, v[3] = { 0 };
+    for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
+        h[k] = self->sizes[i + k - 2].spacing;
+        v[k] = self->results[i + k - 2].values[of];
+    }
+    cells[0] = h[2];
+    cells[1] = v[2];
+    cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
+    cells[3] = i < 2 ? (double)NAN : order_of(h, v);
+    cells[4] = extrapolate(cells[3], h, v);
+}
 
 static void print_header(const char *first, bool csv)
 {
@@ -58,21 +79,9 @@ static void print_row(const converge *self, size_t of, size_t i, bool csv)
     const weft_cloth *cloth = self->sizes[i].cloth;
     const size_t rows = weft_cloth_rows(cloth), cols = weft_cloth_cols(cloth);
     const size_t particles = weft_cloth_particles(cloth);
-    double cells[CELLS]; /* NAN: no value */
+    double cells[CELLS];
     char text[48];
-    double h[3] = { 0 }, v[3] = { 0 };
-    for (size_t k = i < 2 ? 2 - i : 0; k < 3; ++k) {
-        h[k] = self->sizes[i + k - 2].spacing;
-        v[k] = self->results[i + k - 2].values[of];
-    }
-    cells[0] = h[2];
-    cells[1] = v[2];
-    cells[2] = i < 1 ? (double)NAN : v[2] - v[1];
-    cells[3] = i < 2 ? (double)NAN : order_of(h, v);
-    /* Richardson's limit of a value that converges with order p; NAN: it does not. */
-    cells[4] = cells[3] > 0.0
-                   ? v[2] + (v[2] - v[1]) / expm1(cells[3] * log(h[1] / h[2]))
-                   : (double)NAN;
+    fill_row(self, of, i, cells);
     if (self->mesh) {
         (void)snprintf(text, sizeof text, "%zu", particles);
     } else {

@@ -51,6 +51,17 @@ static weft_status scale_place(const refinement *self, weft_range *rows,
                                 self->axis[self->along].refined, list, i);
 }
 
+/* A clamp must leave a free line. */
+static bool scale_counts(refinement *self, size_t size)
+{
+    refine_axis *along = &self->axis[self->along], *across = &self->axis[!self->along];
+    const size_t product = (size - 1) * (across->count - 1);
+    along->refined = size;
+    across->refined = product / (along->count - 1) + 1;
+    return product % (along->count - 1) == 0 && (!along->clamp || size > 2)
+           && (!across->clamp || across->refined > 2);
+}
+
 /* A clamp stays where it is, half a spacing behind the first line. */
 static void scale_lengths(refinement *self, size_t k)
 {
@@ -73,13 +84,7 @@ static void scale_lengths(refinement *self, size_t k)
 weft_status refine_to(refinement *self, size_t size, weft_error *err)
 {
     const weft_cloth_def *from = self->from;
-    /* A clamp must leave a free line. */
-    refine_axis *along = &self->axis[self->along], *across = &self->axis[!self->along];
-    const size_t product = (size - 1) * (across->count - 1);
-    along->refined = size;
-    across->refined = product / (along->count - 1) + 1;
-    if (product % (along->count - 1) != 0 || (along->clamp && size <= 2)
-        || (across->clamp && across->refined <= 2)) {
+    if (!scale_counts(self, size)) {
         return weft_error_set(err, WEFT_INVALID,
                               "%zu does not keep the ratio of rows to columns", size);
     }
@@ -149,6 +154,17 @@ bool refine_clamp(refinement *self)
     return self->axis[0].clamp || self->axis[1].clamp;
 }
 
+/* [m] The edge of as many equal triangles of the same area. */
+static double edge_of(const weft_mesh_def *mesh)
+{
+    double sum = 0.0;
+    for (size_t t = 0; t < mesh->triangles; ++t) {
+        const rest_triangle at = rest_triangle_of(mesh, t);
+        sum += 2.0 * rest_area(&at);
+    }
+    return sqrt(2.0 / sqrt(3.0) * sum / (double)mesh->triangles);
+}
+
 /* The triangle of a flat piece, of one of several cloths, that x lies in or is nearest
  * to, as shares of its corners. */
 static void find_place(const weft_mesh_def *mesh, size_t part, const double x[2],
@@ -209,13 +225,7 @@ int converge_open_mesh(converge *self, converge_size *to)
     if (cloth_create(scene, def, &to->cloth, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    /* [m] The edge of as many equal triangles of the same area. */
-    double sum = 0.0;
-    for (size_t t = 0; t < def->mesh->triangles; ++t) {
-        const rest_triangle at = rest_triangle_of(def->mesh, t);
-        sum += 2.0 * rest_area(&at);
-    }
-    to->spacing = sqrt(2.0 / sqrt(3.0) * sum / (double)def->mesh->triangles);
+    to->spacing = edge_of(def->mesh);
     for (size_t i = 0; i < self->quantity_count; ++i) {
         converge_probe *probe = &to->probes[i];
         if (self->quantities[i].particle) {

@@ -91,11 +91,11 @@ static comm_mpi *open_mpi(const arguments *given)
     return start();
 }
 
-static int run_joined(arguments *given, const comm_mpi *mpi, size_t bands)
+/* Whether this rank was started with the command line and the scene of rank 0, whose
+ * run it takes part in; a scene that only rank 0 can read is shared. */
+static bool is_alike(const comm_mpi *mpi, const arguments *given)
 {
     const weft_comm *comm = &mpi->comm;
-    /* Whether this rank was started with the command line and the scene of rank 0,
-     * whose run it takes part in; a scene that only rank 0 can read is shared. */
     const char *scene = given->operands[0];
     struct stat file; /* 0: this rank cannot read it */
     const bool there = stat(scene, &file) == 0 && S_ISREG(file.st_mode);
@@ -115,7 +115,13 @@ static int run_joined(arguments *given, const comm_mpi *mpi, size_t bands)
                 "weft: error: rank %d has %s than rank 0: start all ranks alike\n",
                 comm->rank, mine[0] != first[0] ? "other options" : "another scene");
     }
-    if (comm->max(comm->self, alike ? 0.0 : 1.0) > 0.0) {
+    return comm->max(comm->self, alike ? 0.0 : 1.0) == 0.0;
+}
+
+static int run_joined(arguments *given, const comm_mpi *mpi, size_t bands)
+{
+    const weft_comm *comm = &mpi->comm;
+    if (!is_alike(mpi, given)) {
         return EXIT_SCENE;
     }
     if (comm->rank > 0) { /* what rank 0 does, and only that is to be seen */

@@ -199,6 +199,17 @@ static weft_status check_sums(run *self, bool equal, weft_error *err)
     return damaged == NULL ? WEFT_OK : name_damage(self, damaged, err);
 }
 
+/* Opens the records of the checkpoint and checks all of them; writes nothing. */
+static weft_status check_records(run *self, weft_error *err)
+{
+    record_vtkhdf_def def = frames_of(self);
+    bool equal = false;
+    def.last = self->from->last;
+    TRY(run_agree(self, open_tables(self, true, err), err));
+    TRY(record_vtkhdf_reopen(&def, &self->from->vtkhdf, &self->frames, &equal, err));
+    return run_agree(self, check_sums(self, equal, err), err);
+}
+
 static weft_status cut_tables(run *self, weft_error *err)
 {
     TRY(record_table_cut(&self->shapes, &self->from->shapes, err));
@@ -239,13 +250,7 @@ static weft_status make_longer(run *self, weft_error *err)
 /* To the checkpoint's frame. */
 static weft_status reopen_records(run *self, weft_error *err)
 {
-    /* Opens the records of the checkpoint and checks all of them; writes nothing. */
-    record_vtkhdf_def def = frames_of(self);
-    bool equal = false;
-    def.last = self->from->last;
-    TRY(run_agree(self, open_tables(self, true, err), err));
-    TRY(record_vtkhdf_reopen(&def, &self->from->vtkhdf, &self->frames, &equal, err));
-    TRY(run_agree(self, check_sums(self, equal, err), err));
+    TRY(check_records(self, err));
     if (is_longer(self)) {
         return make_longer(self, err);
     }

@@ -47,6 +47,18 @@ static void print_what(const run *self)
     print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
 }
 
+static void print_time(const run *self)
+{
+    sentence speed = { "" };
+    const record_result *result = &self->result;
+    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
+    if (t > 0.0 && result->wall_time > 0.0) {
+        say(&speed, ", %.3g times real time", t / result->wall_time);
+    }
+    print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
+               result->planned, t, human_time(result->wall_time).text, speed.text);
+}
+
 static void print_steps(const run *self)
 {
     const weft_stepper_stats stats = weft_sim_stats(self->sim);
@@ -203,14 +215,7 @@ static void print_sensitivity(const run *self)
 void summary_print(const run *self)
 {
     print_what(self);
-    sentence speed = { "" };
-    const record_result *result = &self->result;
-    const double t = weft_sim_time(self->sim); /* both are of all parts of the run */
-    if (t > 0.0 && result->wall_time > 0.0) {
-        say(&speed, ", %.3g times real time", t / result->wall_time);
-    }
-    print_item("time", "%zu of %zu frames, %.6g s simulated in %s%s", result->frames,
-               result->planned, t, human_time(result->wall_time).text, speed.text);
+    print_time(self);
     print_steps(self);
     print_step_sizes(self);
     print_strain(self);
