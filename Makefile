@@ -62,7 +62,7 @@ HAVE_HTTP := $(call has,microhttpd.h)
 # The mesher of cloth.cut, of the program alone.
 HAVE_QHULL := $(call has,libqhull_r/libqhull_r.h)
 # The method of weft fit.
-CMINPACK_CFLAGS ?= $(patsubst -I%,-isystem %,$(shell pkg-config --cflags cminpack 2>/dev/null))
+CMINPACK_CFLAGS ?= $(or $(patsubst -I%,-isystem %,$(shell pkg-config --cflags cminpack 2>/dev/null)),-isystem /usr/include/cminpack-1)
 HAVE_CMINPACK := $(call has,cminpack.h,$(CMINPACK_CFLAGS))
 # The example with a window.
 HAVE_SDL2 := $(call has,SDL2/SDL.h)

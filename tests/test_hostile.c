@@ -372,7 +372,7 @@ START_TEST(a_batch_without_memory_says_so)
     write_file(OUT "/many.yaml", text);
     bool told = false, enough = false;
     int code = 0;
-    for (int kilobytes = 15000; !enough; kilobytes += told ? 500 : 100) {
+    for (int kilobytes = 10000; !enough; kilobytes += told ? 500 : 100) {
         code = shell("ulimit -v %d; " WEFT " batch " OUT "/many.yaml --out " OUT
                      "/b --summary --quiet 2>&1",
                      kilobytes);

@@ -387,7 +387,7 @@ static const char *const writings[] = {
     "0.01}"
     "\r\n" STEPPER RUN,
     "\xEF\xBB\xBFweft: 1\n" CLOTH STEPPER RUN,
-    "%YAML 1.2\n---\nweft: 1\n" CLOTH STEPPER RUN "...\n",
+    "%YAML 1.1\n---\nweft: 1\n" CLOTH STEPPER RUN "...\n",
     "--- # one document\n" RUN STEPPER CLOTH "'weft': 1",
     "weft: 1\n" CLOTH
     "stepper: {plugin: 'gsl', \"method\": \"rkf45\"}\nrun: {duration: &d "

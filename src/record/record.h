@@ -50,6 +50,8 @@ weft_status record_no_link(const char *path, weft_error *err);
 weft_status record_file_commit(record_file *file, weft_error *err);
 /* Removes the temporary file instead. */
 void record_file_discard(record_file *file);
+/* Commits what is good, else discards it and says why by errno. */
+weft_status record_file_end(record_file *file, bool good, weft_error *err);
 /* Writes text in quotes, with those inside doubled (RFC 4180). */
 void record_csv_quoted(FILE *stream, const char *text);
 

@@ -116,6 +116,16 @@ void record_file_discard(record_file *file)
     (void)remove(file->temporary);
 }
 
+weft_status record_file_end(record_file *file, bool good, weft_error *err)
+{
+    if (good) {
+        return record_file_commit(file, err);
+    }
+    const weft_status status = record_failed(file->path, err);
+    record_file_discard(file);
+    return status;
+}
+
 void record_csv_quoted(FILE *stream, const char *text)
 {
     putc('"', stream);

@@ -114,15 +114,6 @@ static void write_contact_def(yaml_out *out, const weft_contact_def *contact)
     }
 }
 
-static weft_status commit(bool good, record_file *file, weft_error *err)
-{
-    if (!good) {
-        record_file_discard(file);
-        return weft_error_set(err, WEFT_IO, "%s: write failed", file->path);
-    }
-    return record_file_commit(file, err);
-}
-
 bool record_step_differs(const weft_scene *scene)
 {
     const double asked = weft_scene_step(scene);
@@ -159,7 +150,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
                    "record: { ledger: %s }",
                    run->duration, run->fps, run->threads, run->checkpoint,
                    yaml_bool(weft_scene_record(scene)->ledger));
-    return commit(yaml_out_end(&out), &file, err);
+    return record_file_end(&file, yaml_out_end(&out), err);
 }
 
 static void write_spring(yaml_out *out, const weft_cloth *cloth,
@@ -275,7 +266,7 @@ weft_status record_result_write(const char *directory, const record_result *resu
     TRY(record_file_open(&file, directory, "result.yaml", err));
     yaml_out_begin(&out, file.stream);
     record_result_items(&out, result);
-    return commit(yaml_out_end(&out), &file, err);
+    return record_file_end(&file, yaml_out_end(&out), err);
 }
 
 weft_status record_result_amend(const char *directory, const record_result *result,
@@ -299,7 +290,7 @@ weft_status record_result_amend(const char *directory, const record_result *resu
                 (void)putc(c, file.stream);
             }
         }
-        status = commit(good, &file, err);
+        status = record_file_end(&file, good, err);
     }
     (void)fclose(former);
     return status;

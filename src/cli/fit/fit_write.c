@@ -62,11 +62,7 @@ static weft_status write_yaml(const fit *self, const char *directory, weft_error
                    self->sigma);
     yaml_out_write(&to, "converged: %s", yaml_bool(self->converged));
     write_unresolved(self, &to);
-    if (!yaml_out_end(&to)) {
-        record_file_discard(&file);
-        return weft_error_set(err, WEFT_IO, "%s/fit.yaml cannot be written", directory);
-    }
-    return record_file_commit(&file, err);
+    return record_file_end(&file, yaml_out_end(&to), err);
 }
 
 /* ---- the picture: each coordinate over time, data as dots, the fit as lines ------ */
