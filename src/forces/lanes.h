@@ -222,10 +222,10 @@ INLINE void set_lane(vec3 *a, size_t lane, const double *from, size_t plane)
 /* The first `count` lanes; 0 in the others. */
 INLINE vec3 load3_some(const double *from, size_t plane, size_t count)
 {
-    vec3 a = { 0 };
-    if (count == LANES) {
+    if (count == LANES) { /* before zeros are written for the others */
         return load3(from, plane);
     }
+    vec3 a = { 0 };
     for (size_t i = 0; i < count; ++i) {
         set_lane(&a, i, from + i, plane);
     }

@@ -13,12 +13,13 @@
  * A pair of particles of one block stands once, in the row of either; one of two blocks
  * in the rows of both. Rows lie in groups of four of equal length: pairs of a particle
  * with itself, of entry 0, fill them up. */
-enum { WEFT__PLATE_ROWS = 4 };
+enum { WEFT__PLATE_ROWS = 4, WEFT__PLATE_RECORD = 4 };
 
 typedef struct weft__plate_matrix {
     size_t particles;
     size_t *first;    /* pair of each group of rows, and their number */
-    uint32_t *column; /* the other end in its block's list: own particles, then halo */
+    uint32_t *column; /* the other end in its block's list, own particles, then halo:
+                         where its record begins, of WEFT__PLATE_RECORD numbers */
     double *entry;    /* [N/m] */
     double tau[2];    /* [s] the least and the largest damping of its triangles */
     double *damping;  /* [N s/m] as `entry`, where they differ; else tau of each */
@@ -68,7 +69,7 @@ static inline weft__plate_pair weft__plate_pair_of(const weft__plate_matrix *of,
     const size_t b = i / WEFT__MESH_BLOCK, first = b * WEFT__MESH_BLOCK;
     const size_t left = of->particles - first;
     const size_t own = left < WEFT__MESH_BLOCK ? left : WEFT__MESH_BLOCK;
-    const uint32_t column = of->column[pair];
+    const uint32_t column = of->column[pair] / WEFT__PLATE_RECORD;
     return (weft__plate_pair){ column < own ? first + column
                                             : of->halo[of->reach[b] + (column - own)],
                                column < own };

@@ -5,15 +5,22 @@
 #include "forces/bending/plate.h"
 #include "forces/lanes.h"
 
-enum { ROOM = WEFT__PLATE_ROOM, ROW = 24, LINE = 8, AHEAD = 384 };
+enum { ROOM = WEFT__PLATE_ROOM, RECORD = WEFT__PLATE_RECORD };
+enum { ROW = 24, LINE = 8, AHEAD = 384 };
 
-typedef double record __attribute__((vector_size(32)));
+typedef double record __attribute__((vector_size(32), may_alias));
 
 #define ALL(a) ((record){ (a), (a), (a), (a) })
 
+/* Records of a block's particles and of its halo: what the terms multiply, and sums. */
 typedef struct nearby {
-    record x, sum;
+    _Alignas(64) double x[RECORD * ROOM], sum[RECORD * ROOM];
 } nearby;
+
+INLINE record *at(double *of, size_t place)
+{
+    return (record *)(void *)(of + place);
+}
 
 /* A block of rows. */
 typedef struct block {
@@ -32,13 +39,14 @@ static block block_of(const weft__plate_matrix *of, size_t b)
 }
 
 /* What a term multiplies, of one particle. */
-INLINE void take(const double *x, size_t n, double tau, nearby *to)
+INLINE void take(const double *x, size_t n, double tau, nearby *to, size_t place)
 {
-    to->x = (record){ x[0], x[n], x[2 * n], 0.0 };
+    record value = { x[0], x[n], x[2 * n], 0.0 };
     if (tau != 0.0) {
-        to->x += (record){ tau * x[3 * n], tau * x[4 * n], tau * x[5 * n], 0.0 };
+        value += (record){ tau * x[3 * n], tau * x[4 * n], tau * x[5 * n], 0.0 };
     }
-    to->sum = ALL(0.0);
+    *at(to->x, place) = value;
+    *at(to->sum, place) = ALL(0.0);
 }
 
 INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
@@ -46,17 +54,17 @@ INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
     const size_t n = p->of->particles;
     const uint32_t *halo = p->of->halo + p->of->reach[p->b];
     for (size_t j = 0; j < p->own; ++j) {
-        take(x + p->first + j, n, tau, &to[j]);
+        take(x + p->first + j, n, tau, to, RECORD * j);
     }
     for (size_t j = 0; j < p->halo; ++j) {
-        take(x + halo[j], n, tau, &to[p->own + j]);
+        take(x + halo[j], n, tau, to, RECORD * (p->own + j));
     }
 }
 
-INLINE void add_pair(double entry, const record *x, nearby *other, record *sum)
+INLINE void add_pair(double entry, record x, size_t other, nearby *near, record *sum)
 {
-    const record pull = ALL(entry) * (*x - other->x);
-    other->sum += pull;
+    const record pull = ALL(entry) * (x - *at(near->x, other));
+    *at(near->sum, other) += pull;
     *sum += pull;
 }
 
@@ -64,17 +72,17 @@ INLINE void add_pair(double entry, const record *x, nearby *other, record *sum)
 INLINE void add_row(const double *entry, const uint32_t *column, size_t length,
                     nearby *near, size_t i)
 {
-    const record x = near[i].x;
+    const record x = *at(near->x, RECORD * i);
     record even = ALL(0.0), odd = even;
     for (size_t j = 0; j < ROW; j += LINE) { /* of average length */
         __builtin_prefetch(entry + j + AHEAD);
         __builtin_prefetch(column + j + AHEAD);
     }
     for (size_t j = 0; j < length; j += 2) {
-        add_pair(entry[j], &x, &near[column[j]], &even);
-        add_pair(entry[j + 1], &x, &near[column[j + 1]], &odd);
+        add_pair(entry[j], x, column[j], near, &even);
+        add_pair(entry[j + 1], x, column[j + 1], near, &odd);
     }
-    near[i].sum -= even + odd;
+    *at(near->sum, RECORD * i) -= even + odd;
 }
 
 /* The rows of a block, which lie one behind the other. */
@@ -101,9 +109,9 @@ INLINE double subtract(const block *p, const double *mass, const nearby *near,
     double bad = 0.0;
     for (size_t i = 0; i < p->own; ++i) {
         const double share = mass != NULL ? mass[p->first + i] : 1.0;
-        const record change = ALL(share) * near[i].sum;
+        const double *sum = near->sum + RECORD * i;
         double *to = from + p->first + i;
-        to[0] -= change[0], to[n] -= change[1], to[2 * n] -= change[2];
+        to[0] -= share * sum[0], to[n] -= share * sum[1], to[2 * n] -= share * sum[2];
         bad += ((to[0] + to[n]) + to[2 * n]) * 0.0;
     }
     return bad;
@@ -114,20 +122,16 @@ int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
 {
     const weft__plate *plate = own;
     const double *mass = unit != WEFT__FORCE ? plate->mesh->inverse_mass : NULL;
-    _Alignas(64) nearby near[ROOM];
+    nearby near;
     weft__plate_term terms[2];
     const size_t count = weft__plate_terms(&plate->matrix, at->y, terms);
     double bad = 0.0;
     for (size_t b = first * count; b < end * count; ++b) {
         const block p = block_of(&plate->matrix, b / count);
         const weft__plate_term *term = &terms[b % count];
-        if (term->tau != 0.0) {
-            take_all(&p, term->x, term->tau, near);
-        } else {
-            take_all(&p, term->x, 0.0, near);
-        }
-        add_rows(&p, term->matrix, near);
-        bad += subtract(&p, mass, near, to);
+        take_all(&p, term->x, term->tau, &near);
+        add_rows(&p, term->matrix, &near);
+        bad += subtract(&p, mass, &near, to);
     }
     return bad == 0.0 ? 0 : 1;
 }

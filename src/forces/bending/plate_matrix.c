@@ -97,14 +97,9 @@ static size_t add_edge(stencils *of, size_t begin, uint32_t triangle, size_t k,
     return 0;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void subtract(double from[3], const double unit[3])
 {
-    const double share = dot(from, unit);
+    const double share = weft__dot(from, unit);
     for (size_t m = 0; m < 3; ++m) {
         from[m] -= share * unit[m];
     }
@@ -117,11 +112,11 @@ static size_t orthonormal(double columns[3][3], size_t count)
     size_t rank = 0;
     for (size_t i = 0; i < count; ++i) {
         double *unit = memmove(columns[rank], columns[i], sizeof columns[i]);
-        const double before = sqrt(dot(unit, unit));
+        const double before = sqrt(weft__dot(unit, unit));
         for (size_t j = 0; j < 2 * rank; ++j) { /* twice: what roundoff left */
             subtract(unit, columns[j % rank]);
         }
-        const double length = sqrt(dot(unit, unit));
+        const double length = sqrt(weft__dot(unit, unit));
         for (size_t m = 0; m < 3; ++m) {
             unit[m] /= length;
         }
@@ -304,7 +299,7 @@ static void add_item(const stencils *of, growth *to, size_t begin, size_t i, siz
             to->seat[column] = (uint32_t)(to->count - begin);
         }
         pair *sum = &to->pairs[begin + to->seat[column] - 1];
-        const double share = dot(own, of->r[j]);
+        const double share = weft__dot(own, of->r[j]);
         sum->entry += share;
         sum->damping += tau * share;
     }
@@ -366,7 +361,7 @@ static void fill_group(growth *to, size_t first, const size_t *length, size_t *a
     for (size_t i = first; i < end; ++i, to->entries += most) {
         at[i] = to->entries;
         for (size_t j = 0; j < most; ++j) {
-            out->column[to->entries + j] = (uint32_t)i;
+            out->column[to->entries + j] = WEFT__PLATE_RECORD * (uint32_t)i;
             out->entry[to->entries + j] = 0.0;
             if (out->damping != NULL) {
                 out->damping[to->entries + j] = 0.0;
@@ -395,7 +390,7 @@ static bool add_block(const stencils *of, growth *to)
     for (size_t j = 0; j < to->count; ++j) {
         const pair *from = &to->pairs[j];
         const size_t place = at[from->row]++;
-        out->column[place] = from->column;
+        out->column[place] = WEFT__PLATE_RECORD * from->column;
         out->entry[place] = from->entry;
         if (out->damping != NULL) {
             out->damping[place] = from->damping;
