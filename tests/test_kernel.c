@@ -13,7 +13,8 @@
 
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
-weft__start_fn weft__rows_wide, weft__products_wide;
+weft__start_fn weft__rows_wide;
+weft__products_fn weft__products_wide;
 weft__add_fn weft__bending_wide, weft__wind_wide, weft__contact_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
@@ -271,6 +272,60 @@ START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
             plain = i == 0 ? hash() : plain;
             ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
                           m.def.rows, m.def.cols, name);
+        }
+    }
+}
+END_TEST
+
+/* Three directions, of which one has the derivative by a number, with the state. */
+START_TEST(several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loops)
+{
+    enum { ALL = 4 };
+    static double z[6 * ALL * MOST + 16], out[6 * ALL * MOST], masses[MOST + WEFT_PAST];
+    for (uint64_t number = 0; number < SEEDS; ++number) {
+        make(number);
+        const size_t stride = ALL * m.n;
+        uint64_t seed = number + 1, plain = 0;
+        weft__spring_slope by
+            = { .ways = 0x2d, .damped = true, .drag = 0.1, .inverse_mass = masses };
+        fill(by.gravity, 1.0, &seed);
+        const size_t cols = m.def.cols, down = number % 2 == 0 ? cols : ALL * cols;
+        const size_t part = number % 2 == 0 ? m.n : cols;
+        for (size_t k = 0; k < 6 * stride; ++k) {
+            z[k] = chance(&seed) - 0.5;
+        }
+        for (size_t k = 0; k < 6 * m.n; ++k) {
+            z[k / m.n * stride + k % m.n / cols * down + k % cols] = m.y[k];
+        }
+        for (size_t i = 0; i < m.n; ++i) {
+            masses[i] = chance(&seed);
+        }
+        for (size_t g = 0; g < WEFT_GROUPS; ++g) {
+            by.laws[g]
+                = (weft__slope_law){ chance(&seed), chance(&seed), chance(&seed) };
+        }
+        weft__ways ways = { z, out, stride, down, ALL - 1, { { NULL } } };
+        for (size_t j = 0; j < ALL - 1; ++j) {
+            const size_t at = (1 + j) * part;
+            ways.way[j] = (weft__way){ z + at, out + at, j == 1 ? &by : NULL };
+        }
+        for (size_t i = 0; i < form_count(); ++i) {
+            const char *name = choose(m.cloth, i);
+            const weft__springs *own = &m.cloth->springs;
+            memset(out, 0xff, sizeof out);
+            ck_assert_int_eq(own->products(own, &m.cloth->body, &ways, 0, m.def.rows),
+                             0);
+            const uint64_t found = test_hash(out, 6 * stride);
+            plain = i == 0 ? found : plain;
+            ck_assert_msg(found == plain, "%u: %zu x %zu on %s", (unsigned)number,
+                          m.def.rows, m.def.cols, name);
+        }
+        const weft__state at = { .t = m.t, .y = m.y };
+        (void)weft__springs_force.start(&m.cloth->springs, &m.cloth->body, &at,
+                                        WEFT__ACCELERATION, m.dydt, 0, m.def.rows);
+        for (size_t k = 0; k < 6 * m.n; ++k) {
+            ck_assert(out[k / m.n * stride + k % m.n / cols * down + k % cols]
+                      == m.dydt[k]);
         }
     }
 }
@@ -615,6 +670,8 @@ TEST_SUITE(kernel)
     tcase_add_test(tcase, every_level_and_width_has_the_bits_of_the_plain_loops);
     tcase_add_test(tcase, every_level_finds_the_same_paths_clear);
     tcase_add_test(tcase, products_have_the_bits_of_the_plain_loops_on_every_level);
+    tcase_add_test(
+        tcase, several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loops);
     tcase_add_test(tcase, rates_are_forces_by_masses);
     tcase_add_test(tcase, runs_of_blocks_have_the_bits_of_the_whole);
     tcase_add_test(tcase, rates_have_the_same_bits_at_every_address);

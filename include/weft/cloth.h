@@ -521,11 +521,11 @@ WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
 
 /* Writes the derivative of weft_cloth_rhs by a number to out[6 N], in [m/s] and [m/s^2]
  * per unit of `span`: of two cloths that differ in that number alone, `less` and `more`
- * of it, whose difference is `span`. A central difference, exact but for roundoff in
- * numbers in which a force is linear (of springs, weight and air in one evaluation); of
- * pinned particles, the derivative of their motion. Only the forces that differ are
- * evaluated. Returns 0, 1 as weft_cloth_rhs, or -1: the two have other particles, pins
- * or shapes than one another, or there is no memory. */
+ * of it, whose difference is `span`. Of springs, weight, air and masses exact but for
+ * roundoff, of the other forces a central difference; of pinned particles, the
+ * derivative of their motion. Only the other forces that differ are evaluated. Returns
+ * 0, 1 as weft_cloth_rhs, or -1: the two have other particles, pins or shapes than one
+ * another, or there is no memory. */
 WEFT_API int weft_cloth_parameter_product(const weft_cloth *less,
                                           const weft_cloth *more, double span, double t,
                                           const double *y, double *out);

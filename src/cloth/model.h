@@ -67,6 +67,10 @@ static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
 int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,
                      size_t first, size_t end);
 
+/* Adds the forces after the first one to three planes. */
+int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
+                     double *planes, size_t first, size_t end);
+
 /* The whole-cloth forces; spaces[WEFT__FORCES] or NULL. dvdt: v' */
 int weft__rhs_all(const weft_cloth *cloth, void *const *spaces, const weft__state *at,
                   weft__unit unit, double *dvdt);

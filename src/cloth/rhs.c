@@ -19,9 +19,16 @@ static int sum(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
                double *to, size_t first, size_t end)
 {
     double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.particles;
+    return weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at, unit, to,
+                                       first, end)
+           | weft__rhs_others(cloth, at, unit, planes, first, end);
+}
+
+int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
+                     double *planes, size_t first, size_t end)
+{
     const weft__state along = { .y = at->along };
-    int failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
-                                             unit, to, first, end);
+    int failed = 0;
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const bool change = at->along != NULL && force != NULL && !force->linear;

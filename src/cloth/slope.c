@@ -9,18 +9,19 @@
 
 /* ---- what differs ---------------------------------------------------------------- */
 
-static bool same_place(const weft__mesh *a, const weft__mesh *b)
+static bool same_place(const weft_cloth *one, const weft_cloth *other)
 {
-    return a->particles == b->particles && a->block == b->block
-           && a->motion_count == b->motion_count
-           && (a->triangles == NULL) == (b->triangles == NULL)
-           && memcmp(a->pin, b->pin, a->particles * sizeof *a->pin) == 0;
-}
-
-static bool same_weight(const weft__mesh *a, const weft__mesh *b)
-{
-    return memcmp(a->mass, b->mass, a->particles * sizeof *a->mass) == 0
-           && memcmp(a->spacing, b->spacing, sizeof a->spacing) == 0;
+    const weft__mesh *a = &one->mesh, *b = &other->mesh;
+    bool same = a->particles == b->particles && a->block == b->block
+                && a->motion_count == b->motion_count
+                && (a->triangles == NULL) == (b->triangles == NULL)
+                && memcmp(a->pin, b->pin, a->particles * sizeof *a->pin) == 0
+                && one->contact.shape_count == other->contact.shape_count
+                && one->springs.group_count == other->springs.group_count;
+    for (size_t g = 0; same && g < one->springs.group_count; ++g) {
+        same = one->springs.groups[g].way == other->springs.groups[g].way;
+    }
+    return same;
 }
 
 static bool same_motions(const weft__mesh *a, const weft__mesh *b)
@@ -34,24 +35,44 @@ static bool same_motions(const weft__mesh *a, const weft__mesh *b)
     return same;
 }
 
-/* The springs and the weight whose force is the derivative. */
-static void find_differences(weft__slope *of)
+/* Of springs, weight and air. */
+static void find_laws(weft__slope *of)
 {
     const weft__springs *less = &of->less->springs, *more = &of->more->springs;
-    of->springs = *more;
-    of->linear = less->group_count == more->group_count;
-    for (size_t g = 0; of->linear && g < more->group_count; ++g) {
+    const weft__body *low = &of->less->body, *high = &of->more->body;
+    weft__spring_slope *to = &of->springs;
+    for (size_t g = 0; g < more->group_count; ++g) {
         const weft__group *a = &less->groups[g], *b = &more->groups[g];
-        of->linear = a->way == b->way && a->rest_length == b->rest_length;
-        of->springs.groups[g].stiffness = (b->stiffness - a->stiffness) / of->span;
-        of->springs.groups[g].damping = (b->damping - a->damping) / of->span;
+        const weft__slope_law law = { of->scale * (b->stiffness - a->stiffness),
+                                      of->scale * (b->damping - a->damping),
+                                      of->scale * (b->rest_length - a->rest_length) };
+        to->laws[b->way] = law;
+        to->damped = to->damped || law.damping != 0.0;
+        if (law.stiffness != 0.0 || law.damping != 0.0 || law.rest_length != 0.0) {
+            to->ways |= 1u << b->way;
+        }
     }
-    of->body = of->more->body;
-    of->body.drag = (of->more->body.drag - of->less->body.drag) / of->span;
+    to->drag = of->scale * (high->drag - low->drag);
     for (size_t k = 0; k < 3; ++k) {
-        of->body.gravity[k]
-            = (of->more->body.gravity[k] - of->less->body.gravity[k]) / of->span;
+        to->gravity[k] = of->scale * (high->gravity[k] - low->gravity[k]);
     }
+}
+
+/* Of the masses, unless they are the same. */
+static bool find_masses(weft__slope *of, const weft_allocator *memory)
+{
+    const weft__mesh *less = &of->less->mesh, *more = &of->more->mesh;
+    const size_t n = less->particles;
+    if (memcmp(less->mass, more->mass, n * sizeof *less->mass) == 0) {
+        return true;
+    }
+    double *to = weft__zeroed(memory, n + WEFT_PAST, sizeof *to);
+    for (size_t i = 0; to != NULL && i < n; ++i) {
+        const double w = less->inverse_mass[i] * more->inverse_mass[i];
+        to[i] = -w * (of->scale * (more->mass[i] - less->mass[i]));
+    }
+    of->springs.inverse_mass = of->inverse_mass = to;
+    return to != NULL;
 }
 
 static uint64_t hash_of(const weft_cloth *cloth, size_t k)
@@ -63,28 +84,43 @@ static uint64_t hash_of(const weft_cloth *cloth, size_t k)
 
 weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                              const weft_cloth *less, const weft_cloth *more,
-                             double span, weft_error *err)
+                             double span, double scale, const weft_allocator *memory,
+                             weft_error *err)
 {
-    *of = (weft__slope){ .less = less, .more = more, .span = span };
+    *of = (weft__slope){ .less = less, .more = more, .scale = scale / span };
     if (less == NULL || more == NULL || !weft__positive(span)
-        || !same_place(&cloth->mesh, &less->mesh)
-        || !same_place(&cloth->mesh, &more->mesh)
-        || cloth->contact.shape_count != less->contact.shape_count
-        || cloth->contact.shape_count != more->contact.shape_count) {
+        || !same_place(cloth, less) || !same_place(cloth, more)) {
         return weft_error_set(err, WEFT_INVALID,
                               "two cloths with less and more of a number must have the "
-                              "particles, pins and shapes of the cloth itself, and a "
-                              "span > 0");
+                              "particles, pins, springs and shapes of the cloth "
+                              "itself, and a span > 0");
     }
-    of->all = !same_weight(&less->mesh, &more->mesh);
+    find_laws(of);
+    if (!find_masses(of, memory)) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a derivative");
+    }
     of->pins = !same_motions(&less->mesh, &more->mesh);
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        of->differs[k] = of->all || hash_of(less, k) != hash_of(more, k);
+    const bool all
+        = of->inverse_mass != NULL
+          || memcmp(less->mesh.spacing, more->mesh.spacing, sizeof less->mesh.spacing)
+                 != 0;
+    for (size_t k = 1; k < WEFT__FORCES; ++k) {
+        of->differs[k]
+            = k != WEFT__FORCE_body && (all || hash_of(less, k) != hash_of(more, k));
+        const weft__force *force = of->differs[k] && weft__force_at(less, k) != NULL
+                                       ? weft__force_at(less, k)
+                                   : of->differs[k] ? weft__force_at(more, k)
+                                                    : NULL;
+        of->others = of->others || (force != NULL && force->add != NULL);
     }
     of->differs[WEFT__FORCE_self] = of->differs[WEFT__FORCE_contact];
     of->differs[WEFT__FORCE_bodies] = of->differs[WEFT__FORCE_contact];
-    find_differences(of);
     return WEFT_OK;
+}
+
+void weft__slope_free(const weft__slope *of, const weft_allocator *memory)
+{
+    weft__free(memory, of->inverse_mass);
 }
 
 bool weft__slope_whole(const weft__slope *of)
@@ -95,20 +131,15 @@ bool weft__slope_whole(const weft__slope *of)
 
 /* ---- the derivative -------------------------------------------------------------- */
 
-/* dy/dt of blocks [first, end) by the forces that differ. */
+/* dv/dt of blocks [first, end) by the forces that differ. */
 static int evaluate(const weft__slope *of, const weft_cloth *cloth,
-                    const weft__state *at, bool start, double *out, size_t first,
-                    size_t end)
+                    const weft__state *at, double *out, size_t first, size_t end)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles, low = weft__block(mesh, first);
     const size_t high = weft__block(mesh, end);
     int failed = 0;
-    if (start) {
-        failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
-                                             WEFT__ACCELERATION, out, first, end);
-    }
-    for (size_t k = 3; !start && k < 6; ++k) {
+    for (size_t k = 3; k < 6; ++k) {
         memset(out + k * n + low, 0, (high - low) * sizeof *out);
     }
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
@@ -121,85 +152,45 @@ static int evaluate(const weft__slope *of, const weft_cloth *cloth,
     return failed;
 }
 
-/* out += factor (more - less), of the accelerations of particles [low, high). */
-static void add_difference(size_t n, double factor, const double *less,
-                           const double *more, double *out, size_t low, size_t high)
+/* out += scale (more - less), of the accelerations of particles [low, high). */
+static void add_difference(const weft__slope *of, double *const room[2], double *out,
+                           size_t low, size_t high)
 {
+    const size_t n = of->more->mesh.particles;
     for (size_t k = 3 * n; k < 6 * n; k += n) {
         for (size_t i = k + low; i < k + high; ++i) {
-            out[i] += factor * (less == NULL ? more[i] : more[i] - less[i]);
+            out[i] += of->scale * (room[1][i] - room[0][i]);
         }
     }
 }
 
-/* The same of weight and air alone. */
-static void add_body(const weft__slope *of, const weft__state *at, double scale,
-                     double *out, size_t low, size_t high)
+void weft__slope_pin(const weft__slope *of, size_t i, double t, double rate[6])
 {
-    const weft__mesh *mesh = &of->more->mesh;
-    const size_t n = mesh->particles;
-    for (size_t k = 0; k < 3; ++k) {
-        const double *v = at->y + (3 + k) * n;
-        for (size_t i = low; i < high; ++i) {
-            out[(3 + k) * n + i] += scale
-                                    * (of->body.gravity[k]
-                                       - of->body.drag * mesh->inverse_mass[i] * v[i]);
-        }
+    double less[6] = { 0.0 }, more[6] = { 0.0 };
+    if (of->pins) {
+        weft__pin_rate(&of->less->mesh, i, t, less);
+        weft__pin_rate(&of->more->mesh, i, t, more);
+    }
+    for (size_t k = 0; k < 6; ++k) {
+        rate[k] = of->scale * (more[k] - less[k]);
     }
 }
 
-static void move_pins(const weft__slope *of, double t, double scale, double *out,
-                      size_t first, size_t end)
+int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
+                       double *const room[2], size_t first, size_t end)
 {
-    const weft__mesh *mesh = &of->more->mesh;
-    for (size_t j = 0; j < mesh->pinned; ++j) {
-        const size_t i = mesh->pins[j];
-        double less[6] = { 0.0 }, more[6] = { 0.0 };
-        if (i < first || i >= end) {
-            continue;
-        }
-        if (of->pins) {
-            weft__pin_rate(&of->less->mesh, i, t, less);
-            weft__pin_rate(mesh, i, t, more);
-        }
-        for (size_t k = 0; k < 6; ++k) {
-            out[k * mesh->particles + i] = scale / of->span * (more[k] - less[k]);
-        }
-    }
-}
-
-int weft__slope_blocks(const weft__slope *of, const weft__state *at, double scale,
-                       double *out, double *const room[2], size_t first, size_t end)
-{
-    const weft__mesh *mesh = &of->more->mesh;
-    const size_t n = mesh->particles, low = weft__block(mesh, first);
-    const size_t high = weft__block(mesh, end);
-    const bool springs = of->differs[0];
-    const bool starts = springs || of->differs[WEFT__FORCE_body];
-    const bool linear = of->linear && !of->all;
-    bool others = false;
     int failed = 0;
-    for (size_t k = 1; k < WEFT__FORCES; ++k) {
-        others = others || (of->differs[k] && k != WEFT__FORCE_body);
+    if (of->others) {
+        failed = evaluate(of, of->less, at, room[0], first, end)
+                 | evaluate(of, of->more, at, room[1], first, end);
+        add_difference(of, room, out, weft__block(&of->more->mesh, first),
+                       weft__block(&of->more->mesh, end));
     }
-    if (starts && linear && !springs) {
-        add_body(of, at, scale, out, low, high);
-    } else if (starts && linear) {
-        failed |= weft__table[0].force->start(&of->springs, &of->body, at,
-                                              WEFT__ACCELERATION, room[0], first, end);
-        add_difference(n, scale, NULL, room[0], out, low, high);
-    }
-    if (others || (starts && !linear)) {
-        failed |= evaluate(of, of->less, at, starts && !linear, room[0], first, end);
-        failed |= evaluate(of, of->more, at, starts && !linear, room[1], first, end);
-        add_difference(n, scale / of->span, room[0], room[1], out, low, high);
-    }
-    move_pins(of, at->t, scale, out, low, high);
     return failed;
 }
 
-int weft__slope_all(const weft__slope *of, const weft__state *at, double scale,
-                    double *out, double *const room[2])
+int weft__slope_all(const weft__slope *of, const weft__state *at, double *out,
+                    double *const room[2])
 {
     const size_t n = of->more->mesh.particles;
     int failed = 0;
@@ -208,7 +199,7 @@ int weft__slope_all(const weft__slope *of, const weft__state *at, double scale,
         failed |= weft__rhs_all(side == 0 ? of->less : of->more, NULL, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
-    add_difference(n, scale / of->span, room[0], room[1], out, 0, n);
+    add_difference(of, room, out, 0, n);
     return failed;
 }
 
@@ -216,20 +207,34 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
                                  double span, double t, const double *y, double *out)
 {
     const weft__state at = { .t = t, .y = y };
-    const size_t dim = weft_cloth_dim(more);
-    weft__slope slope;
-    double *room = weft__alloc(&more->memory, dim, 2 * sizeof *room);
+    const size_t dim = weft_cloth_dim(more), n = dim / 6;
+    const size_t blocks = weft__blocks(&more->mesh);
+    weft__slope of = { .inverse_mass = NULL };
+    double *still = weft__zeroed(&more->memory, dim, 3 * sizeof *still);
     int failed = -1;
-    if (room != NULL
-        && weft__slope_init(&slope, more, less, more, span, NULL) == WEFT_OK) {
-        double *const rooms[2] = { room, room + dim };
-        memset(out, 0, dim * sizeof *out);
-        failed = weft__slope_blocks(&slope, &at, 1.0, out, rooms, 0,
-                                    weft__blocks(&more->mesh));
-        if (weft__slope_whole(&slope)) {
-            failed |= weft__slope_all(&slope, &at, 1.0, out, rooms);
+    if (still != NULL
+        && weft__slope_init(&of, more, less, more, span, 1.0, &more->memory, NULL)
+               == WEFT_OK) {
+        double *const rooms[2] = { still + dim, still + 2 * dim };
+        weft__ways one
+            = { y, NULL, n, more->mesh.cols, 1, { { still, rooms[0], &of.springs } } };
+        failed = less->springs.products(&less->springs, &less->body, &one, 0, blocks);
+        one.way[0].out = out;
+        failed |= more->springs.products(&more->springs, &more->body, &one, 0, blocks);
+        for (size_t i = 0; i < dim; ++i) { /* between the two */
+            out[i] = 0.5 * (out[i] + rooms[0][i]);
+        }
+        failed |= weft__slope_blocks(&of, &at, out, rooms, 0, blocks);
+        failed |= weft__slope_whole(&of) ? weft__slope_all(&of, &at, out, rooms) : 0;
+        for (size_t j = 0; j < more->mesh.pinned; ++j) {
+            double rate[6];
+            weft__slope_pin(&of, more->mesh.pins[j], t, rate);
+            for (size_t k = 0; k < 6; ++k) {
+                out[k * n + more->mesh.pins[j]] = rate[k];
+            }
         }
     }
-    weft__free(&more->memory, room);
+    weft__slope_free(&of, &more->memory);
+    weft__free(&more->memory, still);
     return failed;
 }

@@ -292,6 +292,7 @@ static void exchange(weft_sim *sim, restored *with)
         with->holds[i] = hold;
     }
     swap(sim->y, with->y, weft__sim_dim(sim));
+    weft__sensitivity_unpack(sim);
     swap(sim->sensitivity.s, with->s, weft__sim_dim(sim) * sim->sensitivity.count);
     weft__sensitivity_pack(sim);
     contact->shapes = with->shapes;

@@ -201,6 +201,7 @@ static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
         to->holds[i] = weft__hold_of(&sim->cloth->mesh, i);
     }
     put_front(sim, to->front);
+    weft__sensitivity_unpack(sim);
     weft__word_put(to->front + (words - 1) * WEFT__WORD,
                    weft__save_sum(sim, sim->y, sim->sensitivity.s, to->holds, to->front,
                                   words - 1));

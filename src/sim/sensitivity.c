@@ -49,18 +49,35 @@ static const char *refusal(const weft_sim *sim)
                : NULL;
 }
 
+/* Whether a cloth has other forces than springs, weight and air. */
+static bool has_others(const weft_cloth *cloth)
+{
+    return cloth->mesh.triangles != NULL || cloth->bending.present
+           || cloth->wind.drag != 0.0 || cloth->wind.track.count > 0
+           || cloth->contact.shape_count > 0 || cloth->self.law.self
+           || cloth->bodies.pairs.law.self;
+}
+
 static bool make_room(weft_sim *sim, weft__sensitivity *of)
 {
+    const weft_sensitivity_def *def = sim->def.sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth), all = dim * (1 + of->count);
-    double *room = weft__zeroed(&sim->memory, all, 5 * sizeof *room);
+    of->direct = !has_others(sim->cloth);
+    for (size_t j = 0; j < of->count; ++j) {
+        of->direct = of->direct && !has_others(def->numbers[j].less)
+                     && !has_others(def->numbers[j].more);
+    }
+    of->row = of->direct ? sim->cloth->mesh.cols : dim / 6;
+    double *room = weft__zeroed(&sim->memory, all, (of->direct ? 3 : 5) * sizeof *room);
     of->z = room;
     for (size_t k = 0; room != NULL && k < 3; ++k) {
         of->room[k] = weft__zeroed(&sim->memory, dim, sizeof *room);
         room = of->room[k] != NULL ? room : NULL;
     }
     if (room != NULL) {
-        of->before = room + all, of->states = room + 2 * all;
-        of->rates = room + 3 * all, of->s = room + 4 * all;
+        of->before = room + all, of->s = room + 2 * all;
+        of->states = of->direct ? NULL : room + 3 * all;
+        of->rates = of->direct ? NULL : room + 4 * all;
     }
     return room != NULL;
 }
@@ -69,10 +86,11 @@ static bool make_room(weft_sim *sim, weft__sensitivity *of)
 static void start(const weft_sim *sim, weft__sensitivity *of, size_t j)
 {
     const size_t dim = weft_cloth_dim(sim->cloth);
-    weft_cloth_start(of->of[j].less, of->room[0]);
-    weft_cloth_start(of->of[j].more, of->room[1]);
+    const weft_number_of_cloth *number = &sim->def.sensitivity->numbers[j];
+    weft_cloth_start(number->less, of->room[0]);
+    weft_cloth_start(number->more, of->room[1]);
     for (size_t i = 0; i < dim; ++i) {
-        of->s[j * dim + i] = (of->room[1][i] - of->room[0][i]) / of->of[j].span;
+        of->s[j * dim + i] = (of->room[1][i] - of->room[0][i]) / number->span;
     }
 }
 
@@ -92,18 +110,21 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
     of->count = def->count;
     of->factor = def->control ? 1.0 : UNSEEN;
     sim->config.structure = NULL; /* it is that of the state alone */
+    for (size_t j = 0; j < of->count; ++j) {
+        const weft_number_of_cloth *number = &def->numbers[j];
+        weft_error inner = { 0 };
+        const weft_status status
+            = weft__slope_init(&of->of[j], sim->cloth, number->less, number->more,
+                               number->span, of->factor, &sim->memory, &inner);
+        if (status != WEFT_OK) {
+            return weft_error_set(err, status, "sensitivity by %.60s: %.200s",
+                                  number->name, inner.message);
+        }
+    }
     if (!make_room(sim, of)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
     }
     for (size_t j = 0; j < of->count; ++j) {
-        const weft_number_of_cloth *number = &def->numbers[j];
-        weft_error inner = { 0 };
-        if (weft__slope_init(&of->of[j], sim->cloth, number->less, number->more,
-                             number->span, &inner)
-            != WEFT_OK) {
-            return weft_error_set(err, WEFT_INVALID, "sensitivity by %.60s: %.200s",
-                                  number->name, inner.message);
-        }
         start(sim, of, j);
     }
     weft__sensitivity_pack(sim);
@@ -113,6 +134,9 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
 void weft__sensitivity_free(weft_sim *sim)
 {
     const weft__sensitivity *of = &sim->sensitivity;
+    for (size_t j = 0; j < of->count; ++j) {
+        weft__slope_free(&of->of[j], &sim->memory);
+    }
     WEFT__FREE_ALL(&sim->memory, of->z, of->room[0], of->room[1], of->room[2]);
 }
 
@@ -122,48 +146,49 @@ uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash)
     for (size_t j = 0; j < of->count; ++j) {
         hash = weft__hash_word(hash, weft__cloth_hash(of->of[j].less, NULL));
         hash = weft__hash_word(hash, weft__cloth_hash(of->of[j].more, NULL));
-        hash = WEFT__HASH_NUMBERS(hash, of->of[j].span, of->factor);
+        hash = WEFT__HASH_NUMBERS(hash, of->of[j].scale, of->factor);
     }
     return hash;
 }
 
-const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
-{
-    return number < sim->sensitivity.count
-               ? sim->sensitivity.s + number * weft_cloth_dim(sim->cloth)
-               : NULL;
-}
-
 /* ---- the stepper's state --------------------------------------------------------- */
 
-/* Plane k of part i: 0 the state, then each s. */
-static size_t plane(const weft_sim *sim, size_t k, size_t i)
+/* Where a row of part i of plane k begins: 0 the state, then each s. */
+static size_t place(const weft_sim *sim, size_t k, size_t i, size_t row)
 {
-    return (k * (1 + sim->sensitivity.count) + i) * sim->cloth->mesh.particles;
+    const weft__sensitivity *of = &sim->sensitivity;
+    return (1 + of->count) * (k * sim->cloth->mesh.particles + row * of->row)
+           + i * of->row;
+}
+
+/* Copies all rows of part i, with a factor: from planes of their own to those of the
+ * stepper, or back. */
+static void copy(const weft_sim *sim, size_t i, const double *from, double factor,
+                 double *to, bool back)
+{
+    const size_t n = sim->cloth->mesh.particles, row = sim->sensitivity.row;
+    for (size_t k = 0; k < 6; ++k) {
+        for (size_t r = 0; r < n / row; ++r) {
+            const size_t in = place(sim, k, i, r), own = k * n + r * row;
+            const double *source = from + (back ? in : own);
+            double *target = to + (back ? own : in);
+            for (size_t j = 0; j < row; ++j) {
+                target[j] = factor * source[j];
+            }
+        }
+    }
 }
 
 static void scatter(const weft_sim *sim, size_t i, const double *from, double factor,
                     double *z)
 {
-    const size_t n = sim->cloth->mesh.particles;
-    for (size_t k = 0; k < 6; ++k) {
-        double *to = z + plane(sim, k, i);
-        for (size_t j = 0; j < n; ++j) {
-            to[j] = factor * from[k * n + j];
-        }
-    }
+    copy(sim, i, from, factor, z, false);
 }
 
 static void gather(const weft_sim *sim, size_t i, const double *z, double factor,
                    double *to)
 {
-    const size_t n = sim->cloth->mesh.particles;
-    for (size_t k = 0; k < 6; ++k) {
-        const double *from = z + plane(sim, k, i);
-        for (size_t j = 0; j < n; ++j) {
-            to[k * n + j] = factor * from[j];
-        }
-    }
+    copy(sim, i, z, factor, to, true);
 }
 
 void weft__sensitivity_pack(weft_sim *sim)
@@ -176,13 +201,27 @@ void weft__sensitivity_pack(weft_sim *sim)
     }
 }
 
+/* The state of the stepper as the simulation has it. */
 static void unpack(weft_sim *sim)
 {
+    gather(sim, 0, sim->sensitivity.z, 1.0, sim->y);
+}
+
+const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
+{
     const weft__sensitivity *of = &sim->sensitivity;
-    const size_t dim = weft_cloth_dim(sim->cloth);
-    for (size_t i = 0; i <= of->count; ++i) {
-        gather(sim, i, of->z, i == 0 ? 1.0 : 1.0 / of->factor,
-               i == 0 ? sim->y : of->s + (i - 1) * dim);
+    if (number >= of->count) {
+        return NULL;
+    }
+    double *s = of->s + number * weft_cloth_dim(sim->cloth);
+    gather(sim, 1 + number, of->z, 1.0 / of->factor, s);
+    return s;
+}
+
+void weft__sensitivity_unpack(const weft_sim *sim)
+{
+    for (size_t j = 0; j < sim->sensitivity.count; ++j) {
+        (void)weft_sim_sensitivity(sim, j);
     }
 }
 
@@ -204,7 +243,9 @@ void weft__sensitivity_back(weft_sim *sim)
 weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 {
     weft__sensitivity *of = &sim->sensitivity;
-    memcpy(of->before, of->z, size_of(sim));
+    if (weft__sim_checks(sim)) { /* which may take it back */
+        memcpy(of->before, of->z, size_of(sim));
+    }
     const weft_status status
         = sim->def.method->step(sim->stepper, t_end, &sim->t, of->z, why);
     if (status == WEFT_OK) {
@@ -215,22 +256,88 @@ weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 
 /* ---- the right-hand side --------------------------------------------------------- */
 
-typedef struct product {
+typedef struct job {
     weft_sim *sim;
-    size_t number;
-    weft__state at; /* along s */
-    double *out;
+    double t;
+    const double *y; /* of z, or `states` */
+    double *out;     /* likewise */
     atomic_int failed;
-} product;
+} job;
+
+/* The products of numbers [j, j + count) of springs, weight and air, and unless the
+ * state's rates are there already, these. */
+static int sweep(const job *of, size_t j, size_t count, size_t first, size_t end)
+{
+    const weft_cloth *cloth = of->sim->cloth;
+    const weft__sensitivity *all = &of->sim->sensitivity;
+    const size_t n = cloth->mesh.particles, cols = cloth->mesh.cols;
+    const size_t part = all->direct ? all->row : 6 * n; /* from one of z to the next */
+    weft__ways ways = { .y = of->y,
+                        .base = all->direct && j == 0 ? of->out : NULL,
+                        .stride = all->direct ? n * (1 + all->count) : n,
+                        .down = all->row < n ? cols * (1 + all->count) : cols,
+                        .count = count };
+    for (size_t k = 0; k < count; ++k) {
+        const size_t at = (1 + j + k) * part;
+        ways.way[k] = (weft__way){ of->y + at, of->out + at, &all->of[j + k].springs };
+    }
+    return cloth->springs.products(&cloth->springs, &cloth->body, &ways, first, end);
+}
+
+/* What the other forces add to those of number j. */
+static int add_others(const job *of, size_t j, size_t first, size_t end)
+{
+    const weft__sensitivity *all = &of->sim->sensitivity;
+    const size_t dim = weft_cloth_dim(of->sim->cloth);
+    const weft__state still = { .t = of->t, .y = of->y };
+    const weft__state along
+        = { .t = of->t, .y = of->y, .along = of->y + (1 + j) * dim };
+    double *out = of->out + (1 + j) * dim;
+    return weft__rhs_others(of->sim->cloth, &along, WEFT__ACCELERATION, out + dim / 2,
+                            first, end)
+           | weft__slope_blocks(&all->of[j], &still, out, all->room, first, end);
+}
+
+/* Writes the rates of pinned particles: of part i, 0 the state. */
+static void move_pins(const job *of, size_t i, size_t low, size_t high)
+{
+    const weft__sensitivity *all = &of->sim->sensitivity;
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    for (size_t j = 0; j < mesh->pinned; ++j) {
+        const size_t p = mesh->pins[j], row = p / all->row;
+        double rate[6];
+        if (p < low || p >= high) {
+            continue;
+        }
+        if (i == 0) {
+            weft__pin_rate(mesh, p, of->t, rate);
+        } else {
+            weft__slope_pin(&all->of[i - 1], p, of->t, rate);
+        }
+        for (size_t k = 0; k < 6; ++k) {
+            of->out[all->direct ? place(of->sim, k, i, row) + p % all->row
+                                : (6 * i + k) * mesh->particles + p]
+                = rate[k];
+        }
+    }
+}
 
 static void block_rates(void *ctx, size_t first, size_t end)
 {
-    product *of = ctx;
+    job *of = ctx;
     const weft__sensitivity *all = &of->sim->sensitivity;
-    const weft__state still = { .t = of->at.t, .y = of->at.y };
-    const int failed = weft__rhs_blocks(of->sim->cloth, &of->at, of->out, first, end)
-                       | weft__slope_blocks(&all->of[of->number], &still, all->factor,
-                                            of->out, all->room, first, end);
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    int failed = 0;
+    for (size_t j = 0; j < all->count; j += WEFT__WAYS) {
+        const size_t left = all->count - j;
+        failed |= sweep(of, j, left < WEFT__WAYS ? left : WEFT__WAYS, first, end);
+    }
+    for (size_t j = 0; !all->direct && j < all->count; ++j) {
+        failed |= add_others(of, j, first, end);
+    }
+    for (size_t i = all->direct ? 0 : 1; i <= all->count; ++i) {
+        move_pins(of, i, weft__block(mesh, first), weft__block(mesh, end));
+    }
     if (failed != 0) {
         atomic_store(&of->failed, 1);
     }
@@ -246,12 +353,12 @@ static double largest(const double *x, size_t count)
 }
 
 /* Adds the part of J s that contact between triangles has. */
-static int add_contact(const product *of)
+static int add_contact(const job *of, const double *s, double *out)
 {
     const weft_sim *sim = of->sim;
     double *const *room = sim->sensitivity.room;
     const weft_contact_def *law = &sim->cloth->contact.law;
-    const double *y = of->at.y, *s = of->at.along;
+    const double *y = of->y;
     const size_t dim = weft_cloth_dim(sim->cloth);
     const double h = fmin(law->thickness / largest(s, dim / 2),
                           law->slip / largest(s + dim / 2, dim / 2))
@@ -263,7 +370,7 @@ static int add_contact(const product *of)
     memset(room[0] + dim / 2, 0, dim / 2 * sizeof *y);
     memset(room[1] + dim / 2, 0, dim / 2 * sizeof *y);
     for (size_t side = 0; side < 2; ++side) {
-        const weft__state at = { .t = of->at.t, .y = room[2] };
+        const weft__state at = { .t = of->t, .y = room[2] };
         for (size_t i = 0; i < dim; ++i) {
             room[2][i] = y[i] + (side == 0 ? -h : h) * s[i];
         }
@@ -271,29 +378,27 @@ static int add_contact(const product *of)
                                 room[side] + dim / 2);
     }
     for (size_t i = dim / 2; i < dim; ++i) {
-        of->out[i] += (room[1][i] - room[0][i]) / (2.0 * h);
+        out[i] += (room[1][i] - room[0][i]) / (2.0 * h);
     }
     return failed;
 }
 
-/* s' of a number. */
-static int find_rates(weft_sim *sim, double t, size_t j)
+/* Contact of the whole cloth, of all numbers. */
+static int add_whole(const job *of)
 {
-    const weft__sensitivity *of = &sim->sensitivity;
+    const weft_sim *sim = of->sim;
+    const weft__sensitivity *all = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
-    const double *s = of->states + (1 + j) * dim;
-    product one = { .sim = sim,
-                    .number = j,
-                    .at = { .t = t, .y = of->states, .along = s },
-                    .out = of->rates + (1 + j) * dim };
-    weft__forces_bands(&sim->forces, block_rates, &one);
-    int failed = atomic_load(&one.failed);
-    if (sim->forces.self != NULL || sim->forces.bodies != NULL) {
-        failed |= add_contact(&one);
-    }
-    if (weft__slope_whole(&of->of[j])) {
-        const weft__state still = { .t = t, .y = of->states };
-        failed |= weft__slope_all(&of->of[j], &still, of->factor, one.out, of->room);
+    const weft__state still = { .t = of->t, .y = of->y };
+    int failed = 0;
+    for (size_t j = 1; j <= all->count; ++j) {
+        if (sim->forces.self != NULL || sim->forces.bodies != NULL) {
+            failed |= add_contact(of, of->y + j * dim, of->out + j * dim);
+        }
+        if (weft__slope_whole(&all->of[j - 1])) {
+            failed |= weft__slope_all(&all->of[j - 1], &still, of->out + j * dim,
+                                      all->room);
+        }
     }
     return failed;
 }
@@ -303,12 +408,24 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
     weft_sim *sim = ctx;
     const weft__sensitivity *of = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
-    gather(sim, 0, z, 1.0, of->states);
-    int failed = weft__sim_rhs(t, of->states, of->rates, sim);
-    scatter(sim, 0, of->rates, 1.0, dzdt);
-    for (size_t i = 1; failed == 0 && i <= of->count; ++i) {
+    job all = { .sim = sim, .t = t, .y = z, .out = dzdt };
+    if (of->direct) {
+        if (weft__sim_must_stop(sim)) {
+            return -1;
+        }
+        weft__forces_bands(&sim->forces, block_rates, &all);
+        return atomic_load(&all.failed);
+    }
+    all.y = of->states, all.out = of->rates;
+    for (size_t i = 0; i <= of->count; ++i) {
         gather(sim, i, z, 1.0, of->states + i * dim);
-        failed = find_rates(sim, t, i - 1);
+    }
+    int failed = weft__sim_rhs(t, of->states, of->rates, sim);
+    if (failed == 0) {
+        weft__forces_bands(&sim->forces, block_rates, &all);
+        failed = atomic_load(&all.failed) | add_whole(&all);
+    }
+    for (size_t i = 0; i <= of->count; ++i) {
         scatter(sim, i, of->rates + i * dim, 1.0, dzdt);
     }
     return failed;

@@ -6,16 +6,18 @@
 #include "weft/sim.h"
 
 /* sensitivity.c: derivatives of the state by numbers, which the stepper integrates with
- * it. It sees (1 + count) N particles: in each plane those of the state, then those of
- * each s. */
+ * it. It sees (1 + count) N particles: in each plane rows of the state, each followed
+ * by that of each s. */
 typedef struct weft__sensitivity {
     size_t count;  /* 0: none */
     double factor; /* of s for the stepper: 1, or too small for its error control */
+    bool direct;   /* no other forces than springs, weight and air, of z as it is */
+    size_t row;    /* particles of such a row: of the grid's if direct, else N */
     weft__slope of[WEFT_SENSITIVITIES];
     double *z, *before;     /* the stepper's state: now, before the step */
-    double *states, *rates; /* one after another: planes of the state, then of each s */
+    double *s;              /* planes of each s, one after another; once unpacked */
+    double *states, *rates; /* unless direct, so with the state's before */
     double *room[3];        /* 6 N each */
-    double *s;              /* after the step, as `states` without the first */
 } weft__sensitivity;
 
 /* sensitivity.c: after all else of a simulation but its stepper. */
@@ -25,6 +27,8 @@ void weft__sensitivity_free(weft_sim *sim);
 int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx);
 /* y and s into the stepper's state. */
 void weft__sensitivity_pack(weft_sim *sim);
+/* Fills s. */
+void weft__sensitivity_unpack(const weft_sim *sim);
 /* After y was put back to where the last step began. */
 void weft__sensitivity_back(weft_sim *sim);
 uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash);

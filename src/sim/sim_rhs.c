@@ -45,7 +45,7 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     }
 }
 
-static bool must_stop(weft_sim *sim)
+bool weft__sim_must_stop(weft_sim *sim)
 {
     ++sim->callbacks;
     const bool stop = sim->def.stop != NULL && sim->def.stop(sim->def.stop_ctx);
@@ -58,7 +58,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     weft_sim *sim = ctx;
     const size_t dim = 6 * sim->cloth->mesh.particles;
     double power = 0.0;
-    const bool stop = must_stop(sim);
+    const bool stop = weft__sim_must_stop(sim);
     if (stop && sim->def.comm == NULL) { /* other bands would wait for this one */
         return -1;
     }

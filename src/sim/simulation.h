@@ -96,6 +96,7 @@ struct weft_sim {
 
 /* sim_rhs.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
+bool weft__sim_must_stop(weft_sim *sim); /* what `stop` returns */
 
 /* Creates a stepper for the simulation; first_step [s] 0: that of the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,

@@ -15,37 +15,57 @@ const struct weft__spring_numbers weft__spring_numbers = {
 const weft__number weft__spring_law = { offsetof(weft_cloth_def, law), "law", NULL,
                                         .type = WEFT__ENUM, .most = WEFT_LAW_STRAIN };
 
-/* [N] of one of them on p, or its derivative. */
-static void spring_force(const weft__springs *own, const weft__spring *at,
-                         const double *y, const double *along, double pull[3])
+/* Where particle p is in a plane whose rows are `down` apart. */
+static size_t spread(const weft__mesh *mesh, size_t down, size_t p)
 {
-    const double *v = y + 3 * own->mesh->particles;
+    return down == mesh->cols ? p : p / mesh->cols * down + p % mesh->cols;
+}
+
+/* Difference of the ends in planes n apart. */
+static void difference(const double *a, size_t n, size_t p, size_t q, double out[3])
+{
+    for (size_t k = 0; k < 3; ++k) {
+        out[k] = a[k * n + q] - a[k * n + p];
+    }
+}
+
+/* [N] of one of them on p, or its derivative along `along` and by a number. */
+static void spring_force(const weft__springs *own, weft__spring *at,
+                         const weft__ways *in, const weft__way *way, double pull[3])
+{
+    const weft__spring_slope *by = way != NULL ? way->by : NULL;
+    const unsigned group = at->group->way;
+    const size_t n = in->stride, p = spread(own->mesh, in->down, at->p);
+    const size_t q = spread(own->mesh, in->down, at->q);
     double w[3], dd[3], dw[3];
-    if (along == NULL) {
-        const double tension
-            = weft__spring_tension(at, weft__spring_rate(own->mesh, at, v));
+    difference(in->y, n, p, q, at->d);
+    difference(in->y + 3 * n, n, p, q, w);
+    at->square = weft__dot(at->d, at->d);
+    if (way == NULL) {
+        const double tension = weft__spring_tension(at, weft__dot(w, at->d));
         for (size_t k = 0; k < 3; ++k) {
             pull[k] = tension * at->d[k];
         }
         return;
     }
-    weft__spring_difference(own->mesh, at, v, w);
-    weft__spring_difference(own->mesh, at, along, dd);
-    weft__spring_difference(own->mesh, at, along + 3 * own->mesh->particles, dw);
-    weft__spring_change(at, w, dd, dw, pull);
+    difference(way->along, n, p, q, dd);
+    difference(way->along + 3 * n, n, p, q, dw);
+    weft__spring_change(
+        at, w, dd, dw,
+        by != NULL && (by->ways >> group & 1) != 0 ? &by->laws[group] : NULL, pull);
 }
 
-/* [N] of all springs on particle i in state y, or its derivative along `along`. The
+/* [N] of all springs on particle i, or the derivative in a direction (NULL: none). The
  * order of summation, that of springs_fast.c, is part of the result. */
-static void pull_of(const weft__springs *own, size_t i, const double *y,
-                    const double *along, double force[3])
+static void pull_of(const weft__springs *own, size_t i, const weft__ways *in,
+                    const weft__way *way, double force[3])
 {
     enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
     double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
     weft__spring springs[WEFT__SPRINGS_MAX];
-    const size_t count = weft__particle_springs(own, i, y, springs);
-    for (const weft__spring *at = springs; at < springs + count; ++at) {
-        spring_force(own, at, y, along, (at->p == i ? from : to)[at->group->way]);
+    const size_t count = weft__particle_springs(own, i, NULL, springs);
+    for (weft__spring *at = springs; at < springs + count; ++at) {
+        spring_force(own, at, in, way, (at->p == i ? from : to)[at->group->way]);
     }
     for (size_t k = 0; k < 3; ++k) {
         const double begun = from[RIGHT][k] + from[DOWN][k] + from[CROSS][k]
@@ -53,6 +73,13 @@ static void pull_of(const weft__springs *own, size_t i, const double *y,
         const double above = to[DOWN2][k] + (to[DOWN][k] + to[ANTI][k]) + to[CROSS][k];
         force[k] = begun - (above + (to[RIGHT][k] - from[ANTI][k]) + to[RIGHT2][k]);
     }
+}
+
+/* A state as it is. */
+static weft__ways state_of(const weft__springs *own, const double *y)
+{
+    return (
+        weft__ways){ .y = y, .stride = own->mesh->particles, .down = own->mesh->cols };
 }
 
 const char *weft_family_name(weft_family family)
@@ -211,7 +238,7 @@ static void choose(void *own, weft__isa isa)
 {
     weft__springs *of = own;
     of->fast = WEFT_FORM(isa, rows);
-    of->products = WEFT_FORM(isa, products);
+    of->products = WEFT_FORM(of->group_count == 0 ? WEFT__LOOPS : isa, products);
     of->damping = WEFT_FORM(isa, damping);
 }
 
@@ -224,46 +251,95 @@ static double trouble(const double *z, size_t n)
 int weft__rows_loops(const void *own, const weft__body *body, const weft__state *at,
                      weft__unit unit, double *to, size_t first, size_t end)
 {
-    static const double none[3];
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
+    const weft__ways in = state_of(of, at->y);
     const size_t n = mesh->particles, last = weft__block(mesh, end);
-    const bool product = at->along != NULL;
-    const double *state = product ? at->along : at->y;
-    const double *gravity = product ? none : body->gravity;
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
         double springs[3];
-        pull_of(of, i, at->y, at->along, springs);
+        pull_of(of, i, &in, NULL, springs);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = state[(k + 3) * n + i];
+            const double v = at->y[(k + 3) * n + i];
             const double force = springs[k] - body->drag * v;
             if (unit == WEFT__FORCE) {
-                to[k * n + i] = mesh->mass[i] * gravity[k] + force;
+                to[k * n + i] = mesh->mass[i] * body->gravity[k] + force;
                 continue;
             }
             to[k * n + i] = v;
-            to[(k + 3) * n + i] = gravity[k] + mesh->inverse_mass[i] * force;
+            to[(k + 3) * n + i] = body->gravity[k] + mesh->inverse_mass[i] * force;
         }
         bad += unit == WEFT__FORCE ? 0.0 : trouble(to + i, n);
     }
     return bad == 0.0 ? 0 : 1;
 }
 
-int weft__products_loops(const void *own, const weft__body *body, const weft__state *at,
-                         weft__unit unit, double *to, size_t first, size_t end)
+/* The product of a particle, which is at `place`, in a direction; net[3]: [N] of the
+ * state itself. */
+static double product_of(const weft__springs *own, const weft__body *body,
+                         const weft__ways *in, const weft__way *way, size_t i,
+                         size_t place, const double net[3])
 {
-    return weft__rows_loops(own, body, at, unit, to, first, end);
+    const weft__spring_slope *by = way->by;
+    const size_t n = in->stride;
+    double springs[3];
+    pull_of(own, i, in, way, springs);
+    for (size_t k = 0; k < 3; ++k) {
+        const double v = way->along[(k + 3) * n + place];
+        double force = springs[k] - body->drag * v;
+        if (by != NULL) {
+            force -= by->drag * in->y[(k + 3) * n + place];
+        }
+        double rate
+            = (by != NULL ? by->gravity[k] : 0.0) + own->mesh->inverse_mass[i] * force;
+        if (by != NULL && by->inverse_mass != NULL) {
+            rate += by->inverse_mass[i] * net[k];
+        }
+        way->out[k * n + place] = v;
+        way->out[(k + 3) * n + place] = rate;
+    }
+    return trouble(way->out + place, n);
+}
+
+int weft__products_loops(const weft__springs *own, const weft__body *body,
+                         const weft__ways *ways, size_t first, size_t end)
+{
+    const weft__mesh *mesh = own->mesh;
+    const size_t n = ways->stride, last = weft__block(mesh, end);
+    double bad = 0.0;
+    for (size_t i = weft__block(mesh, first); i < last; ++i) {
+        const size_t place = spread(mesh, ways->down, i);
+        double net[3];
+        pull_of(own, i, ways, NULL, net);
+        for (size_t k = 0; k < 3; ++k) {
+            const double v = ways->y[(k + 3) * n + place];
+            net[k] -= body->drag * v;
+            if (ways->base != NULL) {
+                ways->base[k * n + place] = v;
+                ways->base[(k + 3) * n + place]
+                    = body->gravity[k] + mesh->inverse_mass[i] * net[k];
+            }
+        }
+        bad += ways->base != NULL ? trouble(ways->base + place, n) : 0.0;
+        for (size_t j = 0; j < ways->count; ++j) {
+            bad += product_of(own, body, ways, &ways->way[j], i, place, net);
+        }
+    }
+    return bad == 0.0 ? 0 : 1;
 }
 
 static int start(const void *own, const weft__body *body, const weft__state *at,
                  weft__unit unit, double *to, size_t first, size_t end)
 {
     const weft__springs *of = own;
-    weft__start_fn *form = unit == WEFT__FORCE ? weft__rows_loops
-                           : at->along != NULL ? of->products
-                                               : of->fast;
-    return form(own, body, at, unit, to, first, end);
+    if (at->along != NULL) {
+        weft__ways one = state_of(of, at->y);
+        one.count = 1;
+        one.way[0] = (weft__way){ at->along, to, NULL };
+        return of->products(of, body, &one, first, end);
+    }
+    return (unit == WEFT__FORCE ? weft__rows_loops : of->fast)(own, body, at, unit, to,
+                                                               first, end);
 }
 
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
@@ -298,7 +374,8 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (weft__pin_moves(mesh, i)) {
             double force[3], rate[6];
-            pull_of(of, i, at->y, NULL, force);
+            const weft__ways in = state_of(of, at->y);
+            pull_of(of, i, &in, NULL, force);
             weft__pin_rate(mesh, i, at->t, rate);
             sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
         }

@@ -37,11 +37,42 @@ typedef struct weft__group {
 typedef struct weft__springs weft__springs;
 typedef double weft__damping_fn(const weft__springs *own, const double *y, size_t b);
 
+/* The derivative by a number, per unit of it, of springs, weight and masses: of what
+ * those of all groups are, by the way of each. */
+typedef struct weft__slope_law {
+    double stiffness, damping, rest_length;
+} weft__slope_law;
+typedef struct weft__spring_slope {
+    weft__slope_law laws[WEFT_GROUPS];
+    unsigned ways; /* of laws that are not 0: 1 << way */
+    bool damped;   /* one of them has damping */
+    double gravity[3], drag;
+    const double *inverse_mass; /* [1/kg] N and WEFT_PAST more; NULL: 0 */
+} weft__spring_slope;
+
+/* Directions of the state whose products are found in one sweep, which finds what all
+ * share once. In y, base, along and out planes are `stride` apart, rows `down`. */
+enum { WEFT__WAYS = 8 };
+typedef struct weft__way {
+    const double *along;
+    double *out;                  /* x' and v' */
+    const weft__spring_slope *by; /* adds that derivative; NULL: none */
+} weft__way;
+typedef struct weft__ways {
+    const double *y;
+    double *base; /* of the state itself, as weft__start_fn; NULL: not wanted */
+    size_t stride, down, count;
+    weft__way way[WEFT__WAYS];
+} weft__ways;
+typedef int weft__products_fn(const weft__springs *own, const weft__body *body,
+                              const weft__ways *ways, size_t first, size_t end);
+
 struct weft__springs {
     const weft__mesh *mesh;
     size_t group_count; /* groups that have springs */
     weft__group groups[WEFT_GROUPS];
-    weft__start_fn *fast, *products;
+    weft__start_fn *fast;
+    weft__products_fn *products;
     weft__damping_fn *damping;
 };
 
@@ -49,7 +80,7 @@ WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;
 extern const weft__force weft__springs_force;
 WEFT_FORMS(weft__start_fn, rows);
-WEFT_FORMS(weft__start_fn, products);
+WEFT_FORMS(weft__products_fn, products);
 WEFT_FORMS(weft__damping_fn, damping);
 
 /* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
@@ -158,20 +189,34 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
 /* [N] The derivative of T u along a direction of the state, given its differences dd,
  * dw and those of velocities, w:
  *
- *     q dd + ((k - q) d.dd + c (w.dd - (w.d) (d.dd) / L^2 + d.dw)) d / L^2,  q = T / L
+ *     q dd + (z.dd + c d.dw / L^2) d,   q = T / L,   r = w.d / L^2,
+ *     z = ((k - q - c r) d + c w) / L^2
+ *
+ * and by a number on which k, c and s depend, as dk, dc and ds tell (NULL: none):
+ *
+ *     (dk L (L - s) / L^2 + dc r - ds k L / L^2) d
  */
 static inline void weft__spring_change(const weft__spring *spring, const double w[3],
                                        const double dd[3], const double dw[3],
-                                       double change[3])
+                                       const weft__slope_law *by, double change[3])
 {
     const double k = weft__spring_stiffness(spring), c = weft__spring_damping(spring);
-    const double rate = weft__dot(w, spring->d), along = weft__dot(dd, spring->d);
+    const double rate = weft__dot(w, spring->d), length = sqrt(spring->square);
     const double inverse = 1.0 / (spring->square + DBL_MIN);
-    const double q = weft__spring_tension(spring, rate);
-    const double damped = c * (weft__dot(w, dd) + weft__dot(dw, spring->d));
-    const double part = ((k - (q + c * rate * inverse)) * along + damped) * inverse;
+    const double q = weft__spring_tension(spring, rate), turn = rate * inverse;
+    const double part = k - (q + c * turn), *d = spring->d;
+    const double z[3]
+        = { (part * d[0] + c * w[0]) * inverse, (part * d[1] + c * w[1]) * inverse,
+            (part * d[2] + c * w[2]) * inverse };
+    double pull = weft__dot(z, dd) + c * inverse * weft__dot(d, dw);
+    if (by != NULL) {
+        const double share = spring->share;
+        const double longer = length * (length - spring->group->rest_length) * inverse;
+        pull += by->stiffness * (share * longer) + by->damping * (share * turn)
+                - by->rest_length * (k * length * inverse);
+    }
     for (size_t j = 0; j < 3; ++j) {
-        change[j] = part * spring->d[j] + q * dd[j];
+        change[j] = pull * d[j] + q * dd[j];
     }
 }
 

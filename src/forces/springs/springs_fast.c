@@ -26,9 +26,9 @@
 #include <float.h>
 #include <string.h>
 
-/* 1: instead the derivative of all that along a direction of->along of the state, as
- * weft__rows_loops; compiled by products_fast.c. `along` is then what `p` is,
- * in that direction, and p itself otherwise. */
+/* 1: and the derivatives of all that in several directions; compiled by
+ * products_fast.c.
+ */
 #ifndef PRODUCT
 #define PRODUCT 0
 #endif
@@ -38,12 +38,25 @@ enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 #define BIT(group) (1u << (group))
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
-enum { TILE = 256, SPAN = LANES + TILE + 2 * LANES, EDGE = LANES + 2 };
-enum { PLANES = PRODUCT ? 12 : 6 }; /* of y, then of along */
+enum {
+    TILE = PRODUCT ? 128 : 256,
+    SPAN = LANES + TILE + 2 * LANES,
+    EDGE = LANES + 2,
+    STREAMS = PRODUCT ? 1 + WEFT__WAYS : 1 /* the state, then its directions */
+};
 
 typedef struct law {
     vec stiffness, rest_length, damping;
+#if PRODUCT
+    vec share; /* of the group's */
+#endif
 } law;
+
+/* Pulls that end in a row. */
+typedef struct landing {
+    double ended[3 * SPAN];  /* [N] from rows above */
+    double ended2[3 * SPAN]; /* [N] of down2 in the row above */
+} landing;
 
 /* Which lanes of a block at the end of a row are columns, and have a column 1 and 2
  * to their right. */
@@ -55,9 +68,8 @@ typedef struct edge {
 enum { FIRST, INNER, END, PLACES = END + 2 };
 
 typedef struct sweep {
-    double ended[3 * SPAN];  /* [N] pulls that end in this row, from rows above */
-    double ended2[3 * SPAN]; /* [N] of down2 in the row above */
-    double aside[6 * SPAN];  /* x' and v' of the row, before they go to dydt */
+    landing of[STREAMS];
+    double aside[PRODUCT ? 1 : 6 * SPAN]; /* x' and v' of the row, not yet in dydt */
     law laws[WEFT_GROUPS];
     /* `laws`, or with a rim that carries half those of a row inside or on the rim */
     const law *by[2][PLACES];
@@ -66,9 +78,11 @@ typedef struct sweep {
     vec3 gravity;
     vec drag;
     vec bad; /* 0 or NaN */
-    const double *y, *along, *inverse_mass;
-    double *dydt;
-    size_t n, rows, cols;
+    const double *y, *inverse_mass;
+    double *dydt; /* NULL: not wanted */
+    const weft__ways *ways;
+    size_t n, down; /* from plane to plane, from row to row */
+    size_t particles, rows, cols;
     bool detour;  /* by aside */
     size_t inner; /* columns in blocks with all their neighbours on the right */
 } sweep;
@@ -80,13 +94,16 @@ typedef struct spring {
     vec inverse;        /* [1/m^2] of the square of the length */
     vec wd;             /* [m^2/s] w.d */
     vec pull_by_length; /* [N/m] T / L */
-    vec3 w, dd, dw;     /* PRODUCT: differences of velocities and of `along` */
-    vec part;           /* PRODUCT: dF = part d + T / L dd */
+    vec3 w;             /* [m/s] */
+#if PRODUCT
+    vec3 z;   /* as in weft__spring_change */
+    vec rate; /* c / L^2 */
+#endif
 } spring;
 
-/* From p to q, of planes n apart; `along` is where p is in the direction. */
+/* From p to q, of planes n apart. */
 INLINE void begin(spring *springs, unsigned has, int group, const double *p,
-                  const double *q, size_t n, const double *along)
+                  const double *q, size_t n)
 {
     spring *at = &springs[group];
     *at = (spring){ 0 };
@@ -101,11 +118,6 @@ INLINE void begin(spring *springs, unsigned has, int group, const double *p,
         const double *vp = p + 3 * n, *vq = q + 3 * n;
         at->w = minus(load3(vq, n), load3(vp, n));
         at->wd = dot(at->w, at->d);
-    }
-    if (PRODUCT) {
-        const double *to = along + (q - p);
-        at->dd = minus(load3(to, n), load3(along, n));
-        at->dw = minus(load3(to + 3 * n, n), load3(along + 3 * n, n));
     }
 }
 
@@ -122,15 +134,12 @@ INLINE void find_tension(spring *springs, unsigned has, int group, const law *la
         work += by->damping * at->wd;
     }
     at->pull_by_length = work * at->inverse;
-    if (PRODUCT) {
-        const vec along = dot(at->dd, at->d);
-        vec turned = at->pull_by_length, damped = { 0 };
-        if ((has & BIT(DAMPED)) != 0) {
-            turned += by->damping * at->wd * at->inverse;
-            damped = by->damping * (dot(at->w, at->dd) + dot(at->dw, at->d));
-        }
-        at->part = ((by->stiffness - turned) * along + damped) * at->inverse;
-    }
+#if PRODUCT
+    const vec turn = at->wd * at->inverse;
+    const vec part = by->stiffness - (at->pull_by_length + by->damping * turn);
+    at->z = scaled(at->inverse, plus(scaled(part, at->d), scaled(by->damping, at->w)));
+    at->rate = by->damping * at->inverse;
+#endif
 }
 
 /* On p. */
@@ -140,9 +149,7 @@ INLINE vec3 pull(const spring *springs, unsigned has, int group, const mask *whe
     if ((has & BIT(group)) == 0) {
         return (vec3){ 0 };
     }
-    const vec3 force
-        = PRODUCT ? plus(scaled(at->part, at->d), scaled(at->pull_by_length, at->dd))
-                  : scaled(at->pull_by_length, at->d);
+    const vec3 force = scaled(at->pull_by_length, at->d);
     return where != NULL ? only3(force, *where) : force;
 }
 
@@ -152,63 +159,72 @@ typedef struct carry {
 } carry;
 
 /* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
- * buffers; rim NULL: all neighbours are there. */
-INLINE vec3 block(sweep *self, const law *laws, const double *p, const double *along,
-                  size_t n, size_t down, size_t at, unsigned has, carry *left,
-                  const edge *rim)
+ * buffers; rim NULL: all neighbours are there. Leaves the springs in s. */
+INLINE vec3 block(sweep *self, spring *s, const law *laws, const double *p, size_t n,
+                  size_t down, size_t at, unsigned has, carry *left, const edge *rim)
 {
+    landing *to = &self->of[0];
     const double *below = p + down;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
-    spring s[WEFT_GROUPS];
-    vec3 ended = load3(self->ended + at, SPAN), next = load3(self->ended2 + at, SPAN);
-    begin(s, has, RIGHT, p, p + 1, n, along);
-    begin(s, has, DOWN, p, below, n, along);
+    vec3 ended = load3(to->ended + at, SPAN), next = load3(to->ended2 + at, SPAN);
+    begin(s, has, RIGHT, p, p + 1, n);
+    begin(s, has, DOWN, p, below, n);
     find_tension(s, has, RIGHT, laws);
-    begin(s, has, ANTI, p + 1, below, n, along + 1);
+    begin(s, has, ANTI, p + 1, below, n);
     find_tension(s, has, DOWN, laws);
     const vec3 right = pull(s, has, RIGHT, in_1);
-    begin(s, has, CROSS, p, below + 1, n, along);
+    begin(s, has, CROSS, p, below + 1, n);
     find_tension(s, has, ANTI, laws);
     const vec3 fall = pull(s, has, DOWN, NULL);
-    begin(s, has, RIGHT2, p, p + 2, n, along);
+    begin(s, has, RIGHT2, p, p + 2, n);
     find_tension(s, has, CROSS, laws);
     const vec3 anti = pull(s, has, ANTI, in_1), beside = minus(right, anti);
     next = plus(next, plus(fall, anti));
     ended = plus(ended, shift_1(left->beside, beside));
     left->beside = beside;
-    begin(s, has, DOWN2, p, below + down, n, along);
+    begin(s, has, DOWN2, p, below + down, n);
     find_tension(s, has, RIGHT2, laws);
     const vec3 cross = pull(s, has, CROSS, in_1);
     next = plus(next, shift_1(left->below, cross));
     left->below = cross;
-    store3(self->ended + at, SPAN, next);
+    store3(to->ended + at, SPAN, next);
     find_tension(s, has, DOWN2, laws);
     const vec3 right2 = pull(s, has, RIGHT2, in_2);
     ended = plus(ended, shift_2(left->beside2, right2));
     left->beside2 = right2;
     const vec3 fall2 = pull(s, has, DOWN2, NULL);
-    store3(self->ended2 + at, SPAN, fall2);
+    store3(to->ended2 + at, SPAN, fall2);
     const vec3 own = plus(plus(plus(plus(right, fall), cross), right2), fall2);
     return minus(own, ended);
 }
 
-/* x' and v' of the block at p, which is that of particle i, to planes m apart. */
-INLINE void emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
-                 const edge *rim, size_t count, double *to, size_t m)
+INLINE void store_rates(sweep *self, vec3 v, vec3 a, const edge *rim, size_t count,
+                        double *to, size_t m)
 {
-    const vec3 v = load3(p + 3 * n, n);
-    const vec3 net = minus(force, scaled(self->drag, v));
-    const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
     const vec bad = trouble(a, v);
     self->bad += rim != NULL ? only(bad, rim->inside) : bad;
     store3_some(to, m, v, count);
     store3_some(to + 3 * m, m, a, count);
 }
 
+/* x' and v' of the block at p, which is that of particle i, to planes m apart. Returns
+ * its force. */
+INLINE vec3 emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
+                 const edge *rim, size_t count, double *to, size_t m)
+{
+    const vec3 v = load3(p + 3 * n, n);
+    const vec3 net = minus(force, scaled(self->drag, v));
+    if (!PRODUCT || to != NULL) {
+        const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
+        store_rates(self, v, a, rim, count, to, m);
+    }
+    return net;
+}
+
 static void leave_aside(const sweep *self, size_t i, size_t count)
 {
-    for (size_t k = 0; k < 6; ++k) {
+    for (size_t k = 0; !PRODUCT && k < 6; ++k) {
         memcpy(self->dydt + k * self->n + i, self->aside + k * SPAN,
                count * sizeof *self->dydt);
     }
@@ -216,14 +232,14 @@ static void leave_aside(const sweep *self, size_t i, size_t count)
 
 /* The columns from c on of rows r, r + 1 and r + 2, where a block would read beyond the
  * end of y. */
-static void copy_end(const sweep *self, size_t r, size_t c,
-                     double copy[PLANES][3][EDGE])
+static void copy_end(const sweep *self, const double *y, size_t r, size_t c,
+                     double copy[6][3][EDGE])
 {
-    memset(copy, 0, PLANES * sizeof *copy);
-    for (size_t k = 0; k < PLANES; ++k) {
-        const double *plane = (k < 6 ? self->y : self->along) + k % 6 * self->n;
+    memset(copy, 0, 6 * sizeof *copy);
+    for (size_t k = 0; k < 6; ++k) {
+        const double *plane = y + k * self->n;
         for (size_t j = 0; j < 3 && r + j < self->rows; ++j) {
-            const double *from = plane + (r + j) * self->cols;
+            const double *from = plane + (r + j) * self->down;
             for (size_t l = 0; l < EDGE && c + l < self->cols; ++l) {
                 copy[k][j][l] = from[c + l];
             }
@@ -233,21 +249,29 @@ static void copy_end(const sweep *self, size_t r, size_t c,
 
 /* The block of row r at column c, of planes n and rows `down` apart. */
 typedef struct place {
-    const double *p, *along;
+    const double *p;
     size_t n, down;
 } place;
 
-INLINE place place_at(const sweep *self, size_t r, size_t c,
-                      double copy[PLANES][3][EDGE])
+INLINE place place_at(const sweep *self, const double *y, size_t r, size_t c,
+                      double copy[6][3][EDGE])
 {
     const size_t i = r * self->cols + c;
-    if (i + 2 * self->cols + EDGE <= self->n) {
-        return (place){ self->y + i, (PRODUCT ? self->along : self->y) + i, self->n,
-                        self->cols };
+    if (i + 2 * self->cols + EDGE <= self->particles) {
+        return (place){ y + r * self->down + c, self->n, self->down };
     }
-    copy_end(self, r, c, copy);
-    return (place){ copy[0][0], copy[PLANES - 6][0], 3 * EDGE, EDGE };
+    copy_end(self, y, r, c, copy);
+    return (place){ copy[0][0], 3 * EDGE, EDGE };
 }
+
+/* products_fast.c: the directions of the block of row r at column c. */
+#if PRODUCT
+INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_t c,
+                  size_t at, unsigned has, bool emits, carry *left, const law *laws,
+                  const edge *rim, size_t count, vec3 net);
+#else
+#define along(self, s, of, ...) ((void)(of))
+#endif
 
 /* 1: yes, 0: no */
 INLINE size_t on_rim(const sweep *self, size_t r)
@@ -259,44 +283,59 @@ INLINE size_t on_rim(const sweep *self, size_t r)
 INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
                     carry *left, double *to, size_t m)
 {
-    double copy[PLANES][3][EDGE];
+    double copy[6][3][EDGE];
+    spring s[WEFT_GROUPS];
     for (size_t c = self->inner, e = 0; c < self->cols; c += LANES, ++e) {
         const size_t i = r * self->cols + c, b = e * LANES;
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
-        const place of = place_at(self, r, c, copy);
+        const place of = place_at(self, self->y, r, c, copy);
         const edge *rim = &self->edges[e];
-        const vec3 force = block(self, self->by[on_rim(self, r)][END + e], of.p,
-                                 of.along, of.n, of.down, at + b, has, left, rim);
+        const law *laws = self->by[on_rim(self, r)][END + e];
+        vec3 force = block(self, s, laws, of.p, of.n, of.down, at + b, has, left, rim);
         if (emits) {
-            emit(self, of.along, of.n, i, force, rim, count, to + b, m);
+            force = emit(self, of.p, of.n, i, force, rim, count,
+                         to != NULL ? to + b : NULL, m);
         }
+        along(self, s, &of, r, c, at + b, has, emits, left, laws, rim, count, force);
     }
+}
+
+INLINE size_t streams(const sweep *self)
+{
+    return PRODUCT ? 1 + self->ways->count : 1;
 }
 
 /* Columns [first, end) of row r; of the block on their left only its carry. */
 INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
                 bool emits)
 {
-    const size_t n = self->n, cols = self->cols, i = r * cols + first;
+    const size_t n = self->n, cols = self->cols, i = r * self->down + first;
     const size_t m = self->detour ? SPAN : n;
-    double *const to = self->detour ? self->aside : self->dydt + i;
+    double *const to = self->detour         ? self->aside
+                       : self->dydt != NULL ? self->dydt + i
+                                            : NULL;
     const double *p = self->y + i;
+    spring s[WEFT_GROUPS];
     const ptrdiff_t count = (ptrdiff_t)(end - first);
     const law *const *by = self->by[on_rim(self, r)];
     const law *laws = by[first == 0 ? FIRST : INNER];
-    carry left = { 0 };
+    carry left[STREAMS];
+    memset(left, 0, streams(self) * sizeof *left);
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
-        const size_t at = (size_t)(LANES + j), b = i + (size_t)j;
-        const double *along = PRODUCT ? self->along + b : p + j;
-        const vec3 force
-            = block(self, laws, p + j, along, n, cols, at, has, &left, NULL);
-        laws = by[INNER];
+        const size_t at = (size_t)(LANES + j), b = r * cols + first + (size_t)j;
+        vec3 force = block(self, s, laws, p + j, n, self->down, at, has, left, NULL);
         if (emits && j >= 0) {
-            emit(self, along, n, b, force, NULL, LANES, to + j, m);
+            force = emit(self, p + j, n, b, force, NULL, LANES,
+                         to != NULL ? to + j : NULL, m);
         }
+        const place of = { p + j, n, self->down };
+        along(self, s, &of, r, first + (size_t)j, at, has, emits && j >= 0, left, laws,
+              NULL, LANES, force);
+        laws = by[INNER];
     }
     if (end == self->inner) {
-        row_end(self, r, LANES + (size_t)count, has, emits, &left, to + count, m);
+        row_end(self, r, LANES + (size_t)count, has, emits, left,
+                to != NULL ? to + count : NULL, m);
     }
     if (emits && self->detour) {
         leave_aside(self, i, (end == self->inner ? cols : end) - first);
@@ -343,8 +382,7 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
 static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
                  size_t end_row)
 {
-    memset(self->ended, 0, sizeof self->ended);
-    memset(self->ended2, 0, sizeof self->ended2);
+    memset(self->of, 0, streams(self) * sizeof *self->of);
     for (size_t r = first_row < 2 ? 0 : first_row - 2; r < end_row; ++r) {
         unsigned has = of_row(self, r, all);
         if (r < first_row) {
@@ -361,7 +399,7 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
 static bool stores_delay_loads(const sweep *self)
 {
     const size_t ahead = ((uintptr_t)self->dydt - (uintptr_t)self->y) % 4096;
-    return (8 * self->n + 256) % 4096 < 512 && ahead < 256
+    return !PRODUCT && (8 * self->n + 256) % 4096 < 512 && ahead < 256
            && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
 }
 
@@ -373,6 +411,9 @@ static law halved(law of, bool row_rim, const weft__group *group, size_t c, size
         if (in_row ? row_rim : c + l == 0 || c + l + 1 == cols) {
             of.stiffness[l] *= 0.5;
             of.damping[l] *= 0.5;
+#if PRODUCT
+            of.share[l] *= 0.5;
+#endif
         }
     }
     return of;
@@ -395,16 +436,15 @@ static void start_half(sweep *self, const weft__springs *own)
 
 /* Returns the set of its springs. */
 static unsigned start(sweep *self, const weft__springs *own, const weft__body *body,
-                      const weft__state *at)
+                      const double *y, size_t stride, size_t down)
 {
-    static const double none[3];
     const weft__mesh *mesh = own->mesh;
-    const double *g = PRODUCT ? none : body->gravity;
+    const double *g = body->gravity;
     unsigned all = 0;
-    self->y = at->y;
-    self->along = at->along;
+    self->y = y;
     self->inverse_mass = mesh->inverse_mass;
-    self->n = mesh->particles, self->rows = mesh->rows, self->cols = mesh->cols;
+    self->n = stride, self->down = down, self->particles = mesh->particles;
+    self->rows = mesh->rows, self->cols = mesh->cols;
     self->inner = inner_columns(mesh->cols);
     self->gravity = (vec3){ splat(g[0]), splat(g[1]), splat(g[2]) };
     self->drag = splat(body->drag);
@@ -418,9 +458,12 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     bool half = false;
     for (size_t i = 0; i < own->group_count; ++i) {
         const weft__group *group = &own->groups[i];
-        self->laws[group->way]
-            = (law){ splat(group->stiffness), splat(group->rest_length),
-                     splat(group->damping) };
+        self->laws[group->way] = (law){ .stiffness = splat(group->stiffness),
+                                        .rest_length = splat(group->rest_length),
+                                        .damping = splat(group->damping) };
+#if PRODUCT
+        self->laws[group->way].share = splat(1.0);
+#endif
         all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
         half = half || group->half_rim;
     }
@@ -433,11 +476,22 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     return all;
 }
 
+static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end)
+{
+    self->detour = stores_delay_loads(self);
+    for (size_t c = 0; c == 0 || c < self->inner; c += TILE) {
+        const size_t stop = self->inner - c < TILE ? self->inner : c + TILE;
+        tile(self, c, stop, all, first, end);
+    }
+    return sum(self->bad) == 0.0 ? 0 : 1;
+}
+
+#if !PRODUCT
 /* Weight and air alone, of particles [first, end) of a cloth without springs. */
 static vec bare(const sweep *self, size_t first, size_t end)
 {
     const size_t n = self->n;
-    const double *state = (PRODUCT ? self->along : self->y) + 3 * n;
+    const double *state = self->y + 3 * n;
     vec bad = splat(0.0);
     for (size_t i = first; i < end; i += LANES) {
         const size_t count = end - i < LANES ? end - i : LANES;
@@ -453,18 +507,14 @@ static vec bare(const sweep *self, size_t first, size_t end)
     return bad;
 }
 
-#if PRODUCT
-#define SWEEP products
-#else
-#define SWEEP rows
-#endif
-int NAME(SWEEP, LEVEL)(const void *own, const weft__body *body, const weft__state *at,
-                       weft__unit unit, double *dydt, size_t first, size_t end)
+int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state *at,
+                      weft__unit unit, double *dydt, size_t first, size_t end)
 {
     const weft__springs *of = own;
     sweep self;
     (void)unit;
-    const unsigned all = start(&self, of, body, at);
+    const unsigned all
+        = start(&self, of, body, at->y, of->mesh->particles, of->mesh->cols);
     self.dydt = dydt;
     if (of->group_count == 0) {
         return sum(bare(&self, weft__block(of->mesh, first),
@@ -473,10 +523,6 @@ int NAME(SWEEP, LEVEL)(const void *own, const weft__body *body, const weft__stat
                    ? 0
                    : 1;
     }
-    self.detour = stores_delay_loads(&self);
-    for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
-        const size_t stop = self.inner - c < TILE ? self.inner : c + TILE;
-        tile(&self, c, stop, all, first, end);
-    }
-    return sum(self.bad) == 0.0 ? 0 : 1;
+    return sweep_tiles(&self, all, first, end);
 }
+#endif
