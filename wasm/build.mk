@@ -6,7 +6,7 @@ WASM := $(BUILD)/wasm
 WASM_CC ?= clang-14
 WASM_YAML := $(WASM)/sources/libyaml
 WASM_SUNDIALS := $(WASM)/sources/sundials
-WASM_COMPILE = $(WASM_CC) --target=wasm32-wasi -O2 -msimd128 -fno-math-errno -ffp-contract=off -fvisibility=hidden \
+WASM_COMPILE = $(WASM_CC) --target=wasm32-wasi -O2 -msimd128 -fno-math-errno -ffp-contract=off -fvisibility=hidden -ffile-prefix-map=$(WASM)/= \
     -Iwasm -I$(WASM_YAML)/include -I$(WASM_SUNDIALS)/include -MMD -MP
 # One thread, wasm/platform.c, and nothing is loaded, wasm/built_in.c.
 WASM_SRC := $(filter-out src/base/thread_pool.c src/plugin/loading.c,$(LIB_SRC)) $(if $(KERNELS),$(FAST)) \

@@ -4,11 +4,11 @@
 set -eu
 settings="PREFIX=$PREFIX WARN=-Wall HAVE_GSL= HAVE_MPI="
 CPPFLAGS="${CPPFLAGS-} -I$PREFIX/include" LDFLAGS="${LDFLAGS-} -L$PREFIX/lib -Wl,-rpath,$PREFIX/lib"
-export CPPFLAGS LDFLAGS
+export CPPFLAGS LDFLAGS PKG_CONFIG_PATH="$PREFIX/lib/pkgconfig"
 make -j "${CPU_COUNT:-2}" all $settings
 make install $settings
 # A copy outside the tree, so that the package uses the installation and bundles none.
 copy=$(mktemp -d)
 cp -r python "$copy"
-PKG_CONFIG_PATH=$PREFIX/lib/pkgconfig "${PYTHON:-python3}" -m pip install --no-deps --no-build-isolation -v "$copy/python"
+"${PYTHON:-python3}" -m pip install --no-deps --no-build-isolation -v "$copy/python"
 rm -r "$copy"

@@ -17,6 +17,7 @@ class Weft(MakefilePackage):
     variant("mpi", default=False, description="One cloth over many machines (weft run --bands)")
     variant("watch", default=False, description="Runs in the browser while they run (weft run --watch)")
     variant("cut", default=True, description="Meshes of outlines (cloth.cut)")
+    variant("fit", default=True, description="Numbers from measured tracks (weft fit)")
 
     depends_on("c", type="build")
     depends_on("gmake@4.3:", type="build")
@@ -28,12 +29,13 @@ class Weft(MakefilePackage):
     depends_on("mpi", when="+mpi")
     depends_on("libmicrohttpd", when="+watch")
     depends_on("qhull", when="+cut")
+    depends_on("cminpack+shared", when="+fit")
 
     @property
     def settings(self):
         """What the Makefile would find elsewhere on the machine is not there for it."""
         found = {"HAVE_GSL": "+gsl", "HAVE_ARKODE": "+sundials", "HAVE_CVODE": "+sundials", "HAVE_MPI": "+mpi",
-                 "HAVE_HTTP": "+watch", "HAVE_QHULL": "+cut"}
+                 "HAVE_HTTP": "+watch", "HAVE_QHULL": "+cut", "HAVE_CMINPACK": "+fit"}
         words = [name + "=" for name, variant in found.items() if variant not in self.spec]
         hdf5 = self.spec["hdf5"]
         return words + ["WARN=-Wall", "HDF5_CFLAGS=-I" + hdf5.prefix.include, "HDF5_LIBS=" + hdf5.libs.ld_flags,
