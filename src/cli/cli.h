@@ -109,11 +109,10 @@ WEFT_PRINTF(2, 3) void print_line(FILE *stream, const char *format, ...);
 /* As fprintf, of at most 8 KiB that may contain such text; newlines are left. */
 WEFT_PRINTF(2, 3) void print_plainly(FILE *stream, const char *format, ...);
 
-/* Prints such text in lines of at most `width` characters, broken at blanks, with a
- * newline at the end. The first line already has `used` characters; the others begin
- * with `indent` blanks. */
-void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
-                   const char *text);
+/* Prints such text to stdout in lines of at most `width` characters, broken at blanks,
+ * with a newline at the end. The first line already has `used` characters; the others
+ * begin with `indent` blanks. */
+void print_wrapped(size_t used, size_t indent, size_t width, const char *text);
 
 /* "  label      text" to stdout, in lines of 80 characters. */
 WEFT_PRINTF(2, 3) void print_item(const char *label, const char *format, ...);

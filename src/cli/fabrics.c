@@ -31,7 +31,7 @@ static void print_text(void)
     print_rows("%-18s %8.3f  %4.0f %5.0f  %6.1f  %4.1f %4.1f  %8.1f  %4.1f %4.1f\n");
     puts("\npairs: warp (along a column), weft (along a row); length: Peirce's, of "
          "bending");
-    print_wrapped(stdout, 0, 0, PAGE_WIDTH,
+    print_wrapped(0, 0, PAGE_WIDTH,
                   "source: " SOURCE
                   "; bend and twist are a quarter of its coefficients");
 }

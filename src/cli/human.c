@@ -144,22 +144,21 @@ static size_t unbroken(const char *text)
     return length;
 }
 
-void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
-                   const char *text)
+void print_wrapped(size_t used, size_t indent, size_t width, const char *text)
 {
     char word[TEXT];
     for (bool first = true;; first = false) {
         const size_t length = unbroken(text);
         const size_t chars = count_chars(text, length);
         if (!first && used > indent && used + 1 + chars > width) {
-            fprintf(stream, "\n%*s", (int)indent, "");
+            printf("\n%*s", (int)indent, "");
             used = indent;
         } else if (!first) {
-            putc(' ', stream);
+            putchar(' ');
             ++used;
         }
         (void)snprintf(word, sizeof word, "%.*s", (int)length, text);
-        print_plain(stream, word, "");
+        print_plain(stdout, word, "");
         used += chars;
         text += length;
         if (*text == '\0') {
@@ -167,7 +166,7 @@ void print_wrapped(FILE *stream, size_t used, size_t indent, size_t width,
         }
         ++text;
     }
-    putc('\n', stream);
+    putchar('\n');
 }
 
 void print_item(const char *label, const char *format, ...)
@@ -178,7 +177,7 @@ void print_item(const char *label, const char *format, ...)
     (void)vsnprintf(text, sizeof text, format, args);
     va_end(args);
     printf("  %-*s", LABEL - 2, label);
-    print_wrapped(stdout, LABEL, LABEL, PAGE_WIDTH, text);
+    print_wrapped(LABEL, LABEL, PAGE_WIDTH, text);
 }
 
 /* The column of the text that follows a name and two blanks. 0: a line of a paragraph;
@@ -215,7 +214,7 @@ void print_help(const char *text)
                                      used == 0 ? "" : " ", (int)length, text);
             text += length + (text[length] == '\n');
         } while (used > 0 && used < sizeof filled && continues(text, column));
-        print_wrapped(stdout, column, column, HELP_WIDTH, filled);
+        print_wrapped(column, column, HELP_WIDTH, filled);
     }
 }
 

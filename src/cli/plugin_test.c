@@ -193,7 +193,7 @@ static void print_finding(const char *mark, const char *name, const char *text)
 {
     enum { COLUMN = 21 };
     printf("  %-4s %-12s  ", mark, name);
-    print_wrapped(stdout, COLUMN, COLUMN, PAGE_WIDTH, text);
+    print_wrapped(COLUMN, COLUMN, PAGE_WIDTH, text);
 }
 
 static void print_verdict(const found *self, size_t check, bool all)
@@ -265,7 +265,7 @@ static int print_tally(const char *file, const tally *of)
         (void)snprintf(note, sizeof note,
                        "note: with %zu of %zu method%s %s, as is allowed", of->noted,
                        of->methods, plural, of->note.seen);
-        print_wrapped(stdout, 0, 6, PAGE_WIDTH, note);
+        print_wrapped(0, 6, PAGE_WIDTH, note);
     }
     if (of->bad == 0) {
         print_line(stdout, "%s keeps every promise with %zu method%s", file,

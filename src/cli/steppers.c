@@ -117,7 +117,7 @@ static void print_text(const weft_registry *registry)
         print_row(m.plugin, m.type, format, "");
         const sentence kind = flags_text(m.type->flags);
         fputs(kind.text[0] == '\0' ? "" : "  ", stdout);
-        print_wrapped(stdout, KIND, KIND, PAGE_WIDTH, kind.text);
+        print_wrapped(KIND, KIND, PAGE_WIDTH, kind.text);
     }
     puts("\nreferences and the methods' full names: weft steppers --yaml");
     for (size_t i = 0; i < weft_registry_count(registry); ++i) {

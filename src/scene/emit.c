@@ -17,14 +17,9 @@ typedef struct buffer {
 static int append(void *ctx, unsigned char *text, size_t size)
 {
     buffer *out = ctx;
-    if (size > out->capacity - out->length) {
-        const size_t capacity = 2 * out->capacity + size;
-        char *grown = weft__resize(out->memory, out->text, capacity, 1);
-        if (grown == NULL) {
-            return 0;
-        }
-        out->text = grown;
-        out->capacity = capacity;
+    if (!weft__reserve(out->memory, &out->text, &out->capacity, out->length + size,
+                       1)) {
+        return 0;
     }
     memcpy(out->text + out->length, text, size);
     out->length += size;

@@ -58,15 +58,13 @@ void weft__read_sheet(weft__reader *reader, const weft__key *key,
 static bool check_sheets(weft__reader *reader, const weft__match *match)
 {
     static const char *const sources[] = { "preset", "kes", "fast", NULL };
-    static const char *const replaced[] = { "density", "stretch", "shear", "bend" };
     (void)weft__check_exclusive(reader, match, sources);
     const weft__node *sheet = weft__key_in(match, "kes");
     sheet = sheet == NULL ? weft__key_in(match, "fast") : sheet;
-    for (size_t i = 0; sheet != NULL && i < sizeof replaced / sizeof replaced[0]; ++i) {
-        const weft__node *key = weft__key_in(match, replaced[i]);
-        if (key != NULL) {
-            weft__report_exclusive(reader->report, sheet, key);
-        }
+    if (sheet != NULL) {
+        const char *const one[]
+            = { sheet->text, "density", "stretch", "shear", "bend", NULL };
+        (void)weft__check_exclusive(reader, match, one);
     }
     return sheet != NULL;
 }
@@ -100,16 +98,11 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
 
 void weft__make_fabric(weft__reader *reader, const weft__match *cloth)
 {
-    static const char *const excluded[] = { "mass", "density", "springs" };
+    static const char *const one[] = { "fabric", "mass", "density", "springs", NULL };
     const weft__found *fabric = weft__found_in(cloth, "fabric");
     const weft__found *grid = weft__found_in(cloth, "grid");
     weft_error err;
-    for (size_t i = 0; i < sizeof excluded / sizeof excluded[0]; ++i) {
-        const weft__node *key = weft__key_in(cloth, excluded[i]);
-        if (key != NULL) {
-            weft__report_exclusive(reader->report, fabric->key, key);
-        }
-    }
+    (void)weft__check_exclusive(reader, cloth, one);
     if (fabric->wrong || grid->wrong || grid->value == NULL) {
         return;
     }

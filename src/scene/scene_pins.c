@@ -28,16 +28,17 @@ static const weft__place named_places[] = {
 
 /* ---- an index or a range of them -------------------------------------------- */
 
-/* Rows or columns; count is 0 if the grid is wrong, and then nothing is checked. */
-typedef struct axis {
-    const char *what;
-    size_t count;
-} axis;
+/* Of rows or of columns: 0 if the grid is wrong, and then nothing is checked. */
+static size_t count_of(const weft__reader *reader, bool rows)
+{
+    const weft_cloth_def *cloth = &reader->scene->cloth;
+    return rows ? cloth->rows : cloth->cols;
+}
 
-static bool read_one(weft__reader *reader, const axis *along, const char *name,
+static bool read_one(weft__reader *reader, bool rows, const char *name,
                      const weft__node *node, ptrdiff_t *out)
 {
-    const ptrdiff_t count = (ptrdiff_t)along->count;
+    const ptrdiff_t count = (ptrdiff_t)count_of(reader, rows);
     long long index;
     if (!weft__integer_of(node, &index)) {
         weft__refuse(reader, node, name, "an integer", true, NULL);
@@ -47,24 +48,25 @@ static bool read_one(weft__reader *reader, const axis *along, const char *name,
         ERROR_AT(reader, node,
                  "%s %lld is outside the grid: it has %s 0 to %td, or from "
                  "the end %td to -1",
-                 name, index, along->what, count - 1, -count);
+                 name, index, rows ? "rows" : "columns", count - 1, -count);
         return false;
     }
     *out = (ptrdiff_t)index;
     return true;
 }
 
-static bool read_pair(weft__reader *reader, const axis *along, const char *name,
+static bool read_pair(weft__reader *reader, bool rows, const char *name,
                       const weft__node *node, weft_range *out)
 {
     weft_range range;
     size_t from, to;
-    const bool first = read_one(reader, along, name, weft__item(node, 0), &range.first);
-    const bool last = read_one(reader, along, name, weft__item(node, 1), &range.last);
+    const size_t count = count_of(reader, rows);
+    const bool first = read_one(reader, rows, name, weft__item(node, 0), &range.first);
+    const bool last = read_one(reader, rows, name, weft__item(node, 1), &range.last);
     if (!first || !last) {
         return false;
     }
-    if (along->count > 0 && !weft__range_resolve(range, along->count, &from, &to)) {
+    if (count > 0 && !weft__range_resolve(range, count, &from, &to)) {
         ERROR_AT(reader, node,
                  "%s [%td, %td] hold nothing: the first is behind the last", name,
                  range.first, range.last);
@@ -78,18 +80,15 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
     const bool rows = key->at == offsetof(weft__place, rows);
-    const weft_cloth_def *cloth = &reader->scene->cloth;
-    const axis along
-        = rows ? (axis){ "rows", cloth->rows } : (axis){ "columns", cloth->cols };
     const char *text = weft__text_of(node);
     weft_range *range = to;
     long long index;
     if (text != NULL && strcmp(text, "all") == 0) {
         *range = (weft_range){ 0, -1 };
     } else if (weft__item_count(node) == 2) {
-        (void)read_pair(reader, &along, key->name, node, range);
+        (void)read_pair(reader, rows, key->name, node, range);
     } else if (weft__integer_of(node, &index)) {
-        if (read_one(reader, &along, key->name, node, &range->first)) {
+        if (read_one(reader, rows, key->name, node, &range->first)) {
             range->last = range->first;
         }
     } else {
@@ -102,7 +101,6 @@ void weft__read_index(weft__reader *reader, const weft__key *key,
 void weft__read_place(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
 {
-    const weft_cloth_def *cloth = &reader->scene->cloth;
     weft__place place = { { 0, 0 }, { 0, 0 } };
     if (reader->scene->meshed) {
         return; /* weft__check_vertices tells that it has no such places */
@@ -117,10 +115,9 @@ void weft__read_place(weft__reader *reader, const weft__key *key,
     } else if (node->type == WEFT__MAP) {
         weft__read_section(reader, key->section, key->section->title, node, &place);
     } else if (node->count == 2) {
-        const axis down = { "rows", cloth->rows }, across = { "columns", cloth->cols };
         ptrdiff_t row, col;
-        const bool has_row = read_one(reader, &down, "row", weft__item(node, 0), &row);
-        if (read_one(reader, &across, "column", weft__item(node, 1), &col) && has_row) {
+        const bool has_row = read_one(reader, true, "row", weft__item(node, 0), &row);
+        if (read_one(reader, false, "column", weft__item(node, 1), &col) && has_row) {
             place = (weft__place){ { row, row }, { col, col } };
         }
     } else {

@@ -7,35 +7,21 @@
 #include "base/finite.h"
 #include "scene/read.h"
 
-/* "name sign" and behind it a number; *number is where that begins. */
-static bool begins_with(const char *text, const char *name, char sign,
-                        const char **number)
-{
-    const size_t length = strlen(name);
-    const char *at = text + length;
-    if (strncmp(text, name, length) != 0) {
-        return false;
-    }
-    at += strspn(at, " ");
-    if (*at++ != sign) {
-        return false;
-    }
-    *number = at + strspn(at, " ");
-    return true;
-}
-
 void weft__read_condition(weft__reader *reader, const weft__key *key,
                           const weft__node *node, void *to)
 {
     weft_stop_def *stop = to;
-    const char *text = weft__text_of(node), *number = NULL;
+    const char *text = weft__text_of(node);
+    const size_t length = text == NULL ? 0 : strcspn(text, " <>"); /* of the name */
+    const char *sign = text == NULL ? "" : text + length + strspn(text + length, " ");
     for (unsigned i = 1; text != NULL && i <= WEFT_STOP_KINETIC; ++i) {
         const weft_stop_quantity quantity = (weft_stop_quantity)i;
-        const char sign = quantity == WEFT_STOP_STRAIN ? '>' : '<';
-        if (begins_with(text, weft_stop_name(quantity), sign, &number)) {
+        const char *name = weft_stop_name(quantity);
+        if (*sign == (quantity == WEFT_STOP_STRAIN ? '>' : '<')
+            && strlen(name) == length && strncmp(text, name, length) == 0) {
             weft__node value = *node;
-            value.text = number;
-            value.count = strlen(number);
+            value.text = sign + 1 + strspn(sign + 1, " ");
+            value.count = strlen(value.text);
             value.style = YAML_PLAIN_SCALAR_STYLE;
             if (weft__number_of(&value, &stop->bound) && isfinite(stop->bound)) {
                 stop->quantity = quantity;

@@ -58,7 +58,7 @@ static void print_method(const compare_method *method, const compare_advice *adv
     if (advice->count == 0
         || !compare_reach(method, advice->ranks[0].accuracy, &cost)) {
         putchar(' ');
-        print_wrapped(stdout, (size_t)used + 1, 26, PAGE_WIDTH, remark(method));
+        print_wrapped((size_t)used + 1, 26, PAGE_WIDTH, remark(method));
         return;
     }
     printf(" %5.3g", 1e6 * method->call_time);
@@ -114,11 +114,11 @@ void compare_print(const compare *self, const compare_advice *advice)
     char size[HUMAN_SIZE];
     print_plain(stdout, weft_scene_name(self->scene), "");
     printf(", %s\n", weft_cloth_text(self->cloth, size, sizeof size));
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, compare_horizon_text(self).text);
+    print_wrapped(0, 2, PAGE_WIDTH, compare_horizon_text(self).text);
     printf("reference: ");
-    print_wrapped(stdout, 11, 11, PAGE_WIDTH, compare_reference_text(self).text);
+    print_wrapped(11, 11, PAGE_WIDTH, compare_reference_text(self).text);
     if (self->shared->stiffness.text[0] != '\0') {
-        print_wrapped(stdout, 0, 2, PAGE_WIDTH, self->shared->stiffness.text);
+        print_wrapped(0, 2, PAGE_WIDTH, self->shared->stiffness.text);
     }
     printf("\ntime [ms] until no particle is further off in any frame than [m]\n"
            "%-24sus/call",
@@ -132,14 +132,13 @@ void compare_print(const compare *self, const compare_advice *advice)
         "* the fastest, < the scene's method, - not within %" PRIu64
         " evaluations, or not at all",
         self->budget);
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, legend.text);
+    print_wrapped(0, 2, PAGE_WIDTH, legend.text);
     putchar('\n');
     for (size_t i = 0; i < advice->count; ++i) {
         printf("%.0e m: ", advice->ranks[i].accuracy);
-        print_wrapped(stdout, 9, 9, PAGE_WIDTH,
-                      compare_rank_text(&advice->ranks[i]).text);
+        print_wrapped(9, 9, PAGE_WIDTH, compare_rank_text(&advice->ranks[i]).text);
     }
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, compare_as_is_text(self).text);
+    print_wrapped(0, 2, PAGE_WIDTH, compare_as_is_text(self).text);
 }
 
 /* ---- for machines ----------------------------------------------------------- */

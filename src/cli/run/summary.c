@@ -44,7 +44,7 @@ static void print_what(const run *self)
                    weft_scene_name(self->scene),
                    weft_cloth_text(cloth, size, sizeof size),
                    weft_scene_plugin(self->scene), weft_scene_method(self->scene));
-    print_wrapped(stdout, 0, 2, PAGE_WIDTH, text);
+    print_wrapped(0, 2, PAGE_WIDTH, text);
 }
 
 static void print_time(const run *self)
