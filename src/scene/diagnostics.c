@@ -17,8 +17,8 @@ bool weft__mark_before(weft__mark a, weft__mark b)
     return a.column != b.column ? a.column < b.column : a.byte < b.byte;
 }
 
-const char *weft__place_text(const weft__report *report, weft__mark at, char *out,
-                             size_t size)
+static void write_place(const weft__report *report, weft__mark at, char *out,
+                        size_t size)
 {
     if (at.source > 0) {
         const char *key = report->sources[at.source].text;
@@ -26,6 +26,12 @@ const char *weft__place_text(const weft__report *report, weft__mark at, char *ou
     } else {
         (void)snprintf(out, size, "line %zu, column %zu", at.line + 1, at.column + 1);
     }
+}
+
+weft__words weft__place_text(const weft__report *report, weft__mark at)
+{
+    weft__words out;
+    write_place(report, at, out.text, sizeof out.text);
     return out;
 }
 
@@ -135,7 +141,7 @@ void weft__report_place(const weft__report *report, weft__mark at,
     if (source->number == 0) {
         (void)snprintf(item->place, sizeof item->place, "%s", source->file);
     } else {
-        (void)weft__place_text(report, at, item->place, sizeof item->place);
+        write_place(report, at, item->place, sizeof item->place);
     }
     weft__one_line(item->place);
     item->caret = weft__source_excerpt(source, at, item->source, sizeof item->source);

@@ -41,6 +41,11 @@ void weft__one_line(char *text);
 
 /* ---- diagnostics.c ---- */
 
+/* A part of a message. */
+typedef struct weft__words {
+    char text[64];
+} weft__words;
+
 typedef struct weft__node weft__node; /* tree.h */
 
 /* The place of an item, and the runs of a sweep that have it. */
@@ -98,9 +103,8 @@ void weft__report_place(const weft__report *report, weft__mark at,
  * is `length`, as snprintf returns it. */
 void weft__fit(char *text, size_t size, int length);
 
-/* "line 3, column 7" or "override run.fps" into out[size], where it may be cut. */
-const char *weft__place_text(const weft__report *report, weft__mark at, char *out,
-                             size_t size);
+/* "line 3, column 7" or "override run.fps", which may be cut. */
+weft__words weft__place_text(const weft__report *report, weft__mark at);
 
 /* Whether a stands before b. */
 bool weft__mark_before(weft__mark a, weft__mark b);

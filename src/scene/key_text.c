@@ -39,11 +39,13 @@ const char *weft__unit_of(const weft__key *key)
     return key->unit == NULL && key->number != NULL ? key->number->unit : key->unit;
 }
 
-const char *weft__unit_text(const weft__key *key, char *out, size_t size)
+weft__words weft__unit_text(const weft__key *key)
 {
     const char *unit = weft__unit_of(key);
-    (void)snprintf(out, size, "%s%s%s", unit == NULL ? "" : " [",
-                   unit == NULL ? "" : unit, unit == NULL ? "" : "]");
+    weft__words out = { "" };
+    if (unit != NULL) {
+        (void)snprintf(out.text, sizeof out.text, " [%s]", unit);
+    }
     return out;
 }
 
@@ -62,7 +64,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
                        : key->kind == WEFT__ATOL ? " or a mapping"
                                                  : "";
     const char *range = "";
-    char bounds[80], names[100] = "", shown[32];
+    char bounds[80], names[100] = "";
     if (key->kind == WEFT__CHOICE || key->kind == WEFT__EITHER) {
         names_text(key, " or ", out, size);
         return out;
@@ -79,7 +81,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
     text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;
     text += bare && strncmp(text, "an ", 3) == 0 ? 3 : 0;
     (void)snprintf(out, size, "%s%s%s%s%s%s", text, range[0] == '\0' ? "" : " ", range,
-                   more, names, unit ? weft__unit_text(key, shown, sizeof shown) : "");
+                   more, names, unit ? weft__unit_text(key).text : "");
     return out;
 }
 

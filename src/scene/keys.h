@@ -122,7 +122,7 @@ static inline size_t weft__offset_of(const weft__key *key)
 const char *weft__unit_of(const weft__key *key);
 
 /* " [N/m]"; "" of a key without a unit. */
-const char *weft__unit_text(const weft__key *key, char *out, size_t size);
+weft__words weft__unit_text(const weft__key *key);
 
 /* The key of a section with a name; NULL: there is none. */
 const weft__key *weft__key_named(const weft__section *section, const char *name);

@@ -47,12 +47,12 @@ static const char *explain(const tree_builder *self)
 }
 
 /* A place in the text that is being read. */
-static const char *spot(const tree_builder *self, weft__mark at, char *out, size_t size)
+static weft__words spot(const tree_builder *self, weft__mark at)
 {
-    if (at.source == 0) {
-        return weft__place_text(self->tree->report, at, out, size);
+    weft__words out = weft__place_text(self->tree->report, at);
+    if (at.source > 0) {
+        (void)snprintf(out.text, sizeof out.text, "column %zu", at.column + 1);
     }
-    (void)snprintf(out, size, "column %zu", at.column + 1);
     return out;
 }
 
@@ -65,17 +65,16 @@ static void report_syntax(const tree_builder *self)
     const char *problem = explain(self), *context = self->parser.context;
     const weft__mark at = place(self, self->parser.problem_mark);
     const weft__mark from = place(self, self->parser.context_mark);
-    char where[64];
     if (context == NULL || !weft__mark_before(from, at)) {
         weft__report_error(report, at, "%s", problem);
     } else if (!weft__mark_before(
                    at, weft__source_mark(self->source, self->source->length))) {
         weft__report_error(report, from,
                            "%s (%s that begins here; the text ends at %s)", problem,
-                           context, spot(self, at, where, sizeof where));
+                           context, spot(self, at).text);
     } else {
         weft__report_error(report, at, "%s (%s that begins at %s)", problem, context,
-                           spot(self, from, where, sizeof where));
+                           spot(self, from).text);
     }
 }
 
@@ -158,11 +157,10 @@ static bool keep_anchor(tree_builder *self, const yaml_char_t *name,
                         const weft__node *node)
 {
     const weft__node *first = name == NULL ? NULL : find_anchor(self, name);
-    char where[64];
     if (first != NULL) {
         self->refused = true;
         ERROR_AT(self->tree, node, "duplicate anchor (the first is at %s)",
-                 spot(self, first->at, where, sizeof where));
+                 spot(self, first->at).text);
     }
     if (name == NULL || first != NULL) {
         return true;

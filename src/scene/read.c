@@ -30,17 +30,16 @@ static bool has_decimal_comma(const weft__node *list)
 void weft__refuse(weft__reader *reader, const weft__node *node, const char *name,
                   const char *wanted, bool number, const char *unit)
 {
-    char value[64], hint[128];
+    char hint[128];
     if (node->type == WEFT__SCALAR && weft__is_null(node)) {
         ERROR_AT(reader, node, "%s must be %s, but there is no value", name, wanted);
         return;
     }
-    ERROR_AT(reader, node, "%s must be %s, not %s%s", name, wanted,
-             weft__show(node, value, sizeof value),
-             node->type == WEFT__SCALAR
-                 ? weft__hint(node, number, unit, hint, sizeof hint)
-             : has_decimal_comma(node) ? " (write a decimal point)"
-                                       : "");
+    ERROR_AT(
+        reader, node, "%s must be %s, not %s%s", name, wanted, weft__show(node).text,
+        node->type == WEFT__SCALAR ? weft__hint(node, number, unit, hint, sizeof hint)
+        : has_decimal_comma(node)  ? " (write a decimal point)"
+                                   : "");
 }
 
 void weft__refuse_value(weft__reader *reader, const weft__key *key,
@@ -193,7 +192,6 @@ void weft__read_boolean(weft__reader *reader, const weft__key *key,
                         const weft__node *node, void *to)
 {
     const weft__switch *found = weft__find_switch(weft__text_of(node));
-    char value[64];
     if (found == NULL) {
         weft__refuse_value(reader, key, node);
         return;
@@ -204,7 +202,7 @@ void weft__read_boolean(weft__reader *reader, const weft__key *key,
         return;
     }
     ERROR_AT(reader, node, "%s must be true or false, not %s (%s)", key->name,
-             weft__show(node, value, sizeof value),
+             weft__show(node).text,
              quoted && found->good ? "remove the quotes"
              : found->value        ? "write true"
                                    : "write false");
@@ -227,7 +225,7 @@ void weft__read_text(weft__reader *reader, const weft__key *key, const weft__nod
 bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__node *node,
                      size_t *index)
 {
-    char wanted[200], value[64], near[80], hint[128];
+    char wanted[200], near[80], hint[128];
     const char *text = weft__text_of(node);
     weft__guess guess = { 0 };
     for (*index = 0; text != NULL && key->names[*index] != NULL; ++*index) {
@@ -241,8 +239,7 @@ bool weft__find_name(weft__reader *reader, const weft__key *key, const weft__nod
     } else {
         ERROR_AT(reader, node, "%s must be %s, not %s%s%s", key->name,
                  weft__wanted(key, true, false, wanted, sizeof wanted),
-                 weft__show(node, value, sizeof value),
-                 weft__guess_text(&guess, near, sizeof near),
+                 weft__show(node).text, weft__guess_text(&guess, near, sizeof near),
                  weft__hint(node, false, NULL, hint, sizeof hint));
     }
     return false;
@@ -368,11 +365,11 @@ static void report_unknown(weft__reader *reader, weft__match *match,
     const char *name = node->text, *meant = NULL;
     const weft__key *other
         = section->beside == NULL ? NULL : weft__key_named(section->beside, name);
-    char shown[64], hint[300] = "";
-    (void)weft__show(node, shown, sizeof shown);
+    const weft__words shown = weft__show(node);
+    char hint[300] = "";
     if (other != NULL && strcmp(name, "at") != 0) {
         meant = "at";
-        ERROR_AT(reader, node, "%s %s", shown, section->beside_hint);
+        ERROR_AT(reader, node, "%s %s", shown.text, section->beside_hint);
     } else {
         if (value != NULL && weft__is_null(value) && name[0] >= '0' && name[0] <= '9') {
             strcpy(hint, " (write a decimal point)"); /* {spacing: 1,0} */
@@ -380,7 +377,8 @@ static void report_unknown(weft__reader *reader, weft__match *match,
             meant = weft__unknown_hint(reader->root, section, match->title, name, hint,
                                        sizeof hint);
         }
-        ERROR_AT(reader, node, "unknown key %s in %s%s", shown, match->title, hint);
+        ERROR_AT(reader, node, "unknown key %s in %s%s", shown.text, match->title,
+                 hint);
     }
     weft__found *found = find(match, meant);
     if (found != NULL) {
@@ -392,7 +390,6 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
 {
     const char *name = weft__text_of(pair.key);
     weft__found *found = find(match, name);
-    char where[64];
     if (name == NULL) {
         ERROR_AT(reader, pair.key, "%s where %s must have a key",
                  pair.key->type == WEFT__SCALAR ? "nothing"
@@ -411,7 +408,7 @@ static void match_pair(weft__reader *reader, weft__match *match, weft__entry pai
     } else if (found->key != NULL) {
         ERROR_AT(reader, pair.key, "duplicate key '%s' in %s (the first is at %s)",
                  name, match->title,
-                 weft__place_text(reader->report, found->key->at, where, sizeof where));
+                 weft__place_text(reader->report, found->key->at).text);
     } else if (pair.value != NULL) {
         found->key = pair.key;
         found->value = pair.value;
@@ -454,7 +451,6 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     const weft__key *key = &match->section->keys[i];
     weft__found *found = &match->found[i];
     unsigned choice = 0;
-    char unit[32];
     if (!goes_with_choice(match->section, key, base, &choice)) {
         report_foreign(reader, match, i, choice);
     } else if (found->value != NULL) {
@@ -465,8 +461,7 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
     } else if (key->required && (key->also >> choice & 1U) == 0 && !found->explained
                && match->map != NULL) {
         ERROR_AT(reader, match->map, "%s lacks the required key '%s'%s: %s",
-                 match->title, key->name, weft__unit_text(key, unit, sizeof unit),
-                 key->meaning);
+                 match->title, key->name, weft__unit_text(key).text, key->meaning);
     } else if (key->fallback != NULL) {
         weft__node plain;
         const weft__node *node = weft__fallback_node(reader->tree, key, &plain);
@@ -507,11 +502,9 @@ static void check_together(weft__reader *reader, const weft__match *match,
                            const char *name, const char *other)
 {
     const weft__node *key = weft__key_in(match, name);
-    char unit[32];
     if (key != NULL && weft__lacks(match, other)) {
-        ERROR_AT(
-            reader, key, "%s has no effect without %s%s", name, other,
-            weft__unit_text(weft__key_named(match->section, other), unit, sizeof unit));
+        ERROR_AT(reader, key, "%s has no effect without %s%s", name, other,
+                 weft__unit_text(weft__key_named(match->section, other)).text);
     }
 }
 
@@ -556,10 +549,8 @@ void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b)
 {
     const weft__node *second = weft__later(a, b), *first = second == a ? b : a;
-    char where[64];
     weft__report_error(report, second->at, "%s excludes %s (%s)", second->text,
-                       first->text,
-                       weft__place_text(report, first->at, where, sizeof where));
+                       first->text, weft__place_text(report, first->at).text);
 }
 
 bool weft__report_excluded(weft__reader *reader, const weft__match *match,
@@ -595,7 +586,7 @@ bool weft__check_exclusive(weft__reader *reader, const weft__match *match,
 void weft__check_one(weft__reader *reader, const weft__match *match,
                      const char *const *names)
 {
-    char list[120] = "", unit[32];
+    char list[120] = "";
     size_t used = 0;
     if (weft__check_exclusive(reader, match, names)) {
         return;
@@ -606,9 +597,7 @@ void weft__check_one(weft__reader *reader, const weft__match *match,
             i == 0                 ? ""
             : names[i + 1] == NULL ? " or "
                                    : ", ",
-            names[i],
-            weft__unit_text(weft__key_named(match->section, names[i]), unit,
-                            sizeof unit));
+            names[i], weft__unit_text(weft__key_named(match->section, names[i])).text);
     }
     ERROR_AT(reader, match->map, "%s lacks %s: exactly one is required", match->title,
              list);

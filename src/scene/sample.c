@@ -13,7 +13,6 @@
 /* Marks the keys that `log` lists; reports what is no list of keys of the sweep. */
 static void mark_log(weft__tree *tree, weft__sweep *sweep)
 {
-    char shown[64];
     const weft__node *log = sweep->log;
     for (size_t i = 0; log != NULL && i < weft__item_count(log); ++i) {
         const weft__node *name = weft__item(log, i);
@@ -27,12 +26,12 @@ static void mark_log(weft__tree *tree, weft__sweep *sweep)
             sweep->axis[k].log = true;
         } else {
             ERROR_AT(tree, name, "log must name keys of the sweep, not %s",
-                     weft__show(name, shown, sizeof shown));
+                     weft__show(name).text);
         }
     }
     if (log != NULL && log->type != WEFT__LIST) {
         ERROR_AT(tree, log, "log must be a list of keys of the sweep, not %s",
-                 weft__show(log, shown, sizeof shown));
+                 weft__show(log).text);
     }
 }
 
@@ -44,7 +43,6 @@ typedef struct span {
 static bool find_span(weft__tree *tree, const weft__axis *axis, span *out)
 {
     const weft__node *list = axis->list;
-    char shown[64];
     *out = (span){ HUGE_VAL, -HUGE_VAL };
     for (size_t i = 0; i < list->count; ++i) {
         const weft__node *item = weft__item(list, i);
@@ -52,8 +50,7 @@ static bool find_span(weft__tree *tree, const weft__axis *axis, span *out)
         if (!weft__number_of(item, &value) || !isfinite(value)
             || (axis->log && !(value > 0.0))) {
             ERROR_AT(tree, item, "a sample draws %s from finite numbers%s, not %s",
-                     axis->key->text, axis->log ? " > 0" : "",
-                     weft__show(item, shown, sizeof shown));
+                     axis->key->text, axis->log ? " > 0" : "", weft__show(item).text);
             return false;
         }
         out->least = fmin(out->least, value);

@@ -161,18 +161,17 @@ bool weft__integer_of(const weft__node *node, long long *out)
     return true;
 }
 
-const char *weft__show(const weft__node *node, char *out, size_t size)
+weft__words weft__show(const weft__node *node)
 {
-    if (node->type == WEFT__MAP) {
-        return "a mapping";
-    }
+    weft__words out = { "a mapping" };
     if (node->type == WEFT__LIST) {
-        (void)snprintf(out, size, "a list of %zu", node->count);
-        return out;
+        (void)snprintf(out.text, sizeof out.text, "a list of %zu", node->count);
+    } else if (node->type == WEFT__SCALAR) {
+        const int length = (int)strnlen(node->text, 40);
+        (void)snprintf(out.text, sizeof out.text, "%s'%.*s%s'",
+                       is_plain(node) ? "" : "the text ", length, node->text,
+                       node->text[length] == '\0' ? "" : "...");
     }
-    const int length = (int)strnlen(node->text, 40);
-    (void)snprintf(out, size, "%s'%.*s%s'", is_plain(node) ? "" : "the text ", length,
-                   node->text, node->text[length] == '\0' ? "" : "...");
     return out;
 }
 

@@ -82,13 +82,12 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
         return;
     }
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; ++i) {
-        char unit[32];
         const weft__key *key = weft__key_named(match->section, needed[i]);
         if (!sheet && weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
             ERROR_AT(reader, match->map,
                      "%s lacks '%s'%s, which is required without 'preset', 'kes' or "
                      "'fast'",
-                     match->title, needed[i], weft__unit_text(key, unit, sizeof unit));
+                     match->title, needed[i], weft__unit_text(key).text);
         }
     }
     if (weft__key_in(match, "twist") == NULL) {

@@ -78,15 +78,13 @@ static void split_method(resolver *self)
         return;
     }
     const size_t length = (size_t)(slash - text);
-    char where[64];
     if (plugin.text != NULL
         && (strncmp(plugin.text, text, length) != 0 || plugin.text[length] != '\0')
         && !(plugin.rank == IN_FILE && method.rank > IN_FILE)) {
         ERROR_AT(self->reader, method.value,
                  "method '%.80s' is of another plugin than '%.40s' (%s)", text,
                  plugin.text,
-                 weft__place_text(self->reader->report, plugin.key->at, where,
-                                  sizeof where));
+                 weft__place_text(self->reader->report, plugin.key->at).text);
     }
     const weft__node *id = part_of(self, method.value, 0, length);
     const weft__node *name
@@ -109,9 +107,8 @@ static void append_place(const weft__report *report, char *list, size_t size,
                          const weft__node *key)
 {
     const size_t used = strlen(list);
-    char where[64];
     (void)snprintf(list + used, size - used, "%s%s (%s)", used == 0 ? "" : ", ",
-                   key->text, weft__place_text(report, key->at, where, sizeof where));
+                   key->text, weft__place_text(report, key->at).text);
 }
 
 /* Removes the keys that were set by an earlier source than `later`, and warns at the

@@ -102,10 +102,9 @@ void weft__read_keys(weft__reader *reader, const weft__key *key, const weft__nod
     for (size_t i = 0; i < count; ++i) {
         const weft__node *item = weft__item(node, i);
         const char *path = weft__text_of(item);
-        char shown[64];
         if (path == NULL || strlen(path) >= KEY_LENGTH) {
             ERROR_AT(reader, item, "a key as forces.gravity.1 must be here, not %s",
-                     weft__show(item, shown, sizeof shown));
+                     weft__show(item).text);
             continue;
         }
         led_to at;

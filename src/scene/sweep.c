@@ -34,31 +34,28 @@ typedef struct taker {
  */
 static void check_overlap(const taker *self, const weft__node *key)
 {
-    char where[64];
     for (size_t i = 0; i < self->out->keys; ++i) {
         const weft__node *other = self->out->axis[i].key;
         if (overlap(key->text, key->count, other->text, other->count)) {
             ERROR_AT(self, key, "%s is varied twice (first at %s)", key->text,
-                     weft__place_text(self->report, other->at, where, sizeof where));
+                     weft__place_text(self->report, other->at).text);
         }
     }
     for (size_t i = 1; i <= self->set_count; ++i) {
         const weft__source *set = &self->report->sources[i];
         if (overlap(key->text, key->count, set->text, weft__override_path(set))) {
-            weft__report_error(
-                self->report, weft__source_mark(set, 0), "%s is varied by sweep (%s)",
-                key->text,
-                weft__place_text(self->report, key->at, where, sizeof where));
+            weft__report_error(self->report, weft__source_mark(set, 0),
+                               "%s is varied by sweep (%s)", key->text,
+                               weft__place_text(self->report, key->at).text);
         }
     }
 }
 
 static void take_axis(taker *self, const weft__node *key, const weft__node *list)
 {
-    char shown[64];
     if (list->type != WEFT__LIST) {
         ERROR_AT(self, list, "%s must be a list of values to run, not %s", key->text,
-                 weft__show(list, shown, sizeof shown));
+                 weft__show(list).text);
     } else if (list->count == 0) {
         ERROR_AT(self, list, "%s has no value to run", key->text);
     } else if (leads_to("sweep", 5, key->text, key->count)) {
@@ -147,7 +144,6 @@ static weft__entry take_out(const taker *self)
 {
     const weft__node *old = self->tree->root;
     weft__entry first = { NULL, NULL };
-    char where[64];
     weft__node *root = weft__find_key(old, "sweep", 5) == old->count
                            ? NULL
                            : weft__node_new(self->tree, *old);
@@ -158,10 +154,9 @@ static weft__entry take_out(const taker *self)
             if (first.key == NULL) {
                 first = pair;
             } else {
-                ERROR_AT(
-                    self, pair.key,
-                    "duplicate key 'sweep' in the scene (the first is at %s)",
-                    weft__place_text(self->report, first.key->at, where, sizeof where));
+                ERROR_AT(self, pair.key,
+                         "duplicate key 'sweep' in the scene (the first is at %s)",
+                         weft__place_text(self->report, first.key->at).text);
             }
             pair.value = NULL;
         }
@@ -178,7 +173,6 @@ void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out)
     weft__report *report = tree->report;
     taker self = { tree, report, set_count, out };
     const size_t errors = report->found->errors;
-    char shown[64];
     *out = (weft__sweep){ .runs = 1, .seed = 1 };
     const weft__entry pair = take_out(&self);
     if (pair.key == NULL) {
@@ -190,7 +184,7 @@ void weft__sweep_take(weft__tree *tree, size_t set_count, weft__sweep *out)
         weft__report_error(report, pair.value->at,
                            "sweep must be a mapping as {stepper.method: [rk4, rkf45]}, "
                            "not %s",
-                           weft__show(pair.value, shown, sizeof shown));
+                           weft__show(pair.value).text);
     } else {
         take_pairs(&self, pair.value);
         weft__sweep_sample(tree, out);

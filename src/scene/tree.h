@@ -131,7 +131,7 @@ typedef struct weft__switch {
 const weft__switch *weft__find_switch(const char *text);
 
 /* A node as messages show it: 'text', the text 'text' if quoted, a mapping, ... */
-const char *weft__show(const weft__node *node, char *out, size_t size);
+weft__words weft__show(const weft__node *node);
 
 /* The probable reason why a scalar has the wrong type, as " (remove the quotes)"; "" if
  * there is no guess. It names the unit (NULL: none) if the text seems to have one. */
