@@ -125,7 +125,7 @@ LONGEST := verification hostile surroundings record_ends compare cli_resume step
 # Many short tests, most of the same code with one method after another, for which a process each costs more.
 TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification gsl pins \
             limit_sheet checkpoint contact_time
-KERNEL_TESTS := kernel damping membrane
+KERNEL_TESTS := kernel membrane
 # What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
 SLOW := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends conformance view untangle membrane cut bodies kernel batch_ends hostile_cost \

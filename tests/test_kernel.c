@@ -20,7 +20,6 @@ weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__drift_fn weft__drift_wide;
-weft__damping_fn weft__damping_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
  * tile. */
@@ -189,7 +188,6 @@ static const char *choose(weft_cloth *cloth, size_t form)
     weft__cloth_choose(cloth, wide ? WEFT__LOOPS : (weft__isa)form);
     if (wide) {
         cloth->springs.fast = weft__rows_wide;
-        cloth->springs.damping = weft__damping_wide;
         cloth->springs.products = weft__products_wide;
         cloth->bending.fast = weft__bending_wide;
         cloth->wind.fast = weft__wind_wide;

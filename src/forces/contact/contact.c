@@ -89,15 +89,14 @@ bool weft__each_touch(weft__touches *at)
     }
 }
 
-int weft__contact_loops(const void *own, const weft__state *at, weft__unit unit,
-                        double *to, size_t first, size_t end)
+int weft__contact_some(const weft__contact *own, const weft__state *at, weft__unit unit,
+                       double *to, size_t first, size_t end, size_t shape,
+                       size_t end_shape)
 {
-    const weft__contact *of = own;
-    const weft__mesh *mesh = of->mesh;
+    const weft__mesh *mesh = own->mesh;
     double bad = 0.0;
-    for (weft__touches all = weft__touches_of(
-             of, at->t, at->y, weft__block(mesh, first), weft__block(mesh, end));
-         weft__each_touch(&all);) {
+    weft__touches all = weft__touches_of(own, at->t, at->y, first, end);
+    for (all.shapes = shape, all.end_shape = end_shape; weft__each_touch(&all);) {
         const double scale = unit == WEFT__FORCE ? mesh->mass[all.i] : 1.0;
         double *plane = to + all.i;
         for (size_t k = 0; k < 3; ++k, plane += mesh->particles) {
@@ -107,6 +106,14 @@ int weft__contact_loops(const void *own, const weft__state *at, weft__unit unit,
         }
     }
     return bad == 0.0 ? 0 : 1;
+}
+
+int weft__contact_loops(const void *own, const weft__state *at, weft__unit unit,
+                        double *to, size_t first, size_t end)
+{
+    const weft__contact *of = own;
+    return weft__contact_some(of, at, unit, to, weft__block(of->mesh, first),
+                              weft__block(of->mesh, end), 0, of->shape_count);
 }
 
 static int add(const void *own, const weft__state *at, weft__unit unit, double *to,

@@ -254,3 +254,8 @@ uint64_t weft__contact_hash(const weft__contact *own);
 
 extern const weft__force weft__contact_force;
 WEFT_FORMS(weft__add_fn, contact);
+
+/* The plain form for particles [first, end) and shapes [shape, end_shape). */
+int weft__contact_some(const weft__contact *own, const weft__state *at, weft__unit unit,
+                       double *to, size_t first, size_t end, size_t shape,
+                       size_t end_shape);

@@ -159,44 +159,20 @@ static vec push_any(const slice *of, size_t count, const weft__pose *pose,
     }
 }
 
-/* Of less than LANES: copies, with pinned particles in the other lanes. */
-static vec push_rest(const slice *of, size_t count, const weft__pose *pose,
-                     const weft_contact_def *law)
-{
-    double y[6 * LANES] = { 0 }, inverse_mass[LANES] = { 0 }, to[3 * LANES] = { 0 };
-    for (size_t i = 0; i < count; ++i) {
-        inverse_mass[i] = of->inverse_mass[i];
-        for (size_t k = 0; k < 6; ++k) {
-            y[k * LANES + i] = of->y[k * of->n + i];
-        }
-        for (size_t k = 0; k < 3; ++k) {
-            to[k * LANES + i] = of->to[k * of->n + i];
-        }
-    }
-    const vec bad = push_any(&(slice){ y, inverse_mass, to, LANES }, LANES, pose, law);
-    for (size_t i = 0; i < count; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            of->to[k * of->n + i] = to[k * LANES + i];
-        }
-    }
-    return bad;
-}
-
-/* Of particles [first, end). */
+/* Shape k of particles [first, end), those beyond the last vector one by one. */
 static vec push(const weft__contact *own, const weft__state *at, double *dvdt,
-                const weft__pose *pose, size_t first, size_t end)
+                const weft__pose *pose, size_t k, size_t first, size_t end)
 {
-    const size_t n = own->mesh->particles, rest = (end - first) % LANES;
-    const size_t whole = end - first - rest;
-    const double *inverse_mass = own->mesh->inverse_mass;
-    const slice block = { at->y + first, inverse_mass + first, dvdt + first, n };
+    const size_t whole = (end - first) / LANES * LANES;
+    const slice block = { at->y + first, own->mesh->inverse_mass + first, dvdt + first,
+                          own->mesh->particles };
     const vec bad = push_any(&block, whole, pose, &own->law);
-    if (rest == 0) {
-        return bad;
-    }
-    const slice last
-        = { block.y + whole, block.inverse_mass + whole, block.to + whole, n };
-    return bad + push_rest(&last, rest, pose, &own->law);
+    return first + whole == end
+                   || weft__contact_some(own, at, WEFT__ACCELERATION, dvdt,
+                                         first + whole, end, k, k + 1)
+                          == 0
+               ? bad
+               : splat((double)NAN);
 }
 
 /* ---- what is far ----------------------------------------------------------------- */
@@ -300,7 +276,7 @@ int NAME(contact, LEVEL)(const void *contact, const weft__state *at, weft__unit 
             const extent box = bounds_of(at->y, own->mesh->particles, i, stop);
             for (size_t k = 0; k < count; ++k) {
                 if (!is_far(&targets[k], &poses[k], thickness, &box)) {
-                    bad += push(own, at, to, &poses[k], i, stop);
+                    bad += push(own, at, to, &poses[k], shape + k, i, stop);
                 }
             }
         }

@@ -239,7 +239,6 @@ static void choose(void *own, weft__isa isa)
     weft__springs *of = own;
     of->fast = WEFT_FORM(isa, rows);
     of->products = WEFT_FORM(of->group_count == 0 ? WEFT__LOOPS : isa, products);
-    of->damping = WEFT_FORM(isa, damping);
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */
@@ -353,24 +352,12 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
     }
 }
 
-double weft__damping_loops(const weft__springs *own, const double *y, size_t b)
-{
-    double power = 0.0;
-    for (weft__walk walk = weft__row_springs(own, y, b); weft__each_spring(&walk);) {
-        const weft__spring *at = &walk.spring;
-        const double rate
-            = weft__spring_rate(own->mesh, at, y + 3 * own->mesh->particles);
-        power += weft__spring_damping(at) * rate * (rate / (at->square + DBL_MIN));
-    }
-    return power;
-}
-
 /* Heat, and what the motion of pins does against the springs. */
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
-    sum->power[WEFT_POWER_SPRINGS] += of->damping(of, at->y, b);
+    sum->power[WEFT_POWER_SPRINGS] += weft__springs_heat(of, at->y, b);
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (weft__pin_moves(mesh, i)) {
             double force[3], rate[6];

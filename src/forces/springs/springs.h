@@ -33,9 +33,7 @@ typedef struct weft__group {
 
 #define WEFT_GROUPS (2 * WEFT_FAMILIES)
 
-/* Power [W] turned into heat by the dampers of the springs that begin in block b. */
 typedef struct weft__springs weft__springs;
-typedef double weft__damping_fn(const weft__springs *own, const double *y, size_t b);
 
 /* The derivative by a number, per unit of it, of springs, weight and masses: of what
  * those of all groups are, by the way of each. */
@@ -73,7 +71,6 @@ struct weft__springs {
     weft__group groups[WEFT_GROUPS];
     weft__start_fn *fast;
     weft__products_fn *products;
-    weft__damping_fn *damping;
 };
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
@@ -81,7 +78,6 @@ extern const weft__number weft__spring_law;
 extern const weft__force weft__springs_force;
 WEFT_FORMS(weft__start_fn, rows);
 WEFT_FORMS(weft__products_fn, products);
-WEFT_FORMS(weft__damping_fn, damping);
 
 /* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
 bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);
@@ -104,6 +100,10 @@ void weft__springs_bound(const void *own, const weft__state *at, size_t i,
 size_t weft__springs_runs(const void *own, size_t b, weft_bonds *to);
 double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
                             double *to, size_t all, double *bad);
+
+/* [W] of the dampers of the springs that begin in row r, of which those along a rim may
+ * count half. */
+double weft__springs_heat(const weft__springs *own, const double *y, size_t r);
 
 /* A spring in a state. */
 typedef struct weft__spring {

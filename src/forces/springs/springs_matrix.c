@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* springs_matrix.c -- stiffness and damping of springs: their bounds and
- * linearisation. */
+/* springs_matrix.c -- stiffness and damping of springs: their bounds, linearisation and
+ * heat. */
 #include "forces/bounds.h"
 #include "forces/springs/springs.h"
 
@@ -127,4 +127,65 @@ double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
                                 to, all);
     }
     return to;
+}
+
+/* ---- heat ------------------------------------------------------------------------ */
+
+/* [m^2/s^2] (w.u)^2 = (w.d)^2 / d.d, 0 where d = 0, of a spring from p to q. */
+static inline double square_rate(const double *p, const double *q, size_t n)
+{
+    const double *v = p + 3 * n, *u = q + 3 * n;
+    const double d[3] = { q[0] - p[0], q[n] - p[n], q[2 * n] - p[2 * n] };
+    const double w[3] = { u[0] - v[0], u[n] - v[n], u[2 * n] - v[2 * n] };
+    const double wd = weft__dot(w, d);
+    return wd * (wd / (weft__dot(d, d) + DBL_MIN));
+}
+
+/* The sum of that over `count` springs of a group from p on. The sums of every eighth
+ * one, which compilers make vectors of, are part of the result. */
+static double square_rates(const weft__springs *own, const weft__group *group,
+                           const double *p, size_t count)
+{
+    enum { SUMS = 8 };
+    const size_t n = own->mesh->particles;
+    const double *q = p + group->stride;
+    double sums[SUMS] = { 0.0 }, total = 0.0;
+    size_t c = 0;
+    for (; c + SUMS <= count; c += SUMS) {
+        for (size_t k = 0; k < SUMS; ++k) {
+            sums[k] += square_rate(p + c + k, q + c + k, n);
+        }
+    }
+    for (; c < count; ++c) {
+        sums[c % SUMS] += square_rate(p + c, q + c, n);
+    }
+    for (size_t k = 0; k < SUMS; ++k) {
+        total += sums[k];
+    }
+    return total;
+}
+
+double weft__springs_heat(const weft__springs *own, const double *y, size_t r)
+{
+    double power = 0.0;
+    for (size_t g = 0; g < own->group_count; ++g) {
+        const weft__group *group = &own->groups[g];
+        const size_t first = r * own->mesh->cols + group->first_col;
+        const size_t count = group->end_col - group->first_col;
+        const double *p = y + first, *last = p + count - 1;
+        if (r >= group->end_row || group->damping == 0.0) {
+            continue;
+        }
+        if (group->half_rim && group->end_row < own->mesh->rows) {
+            const double rim
+                = square_rates(own, group, p, 1) + square_rates(own, group, last, 1);
+            power += group->damping
+                     * (square_rates(own, group, p + 1, count - 2) + 0.5 * rim);
+        } else {
+            power += group->damping
+                     * (weft__spring_share(own->mesh, group, first)
+                        * square_rates(own, group, p, count));
+        }
+    }
+    return power;
 }

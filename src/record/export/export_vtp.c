@@ -11,46 +11,16 @@
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"" type                                   \
     "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
 
-/* ---- arrays ----------------------------------------------------------------- */
+/* An array: reals, or what `integer` says of each number. */
+typedef struct vtp_array {
+    const char *name;
+    size_t components, count; /* numbers; 0: it is left out */
+    const double *reals;
+    size_t (*integer)(const record_surface *surface, size_t i);
+} vtp_array;
 
-static size_t real_size(const record_surface *surface)
-{
-    return surface->doubles ? 8 : 4;
-}
-
-/* The tag of an array at *offset, which grows by the array's size. */
-static void tag(FILE *stream, const char *type, const char *name, size_t components,
-                size_t bytes, size_t *offset)
-{
-    fprintf(stream,
-            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%zu\" "
-            "format=\"appended\" offset=\"%zu\"/>\n",
-            type, name, components, *offset);
-    *offset += sizeof(uint64_t) + bytes;
-}
-
-static void tag_reals(FILE *stream, const record_surface *surface, const char *name,
-                      size_t components, size_t *offset)
-{
-    tag(stream, surface->doubles ? "Float64" : "Float32", name, components,
-        surface->faces.particles * components * real_size(surface), offset);
-}
-
-static void put_reals(FILE *stream, const record_surface *surface, const double *values,
-                      size_t components)
-{
-    const size_t count = surface->faces.particles * components;
-    record_put(stream, count * real_size(surface), 8, false);
-    for (size_t i = 0; i < count; ++i) {
-        uint64_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        if (surface->doubles) {
-            record_put(stream, bits, sizeof bits, false);
-        } else {
-            record_put_float(stream, values[i], false);
-        }
-    }
-}
+/* Of points, of their data from the second to CELLS, and of cells. */
+enum { CELLS = 4, ARRAYS = 6 };
 
 /* ---- cells: faces, or one line ---------------------------------------------- */
 
@@ -66,76 +36,97 @@ static size_t cell_size(const record_surface *surface)
                                                   : surface->faces.particles;
 }
 
-static void put_cells(FILE *stream, const record_surface *surface)
+static size_t corner_at(const record_surface *surface, size_t i)
 {
-    const size_t cells = cell_count(surface), size = cell_size(surface);
-    const bool faces = record_face_count(&surface->faces) > 0;
-    record_put(stream, 8 * cells * size, 8, false);
-    for (size_t c = 0; c < cells; ++c) {
-        size_t corners[4] = { 0 };
-        if (faces) {
-            record_face(&surface->faces, c, corners);
-        }
-        for (size_t k = 0; k < size; ++k) {
-            record_put(stream, faces ? corners[k] : k, 8, false);
-        }
+    size_t corners[4];
+    if (record_face_count(&surface->faces) == 0) {
+        return i;
     }
-    record_put(stream, 8 * cells, 8, false);
-    for (size_t c = 1; c <= cells; ++c) {
-        record_put(stream, c * size, 8, false);
-    }
+    const size_t sides = record_face_sides(&surface->faces);
+    record_face(&surface->faces, i / sides, corners);
+    return corners[i % sides];
+}
+
+static size_t end_at(const record_surface *surface, size_t i)
+{
+    return (i + 1) * cell_size(surface);
+}
+
+static size_t cloth_at(const record_surface *surface, size_t i)
+{
+    return record_part_of(&surface->faces, i);
 }
 
 /* ---- VTP -------------------------------------------------------------------- */
 
-/* Of each particle; nothing of one cloth. */
-static void put_cloths(FILE *stream, const record_faces *of)
+static size_t number_size(const record_surface *surface, const vtp_array *of)
 {
-    record_put(stream, 8 * of->particles, of->part_count > 0 ? 8 : 0, false);
-    for (size_t i = 0; of->part_count > 0 && i < of->particles; ++i) {
-        record_put(stream, record_part_of(of, i), 8, false);
+    return surface->doubles || of->integer != NULL ? 8 : 4;
+}
+
+/* The tag of an array at *offset, which grows by the array's size. */
+static void tag(FILE *stream, const record_surface *surface, const vtp_array *of,
+                size_t *offset)
+{
+    if (of->count > 0) {
+        fprintf(stream,
+                "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%zu\" "
+                "format=\"appended\" offset=\"%zu\"/>\n",
+                of->integer != NULL ? "Int64"
+                : surface->doubles  ? "Float64"
+                                    : "Float32",
+                of->name, of->components, *offset);
+        *offset += sizeof(uint64_t) + of->count * number_size(surface, of);
     }
 }
 
-static void write_tags(FILE *stream, const record_surface *surface)
+static void put(FILE *stream, const record_surface *surface, const vtp_array *of)
 {
-    const char *cells = record_face_count(&surface->faces) > 0 ? "Polys" : "Lines";
-    size_t offset = 0;
-    fprintf(stream,
-            HEAD("PolyData") "<PolyData><Piece NumberOfPoints=\"%zu\" "
-                             "NumberOf%s=\"%zu\">\n<Points>\n",
-            surface->faces.particles, cells, cell_count(surface));
-    tag_reals(stream, surface, "Points", 3, &offset);
-    fputs("</Points>\n<PointData>\n", stream);
-    if (surface->velocity != NULL) {
-        tag_reals(stream, surface, "velocity", 3, &offset);
+    const size_t size = number_size(surface, of);
+    record_put(stream, of->count * size, of->count > 0 ? 8 : 0, false);
+    for (size_t i = 0; i < of->count; ++i) {
+        uint64_t bits;
+        if (of->integer != NULL) {
+            record_put(stream, of->integer(surface, i), size, false);
+        } else if (surface->doubles) {
+            memcpy(&bits, &of->reals[i], sizeof bits);
+            record_put(stream, bits, size, false);
+        } else {
+            record_put_float(stream, of->reals[i], false);
+        }
     }
-    if (surface->strain != NULL) {
-        tag_reals(stream, surface, "strain", 1, &offset);
-    }
-    if (surface->faces.part_count > 0) {
-        tag(stream, "Int64", "cloth", 1, 8 * surface->faces.particles, &offset);
-    }
-    fprintf(stream, "</PointData>\n<%s>\n", cells);
-    tag(stream, "Int64", "connectivity", 1,
-        8 * cell_count(surface) * cell_size(surface), &offset);
-    tag(stream, "Int64", "offsets", 1, 8 * cell_count(surface), &offset);
-    fprintf(stream, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"raw\">\n_",
-            cells);
 }
 
 void record_vtp(FILE *stream, const record_surface *surface)
 {
-    write_tags(stream, surface);
-    put_reals(stream, surface, surface->position, 3);
-    if (surface->velocity != NULL) {
-        put_reals(stream, surface, surface->velocity, 3);
+    const char *cells = record_face_count(&surface->faces) > 0 ? "Polys" : "Lines";
+    const size_t n = surface->faces.particles, count = cell_count(surface);
+    const vtp_array all[ARRAYS] = {
+        { "Points", 3, 3 * n, surface->position, NULL },
+        { "velocity", 3, surface->velocity != NULL ? 3 * n : 0, surface->velocity,
+          NULL },
+        { "strain", 1, surface->strain != NULL ? n : 0, surface->strain, NULL },
+        { "cloth", 1, surface->faces.part_count > 0 ? n : 0, NULL, cloth_at },
+        { "connectivity", 1, count * cell_size(surface), NULL, corner_at },
+        { "offsets", 1, count, NULL, end_at },
+    };
+    size_t offset = 0;
+    fprintf(stream,
+            HEAD("PolyData") "<PolyData><Piece NumberOfPoints=\"%zu\" "
+                             "NumberOf%s=\"%zu\">\n<Points>\n",
+            n, cells, count);
+    for (size_t k = 0; k < ARRAYS; ++k) {
+        tag(stream, surface, &all[k], &offset);
+        fputs(k == 0 ? "</Points>\n<PointData>\n" : "", stream);
+        if (k + 1 == CELLS) {
+            fprintf(stream, "</PointData>\n<%s>\n", cells);
+        }
     }
-    if (surface->strain != NULL) {
-        put_reals(stream, surface, surface->strain, 1);
+    fprintf(stream, "</%s>\n</Piece></PolyData>\n<AppendedData encoding=\"raw\">\n_",
+            cells);
+    for (size_t k = 0; k < ARRAYS; ++k) {
+        put(stream, surface, &all[k]);
     }
-    put_cloths(stream, &surface->faces);
-    put_cells(stream, surface);
     fputs("\n</AppendedData></VTKFile>\n", stream);
 }
 
