@@ -157,6 +157,87 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side)
 }
 END_TEST
 
+/* w.(J v) and v.(J^T w), by the sum of the sizes of the parts of the first. */
+static double asymmetry(const weft_cloth *cloth, double t, const double *y,
+                        const double *v, const double *w)
+{
+    double forth[6 * N], back[6 * N], difference = 0.0, size = 0.0;
+    ck_assert_int_eq(weft_cloth_jacobian_product(cloth, t, y, v, forth), 0);
+    ck_assert_int_eq(weft_cloth_jacobian_product_transposed(cloth, t, y, w, back), 0);
+    for (size_t j = 0; j < 6 * N; ++j) {
+        difference += w[j] * forth[j] - v[j] * back[j];
+        size += fabs(w[j] * forth[j]);
+    }
+    return fabs(difference) / size;
+}
+
+START_TEST(transposed_product_is_that_of_the_transpose)
+{
+    double y[6 * N], v[6 * N], w[6 * N];
+    weft_cloth *cloth = make((size_t)_i);
+    for (int round = 0; round < 10; ++round) {
+        state(cloth, y, v);
+        state(cloth, w, w);
+        ck_assert_double_le(asymmetry(cloth, 0.01, y, v, w), 1e-13);
+    }
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
+/* A mesh with all that triangles have, on a sphere; some triangles nearly collapse. */
+START_TEST(transposed_product_of_triangles_is_that_of_the_transpose)
+{
+    static const size_t held[2] = { 0, 5 };
+    const weft_pin pin = { .vertices = held, .vertex_count = 2 };
+    const weft_shape shape = shape_below(WEFT_SPHERE);
+    double y[6 * N], v[6 * N], w[6 * N];
+    size_t touching = 0;
+    test_mesh sheet;
+    mesh_sheet(&sheet, ROWS, COLS, 0.1, MESH_RANDOM, 0.2, 3);
+    sheet.fabrics[0].damping[0] = 0.02, sheet.fabrics[0].damping[1] = 0.01;
+    sheet.def.arc = _i == 1;
+    weft_cloth_def def = mesh_cloth(&sheet);
+    def.drag = 0.01, def.wind_drag = 0.5, def.wind_velocity[2] = 2.0;
+    def.pins = &pin, def.pin_count = 1;
+    def.contact.thickness = 0.1, def.contact.slip = 0.5;
+    def.contact.shapes = &shape, def.contact.shape_count = 1;
+    weft_cloth *cloth = test_cloth(&def);
+    for (int round = 0; round < 20; ++round) {
+        state(cloth, y, v);
+        state(cloth, w, w);
+        touching += weft_cloth_touching(cloth, 0.01, y);
+        ck_assert_double_le(asymmetry(cloth, 0.01, y, v, w), 1e-13);
+    }
+    ck_assert_uint_gt(touching, 10);
+    weft_cloth_destroy(cloth);
+    mesh_free(&sheet);
+}
+END_TEST
+
+START_TEST(transposed_product_of_a_spring_is_by_hand)
+{
+    const weft_pin pin = { .rows = { 0, 0 }, .cols = { 0, 0 } };
+    weft_cloth_def def = weft_cloth_def_default();
+    double y[12] = { 0 }, w[12] = { 0 }, out[12];
+    def.rows = 2, def.cols = 1, def.spacing[0] = 1.0;
+    def.mass = 2.0, def.density = 0.0, def.drag = 0.5;
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 8.0, 4.0 };
+    def.pins = &pin, def.pin_count = 1;
+    weft_cloth *cloth = test_cloth(&def);
+    y[1] = 2.0, y[7] = 3.0; /* x: twice its length, and longer by 3 m/s */
+    w[7] = 10.0, w[1] = 7.0;
+    w[0] = 100.0, w[6] = 1000.0; /* of the pin: nothing */
+    ck_assert_int_eq(weft_cloth_jacobian_product_transposed(cloth, 0.0, y, w, out), 0);
+    ck_assert_double_eq(out[0], 8.0 / 2.0 * 10.0);
+    ck_assert_double_eq(out[1], -8.0 / 2.0 * 10.0);
+    ck_assert_double_eq(out[6], 4.0 / 2.0 * 10.0);
+    ck_assert_double_eq(out[7], 7.0 - (4.0 + 0.5) / 2.0 * 10.0);
+    y[5] = (double)NAN;
+    ck_assert_int_eq(weft_cloth_jacobian_product_transposed(cloth, 0.0, y, w, out), 1);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 START_TEST(product_is_linear_and_refuses_what_is_not_finite)
 {
     double y[6 * N], a[6 * N], b[6 * N], ja[6 * N], jb[6 * N];
@@ -569,6 +650,10 @@ TEST_SUITE(jacobian)
     TCase *tcase = tcase_create("jacobian");
     tcase_add_loop_test(tcase, product_is_the_derivative_of_the_right_hand_side, 0,
                         CASES);
+    tcase_add_loop_test(tcase, transposed_product_is_that_of_the_transpose, 0, CASES);
+    tcase_add_loop_test(tcase, transposed_product_of_triangles_is_that_of_the_transpose,
+                        0, 2);
+    tcase_add_test(tcase, transposed_product_of_a_spring_is_by_hand);
     tcase_add_test(tcase, product_is_linear_and_refuses_what_is_not_finite);
     tcase_add_loop_test(tcase, structure_has_the_jacobian_of_the_cloth, 0, 2 * KINDS);
     tcase_add_test(tcase, structure_of_triangles_has_the_jacobian_of_the_cloth);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/model.h"
+#include "cloth/slope.h"
 
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
@@ -20,6 +20,7 @@ weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__drift_fn weft__drift_wide;
+weft__transposed_fn weft__transposed_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
  * tile. */
@@ -189,6 +190,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
     if (wide) {
         cloth->springs.fast = weft__rows_wide;
         cloth->springs.products = weft__products_wide;
+        cloth->springs.transposed = weft__transposed_wide;
         cloth->bending.fast = weft__bending_wide;
         cloth->wind.fast = weft__wind_wide;
         cloth->contact.fast = weft__contact_wide;
@@ -255,7 +257,7 @@ END_TEST
 
 START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
 {
-    static double dy[6 * MOST];
+    static double dy[6 * MOST], room[9 * MOST];
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
         uint64_t seed = number + 1, plain = 0;
@@ -267,8 +269,14 @@ START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
             memset(m.dydt, 0xff, sizeof m.dydt);
             ck_assert_int_eq(weft_cloth_jacobian_product(m.cloth, m.t, m.y, dy, m.dydt),
                              0);
-            plain = i == 0 ? hash() : plain;
-            ck_assert_msg(hash() == plain, "%u: %zu x %zu on %s", (unsigned)number,
+            weft__by_numbers by;
+            uint64_t all = hash();
+            ck_assert_int_eq(
+                weft__rhs_transposed(m.cloth, m.t, m.y, dy, room, m.dydt, &by), 0);
+            all = 31 * all + hash();
+            all = 31 * all + test_hash(by.stiffness, sizeof by / sizeof(double));
+            plain = i == 0 ? all : plain;
+            ck_assert_msg(all == plain, "%u: %zu x %zu on %s", (unsigned)number,
                           m.def.rows, m.def.cols, name);
         }
     }

@@ -519,6 +519,14 @@ WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
                                          const double *y, const double *dy,
                                          double *out);
 
+/* Writes the transposed product J^T w to out[6 N], the derivative of w.f by the state:
+ * for every v, v.(J^T w) is w.(J v), but for roundoff. Planes, forces and return value
+ * as above, or -1: no memory. On the calling thread alone; it costs some two
+ * weft_cloth_rhs. */
+WEFT_API int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
+                                                    const double *y, const double *w,
+                                                    double *out);
+
 /* Writes the derivative of weft_cloth_rhs by a number to out[6 N], in [m/s] and [m/s^2]
  * per unit of `span`: of two cloths that differ in that number alone, `less` and `more`
  * of it, whose difference is `span`. Of springs, weight, air and masses exact but for
@@ -529,6 +537,14 @@ WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
 WEFT_API int weft_cloth_parameter_product(const weft_cloth *less,
                                           const weft_cloth *more, double span, double t,
                                           const double *y, double *out);
+
+/* Writes w.(df/dp), the product of w[6 N] with what weft_cloth_parameter_product
+ * writes, to *out [per unit of `span`]. Returns as that. */
+WEFT_API int weft_cloth_parameter_product_transposed(const weft_cloth *less,
+                                                     const weft_cloth *more,
+                                                     double span, double t,
+                                                     const double *y, const double *w,
+                                                     double *out);
 
 /* Writes the force [N] on every particle, as if none were pinned, to f[3 N]: planes fx
  * fy fz. Pinned particles feel no contact with shapes. */

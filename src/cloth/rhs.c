@@ -90,18 +90,3 @@ void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double
     (void)sum(cloth, &at, WEFT__FORCE, f, 0, weft__blocks(&cloth->mesh));
     (void)weft__rhs_all(cloth, NULL, &at, WEFT__FORCE, f);
 }
-
-/* J dy, J = [0 I; -M^-1 K -M^-1 C]. */
-int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double *y,
-                                const double *dy, double *out)
-{
-    const weft__state at = { .t = t, .y = y, .along = dy };
-    const weft__mesh *mesh = &cloth->mesh;
-    const int failed = weft__rhs_blocks(cloth, &at, out, 0, weft__blocks(mesh));
-    for (size_t j = 0; j < mesh->pinned; ++j) {
-        for (size_t k = 0; k < 6; ++k) {
-            out[k * mesh->particles + mesh->pins[j]] = 0.0;
-        }
-    }
-    return failed;
-}

@@ -7,6 +7,73 @@
 #include "base/hash.h"
 #include "base/memory.h"
 
+/* ---- by the state ---------------------------------------------------------------- */
+
+/* J dy, J = [0 I; -M^-1 K -M^-1 C]. */
+int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double *y,
+                                const double *dy, double *out)
+{
+    const weft__state at = { .t = t, .y = y, .along = dy };
+    const weft__mesh *mesh = &cloth->mesh;
+    const int failed = weft__rhs_blocks(cloth, &at, out, 0, weft__blocks(mesh));
+    for (size_t j = 0; j < mesh->pinned; ++j) {
+        for (size_t k = 0; k < 6; ++k) {
+            out[k * mesh->particles + mesh->pins[j]] = 0.0;
+        }
+    }
+    return failed;
+}
+
+int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
+                         const double *w, double *room, double *out,
+                         weft__by_numbers *by)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles, end = weft__blocks(mesh);
+    const weft__state at = { .t = t, .y = y, .along = room };
+    const weft__state by_x = { .y = room }, by_v = { .y = room + 3 * n };
+    double bad = 0.0;
+    *by = (weft__by_numbers){ 0 };
+    memset(room + 3 * n, 0, 3 * n * sizeof *room); /* l, 0, l */
+    memset(out, 0, 3 * n * sizeof *out);
+    memcpy(out + 3 * n, w, 3 * n * sizeof *out);
+    for (size_t k = 0; k < 3 * n; k += n) {
+        for (size_t i = 0; i < n; ++i) {
+            room[k + i] = mesh->inverse_mass[i] * w[3 * n + k + i];
+        }
+        for (size_t j = 0; j < mesh->pinned; ++j) {
+            out[3 * n + k + mesh->pins[j]] = 0.0;
+        }
+    }
+    memcpy(room + 6 * n, room, 3 * n * sizeof *room);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(cloth, k);
+        const void *own = weft__own(cloth, k);
+        if (force != NULL && force->linear) {
+            (void)force->add(own, &by_x, WEFT__FORCE, out, 0, end);
+            (void)force->add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
+        } else if (force != NULL && force->transposed != NULL) {
+            force->transposed(own, &at, out, by);
+        }
+    }
+    for (size_t i = 0; i < 6 * n; ++i) {
+        bad += out[i] * 0.0;
+    }
+    return bad == 0.0 ? 0 : 1;
+}
+
+int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
+                                           const double *y, const double *w,
+                                           double *out)
+{
+    weft__by_numbers by;
+    double *room = weft__alloc(&cloth->memory, 9 * cloth->mesh.particles, sizeof *room);
+    const int failed
+        = room == NULL ? -1 : weft__rhs_transposed(cloth, t, y, w, room, out, &by);
+    weft__free(&cloth->memory, room);
+    return failed;
+}
+
 /* ---- what differs ---------------------------------------------------------------- */
 
 static bool same_place(const weft_cloth *one, const weft_cloth *other)
@@ -236,5 +303,77 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
     }
     weft__slope_free(&of, &more->memory);
     weft__free(&more->memory, still);
+    return failed;
+}
+
+/* The sum of a[i] b[i]. */
+static double product_of(const double *a, const double *b, size_t count)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* By springs of the same rest lengths, weight and air, which are linear, to *sum;
+ * false: others of their numbers change. */
+static bool linear_product(const weft__slope *of, const weft__springs *springs,
+                           const weft__by_numbers *by, double *sum)
+{
+    bool linear = of->inverse_mass == NULL;
+    double more
+        = product_of(of->springs.gravity, by->gravity, 3) + of->springs.drag * by->drag;
+    for (size_t g = 0; g < springs->group_count; ++g) {
+        const weft__slope_law *law = &of->springs.laws[springs->groups[g].way];
+        linear = linear && law->rest_length == 0.0;
+        more += law->stiffness * by->stiffness[g] + law->damping * by->damping[g];
+    }
+    *sum += linear ? more : 0.0;
+    return linear;
+}
+
+int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
+                        const weft__state *at, const double *w,
+                        const weft__by_numbers *by, double *const room[3], double *sum)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles, blocks = weft__blocks(mesh);
+    const bool linear = linear_product(of, &cloth->springs, by, sum);
+    int failed = 0;
+    if (!linear || of->others) { /* no direction, or no rate yet */
+        memset(room[linear ? 2 : 0], 0, 6 * n * sizeof *room[0]);
+    }
+    if (!linear) {
+        const weft__ways one
+            = { at->y, NULL, n, mesh->cols, 1, { { room[0], room[2], &of->springs } } };
+        failed
+            = cloth->springs.products(&cloth->springs, &cloth->body, &one, 0, blocks);
+    }
+    if (!linear || of->others) {
+        failed |= weft__slope_blocks(of, at, room[2], room, 0, blocks);
+        *sum += product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
+    }
+    for (size_t j = 0; of->pins && j < mesh->pinned; ++j) {
+        double rate[6];
+        weft__slope_pin(of, mesh->pins[j], at->t, rate);
+        for (size_t k = 0; k < 6; ++k) {
+            *sum += w[k * n + mesh->pins[j]] * rate[k];
+        }
+    }
+    return failed;
+}
+
+int weft_cloth_parameter_product_transposed(const weft_cloth *less,
+                                            const weft_cloth *more, double span,
+                                            double t, const double *y, const double *w,
+                                            double *out)
+{
+    const size_t dim = weft_cloth_dim(more);
+    double *by = weft__alloc(&more->memory, dim, sizeof *by);
+    const int failed
+        = by == NULL ? -1 : weft_cloth_parameter_product(less, more, span, t, y, by);
+    *out = failed < 0 ? 0.0 : product_of(w, by, dim);
+    weft__free(&more->memory, by);
     return failed;
 }

@@ -9,6 +9,12 @@
 
 #include "cloth/model.h"
 
+/* J^T w of all but the forces of the whole cloth, to out[6 N]; the derivatives of w.f
+ * by numbers to *by. room: 9 N. Returns as weft__rhs_blocks. */
+int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
+                         const double *w, double *room, double *out,
+                         weft__by_numbers *by);
+
 typedef struct weft__slope {
     const weft_cloth *less, *more;
     double scale;               /* of the difference between the two */
@@ -35,6 +41,13 @@ bool weft__slope_whole(const weft__slope *of);
  * accelerations in out[6 N]. room: 6 N, twice. Returns as weft__rhs_blocks. */
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
                        double *const room[2], size_t first, size_t end);
+
+/* Adds w.(df/dp) to *sum, without the forces of the whole cloth; *by is what
+ * weft__rhs_transposed has found for w. `cloth` is that of slope_init;
+ * room: 6 N each. Returns as above. */
+int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
+                        const weft__state *at, const double *w,
+                        const weft__by_numbers *by, double *const room[3], double *sum);
 
 /* Of the forces of the whole cloth. */
 int weft__slope_all(const weft__slope *of, const weft__state *at, double *out,

@@ -178,6 +178,7 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
 
 /* contact_slopes.c: for weft__force. */
 weft__add_fn weft__contact_change;
+weft__transposed_fn weft__contact_transposed;
 int weft__contact_blocks(const void *own, void *space, const weft__state *at,
                          double *blocks);
 

@@ -150,6 +150,26 @@ static void matrices(const weft__touches *at, double stiffness[3][3],
     }
 }
 
+void weft__contact_transposed(const void *own, const weft__state *at, double *out,
+                              weft__by_numbers *by)
+{
+    const weft__contact *of = own;
+    const size_t n = of->mesh->particles;
+    (void)by;
+    for (weft__touches all = weft__touches_of(of, at->t, at->y, 0, n);
+         weft__each_touch(&all);) {
+        double stiffness[3][3], damping[3][3];
+        matrices(&all, stiffness, damping);
+        for (size_t r = 0; r < 3; ++r) {
+            const double l = of->mesh->mass[all.i] * at->along[r * n + all.i];
+            for (size_t c = 0; c < 3; ++c) {
+                out[c * n + all.i] -= l * stiffness[r][c];
+                out[(3 + c) * n + all.i] -= l * damping[r][c];
+            }
+        }
+    }
+}
+
 /* Takes out what the speed along n does across it. */
 static void uncouple(const double n[3], double damping[3][3])
 {

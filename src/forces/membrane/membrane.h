@@ -200,6 +200,15 @@ bool weft__membrane_each_own(const weft__membrane *of, size_t b, size_t *next,
 void weft__membrane_forces(const weft__membrane *own, const weft__state *at, size_t b,
                            double force[WEFT__MESH_BLOCK][3]);
 
+/* [N/m] s of a triangle; and adds to s the change of the barrier's, s_i = -2 push
+ * rate_i, for that of q. */
+void weft__membrane_pulls(const weft__membrane *own, const weft__triangle *tri,
+                          const weft__sides3 *at, double s[3]);
+void weft__membrane_barrier_change(const double *of, const double square[3],
+                                   const double more[3], double s[3]);
+
+weft__transposed_fn weft__membrane_transposed; /* membrane_transposed.c */
+
 /* ---- membrane_bounds.c: a triangle at rest and in a state --------------------------
  */
 

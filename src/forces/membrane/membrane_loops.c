@@ -57,8 +57,8 @@ void weft__membrane_squares(const weft__sides3 *at, double square[3])
 }
 
 /* [N/m] s */
-static void pulls_of(const weft__membrane *own, const weft__triangle *tri,
-                     const weft__sides3 *at, double s[3])
+void weft__membrane_pulls(const weft__membrane *own, const weft__triangle *tri,
+                          const weft__sides3 *at, double s[3])
 {
     double square[3], q[3];
     weft__membrane_squares(at, square);
@@ -72,8 +72,8 @@ static void pulls_of(const weft__membrane *own, const weft__triangle *tri,
 }
 
 /* Adds the change of the barrier's s, s_i = -2 push rate_i, for that of q. */
-static void barrier_change(const double *of, const double square[3],
-                           const double more[3], double s[3])
+void weft__membrane_barrier_change(const double *of, const double square[3],
+                                   const double more[3], double s[3])
 {
     weft__barrier at;
     if (weft__membrane_barrier(of, square, &at)) {
@@ -99,7 +99,7 @@ static void pulls_change(const weft__triangle *tri, const weft__sides3 *at,
                      * (weft__dot(by->d[i], at->w[i]) + weft__dot(at->d[i], by->w[i]));
     }
     law_stiff(tri->of, q, s);
-    barrier_change(tri->of, square, more, s);
+    weft__membrane_barrier_change(tri->of, square, more, s);
 }
 
 /* [N] on each corner, or its change along at->along. */
@@ -109,7 +109,7 @@ static void corner_forces(const weft__membrane *own, const weft__triangle *tri,
     weft__sides3 now, by;
     double s[3], change[3] = { 0.0, 0.0, 0.0 }, pull[3][3];
     weft__membrane_sides(own->mesh, tri->corner, at->y, &now);
-    pulls_of(own, tri, &now, s);
+    weft__membrane_pulls(own, tri, &now, s);
     if (at->along != NULL) {
         weft__membrane_sides(own->mesh, tri->corner, at->along, &by);
         pulls_change(tri, &now, &by, change);

@@ -239,6 +239,7 @@ static void choose(void *own, weft__isa isa)
     weft__springs *of = own;
     of->fast = WEFT_FORM(isa, rows);
     of->products = WEFT_FORM(of->group_count == 0 ? WEFT__LOOPS : isa, products);
+    of->transposed = WEFT_FORM(isa, transposed);
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */
@@ -341,6 +342,12 @@ static int start(const void *own, const weft__body *body, const weft__state *at,
                                                                first, end);
 }
 
+static void transposed(const void *own, const weft__state *at, double *out,
+                       weft__by_numbers *by)
+{
+    ((const weft__springs *)own)->transposed(own, at, out, by);
+}
+
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
@@ -398,6 +405,7 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .hash = hash_of,
                                           .choose = choose,
                                           .start = start,
+                                          .transposed = transposed,
                                           .energy = energy,
                                           .power = power,
                                           .worst = worst,

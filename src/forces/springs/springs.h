@@ -71,13 +71,19 @@ struct weft__springs {
     weft__group groups[WEFT_GROUPS];
     weft__start_fn *fast;
     weft__products_fn *products;
+    weft__transposed_fn *transposed;
 };
+
+/* The transposed product takes the springs of a row by tiles, the ends p of all before
+ * the ends q, and sums every eighth of them. */
+enum { WEFT__TILE = 256, WEFT__SUMS = 8 };
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;
 extern const weft__force weft__springs_force;
 WEFT_FORMS(weft__start_fn, rows);
 WEFT_FORMS(weft__products_fn, products);
+WEFT_FORMS(weft__transposed_fn, transposed);
 
 /* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
 bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);

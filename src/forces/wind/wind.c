@@ -248,16 +248,23 @@ static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
 
 /* ---- of a grid ------------------------------------------------------------------- */
 
+/* The neighbours of particle i: right, left, down, up; itself at a rim. */
+static void neighbours(const weft__mesh *mesh, size_t i, size_t to[4])
+{
+    const size_t cols = mesh->cols, r = i / cols, c = i % cols;
+    to[0] = c + 1 < cols ? i + 1 : i, to[1] = c > 0 ? i - 1 : i;
+    to[2] = r + 1 < mesh->rows ? i + cols : i, to[3] = r > 0 ? i - cols : i;
+}
+
 /* Of the column and the row of particle i. */
 static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a,
                      point *b)
 {
-    const size_t n = mesh->particles, cols = mesh->cols, r = i / cols, c = i % cols;
-    const size_t left = c > 0 ? i - 1 : i, up = r > 0 ? i - cols : i;
-    const size_t right = c + 1 < cols ? i + 1 : i;
-    const size_t down = r + 1 < mesh->rows ? i + cols : i;
-    *a = minus(at_particle(x, n, right), at_particle(x, n, left));
-    *b = minus(at_particle(x, n, down), at_particle(x, n, up));
+    const size_t n = mesh->particles;
+    size_t at[4];
+    neighbours(mesh, i, at);
+    *a = minus(at_particle(x, n, at[0]), at_particle(x, n, at[1]));
+    *b = minus(at_particle(x, n, at[2]), at_particle(x, n, at[3]));
 }
 
 /* The wind against particle i. */
@@ -345,6 +352,74 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
     return bad == 0.0 ? 0 : 1;
 }
 
+/* Of one particle, or triangle, which pushes by drag (N.flow) N / |N|^p on those whose
+ * l have the sum m: the derivatives of m.F by N, and by flow. */
+static point by_normal(point normal, point flow, point m, double drag, int p,
+                       point *by_flow)
+{
+    const double square = dot(normal, normal) + DBL_MIN;
+    const double per = drag / (p == 1 ? sqrt(square) : square);
+    const double push = dot(normal, flow), along = dot(normal, m);
+    *by_flow = scaled(per * along, normal);
+    return scaled(per, minus(plus(scaled(along, flow), scaled(push, m)),
+                             scaled(p * push * along / square, normal)));
+}
+
+/* Adds what N = a x b has by them, a from at[1] to at[0] and b from at[3] to at[2]. */
+static void add_edges(double *out, size_t n, const size_t at[4], point a, point b,
+                      point normal)
+{
+    const point by_a = cross(b, normal), by_b = cross(normal, a);
+    (void)add_to(out, n, at[0], by_a);
+    (void)add_to(out, n, at[1], scaled(-1.0, by_a));
+    (void)add_to(out, n, at[2], by_b);
+    (void)add_to(out, n, at[3], scaled(-1.0, by_b));
+}
+
+static void transposed_sails(const weft__wind *of, const weft__state *at, double *out)
+{
+    const size_t n = of->mesh->particles;
+    for (size_t t = 0; t < of->mesh->triangles->count; ++t) {
+        const uint32_t *corner = of->mesh->triangles->corner[t];
+        const sail now = sail_of(n, corner, at->y, of->velocity);
+        point m = { 0.0, 0.0, 0.0 }, flow;
+        for (size_t k = 0; k < 3; ++k) {
+            add_point(&m, at_particle(at->along, n, corner[k]));
+        }
+        const point normal
+            = by_normal(now.normal, now.flow, m, of->drag / 18.0, 1, &flow);
+        add_edges(out, n, (size_t[]){ corner[1], corner[0], corner[2], corner[0] },
+                  now.a, now.b, normal);
+        for (size_t k = 0; k < 3; ++k) {
+            (void)add_to(out + 3 * n, n, corner[k], scaled(-1.0, flow));
+        }
+    }
+}
+
+static void transposed(const void *own, const weft__state *at, double *out,
+                       weft__by_numbers *by)
+{
+    const weft__wind now = at_time(own, at->t), *of = &now;
+    const weft__mesh *mesh = of->mesh;
+    const size_t n = mesh->particles;
+    (void)by;
+    if (of->drag != 0.0 && mesh->triangles != NULL) {
+        transposed_sails(of, at, out);
+        return;
+    }
+    for (size_t i = 0; of->drag != 0.0 && i < n; ++i) {
+        point a, b, flow;
+        size_t ends[4];
+        neighbours(mesh, i, ends);
+        tangents(mesh, at->y, i, &a, &b);
+        const point normal = by_normal(cross(a, b), flow_at(of, at->y, i),
+                                       at_particle(at->along, n, i),
+                                       of->drag * weft__area(mesh, i), 2, &flow);
+        add_edges(out, n, ends, a, b, normal);
+        (void)add_to(out + 3 * n, n, i, scaled(-1.0, flow));
+    }
+}
+
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
@@ -379,5 +454,6 @@ const weft__force weft__wind_force = { .name = "wind",
                                        .choose = choose,
                                        .add = add,
                                        .change = change,
+                                       .transposed = transposed,
                                        .power = power,
                                        .bound = bound };
