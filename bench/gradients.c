@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* gradients.c -- what derivatives by numbers cost: the time of a step of a square cloth
- * hung by two corners with sensitivities by some numbers, in steps without. */
+ * hung by two corners with sensitivities by some numbers, in steps without; and that of
+ * a gradient backwards, in runs. */
 #define _POSIX_C_SOURCE 200809L
 #include <time.h>
 #define BENCH_CLOCK CLOCK_PROCESS_CPUTIME_ID
@@ -64,6 +65,72 @@ static job make_job(const weft_cloth *cloth, const weft_number_of_cloth *numbers
     return out;
 }
 
+enum { RUN = 300, GRADIENTS = 5 };
+
+/* The height of one particle. */
+static int height(void *ctx, size_t frame, double t, const double *y, double *value,
+                  double *slope)
+{
+    const size_t at = (size_t)SIDE * SIDE + SIDE * SIDE / 2;
+    (void)ctx, (void)frame, (void)t;
+    *value += y[at];
+    slope[at] += 1.0;
+    return 0;
+}
+
+/* A whole run of RUN steps, or the gradient of its end by some numbers. */
+typedef struct gradient_job {
+    weft_sim_def sim;
+    const weft_number_of_cloth *numbers;
+    size_t count;
+    bool forwards;
+} gradient_job;
+
+static void find_gradient(void *ctx)
+{
+    const gradient_job *self = ctx;
+    const double end = RUN * STEP;
+    weft_error err;
+    double value, by[NUMBERS];
+    if (self->forwards) {
+        weft_sim *sim;
+        bench_must(weft_sim_create(&self->sim, &sim, &err), &err);
+        bench_must(weft_sim_advance(sim, end, &err), &err);
+        weft_sim_destroy(sim);
+        return;
+    }
+    weft_gradient_def def = weft_gradient_def_default();
+    def.sim = &self->sim, def.numbers = self->numbers, def.count = self->count;
+    def.times = &end, def.frames = 1, def.objective = height;
+    bench_must(weft_gradient(&def, &value, by, NULL, &err), &err);
+}
+
+/* Numbers: none, the four of springs and weight, density alone. */
+static void print_gradients(const weft_cloth *cloth,
+                            const weft_number_of_cloth *numbers)
+{
+    static const char *const what[]
+        = { "first state", "4 numbers of springs and weight", "those and density" };
+    static const size_t counts[] = { 0, NUMBERS - 1, NUMBERS };
+    gradient_job jobs[4];
+    bench_case cases[4];
+    for (size_t i = 0; i < 4; ++i) {
+        jobs[i] = (gradient_job){ weft_sim_def_default(), numbers,
+                                  i < 3 ? counts[i] : 0, i == 3 };
+        jobs[i].sim.cloth = cloth;
+        jobs[i].sim.method
+            = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
+        jobs[i].sim.config.fixed_step = STEP;
+        cases[i] = (bench_case){ "", find_gradient, &jobs[i], 0.0 };
+    }
+    bench_interleaved(cases, 4, GRADIENTS);
+    printf("a run of %d steps takes %.3g s\n", RUN, cases[3].median);
+    puts("gradient by the state at 0 and   runs (aim: 5)");
+    for (size_t i = 0; i < 3; ++i) {
+        printf("%-32s %13.2f\n", what[i], cases[i].median / cases[3].median);
+    }
+}
+
 int main(void)
 {
     const double d = 0x1p-22;
@@ -92,6 +159,7 @@ int main(void)
         printf("%-20s %13.2f %20.2f %11.1f\n", j < NUMBERS ? names[j] : "all five",
                ratio, (ratio - 1.0) / p, 1.0 + 1.5 * p);
     }
+    print_gradients(cloth, numbers);
     for (size_t j = 0; j < NUMBERS + 2; ++j) {
         weft_sim_destroy(jobs[j].sim);
     }

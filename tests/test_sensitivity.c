@@ -6,6 +6,7 @@
 
 #include "scene_load.h"
 #include "shell.h"
+#include "weft/gradient.h"
 
 /* A sheet that wind blows, over a sphere. */
 #define SHEET                                                                          \
@@ -472,12 +473,229 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
                                     1e-8 * (most + 100.0));
         }
         ck_assert_double_gt(most, 0.0);
+        double along, sum = 0.0;
+        for (size_t i = 0; i < dim; ++i) {
+            sum += y[i] * out[i];
+        }
+        ck_assert_int_eq(weft_cloth_parameter_product_transposed(
+                             number->less, number->more, number->span, t, y, y, &along),
+                         0);
+        ck_assert_double_eq(along, sum);
     }
     ck_assert_int_eq(
         weft_cloth_parameter_product(of.cloth, def->numbers[0].more, 0.0, t, y, out),
         -1);
     free(out);
     finish(&of);
+}
+END_TEST
+
+/* ---- gradients --------------------------------------------------------------------
+ */
+
+enum { FRAMES = 3 };
+
+/* The sum of |y|^2 / 2 and of c.y, c of its own in each frame. */
+static int objective(void *ctx, size_t frame, double t, const double *y, double *value,
+                     double *slope)
+{
+    const size_t dim = *(const size_t *)ctx;
+    for (size_t i = 0; i < dim; ++i) {
+        const double c = sin((double)(i + 7 * frame)) + t;
+        *value += (0.5 * y[i] + c) * y[i];
+        slope[i] += y[i] + c;
+    }
+    return 0;
+}
+
+/* The simulation of a scene, forwards with sensitivities: by cloths that are further
+ * apart than those of a scene, so that their differences have less roundoff, and both
+ * modes the same derivative of f. */
+typedef struct wide {
+    weft_number_of_cloth numbers[WEFT_SENSITIVITIES];
+    end ends[2 * WEFT_SENSITIVITIES];
+    weft_sensitivity_def def;
+} wide;
+
+static weft_sim_def definition(const end *of, const char *text, const char *stepper,
+                               wide *to)
+{
+    const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of->scene);
+    weft_sim_def def = weft_sim_def_default();
+    char set[160];
+    const char *const sets[] = { set, "sensitivity=null", stepper };
+    for (size_t i = 0; text != NULL && i < 2 * numbers->count; ++i) {
+        (void)snprintf(set, sizeof set, "%s=%.17g", numbers->keys[i / 2],
+                       numbers->values[i / 2] * (i % 2 == 0 ? 1.0 - 1e-3 : 1.0 + 1e-3));
+        to->ends[i] = begin(text, sets, 3);
+        to->numbers[i / 2]
+            = (weft_number_of_cloth){ numbers->keys[i / 2], to->ends[i - i % 2].cloth,
+                                      to->ends[i].cloth, 2e-3 };
+    }
+    to->def = (weft_sensitivity_def){ numbers->count, to->numbers, false };
+    def.cloth = of->cloth;
+    def.method = weft_scene_method_type(of->scene);
+    def.config = *weft_scene_config(of->scene);
+    def.sensitivity = &to->def;
+    return def;
+}
+
+/* Against forward mode of the same map; returns how many steps contact took back. */
+static uint64_t check_gradient(const char *text, const char *stepper)
+{
+    end of = begin(text, &stepper, 1);
+    size_t dim = weft_cloth_dim(of.cloth);
+    const double end_time = weft_scene_run(of.scene)->duration;
+    const double times[FRAMES] = { 0.0, 0.4 * end_time, end_time };
+    double value = 0.0, whole, sums[WEFT_SENSITIVITIES] = { 0.0 }, most = 0.0;
+    double by_number[WEFT_SENSITIVITIES], *slope = calloc(2 * dim, sizeof *slope);
+    weft_error err = { 0 };
+    weft_sim *sim;
+    static wide twins;
+    const weft_sensitivity_def *numbers = &twins.def;
+    const weft_sim_def run = definition(&of, text, stepper, &twins);
+    weft_gradient_def def = weft_gradient_def_default();
+    def.sim = &run, def.count = numbers->count, def.numbers = numbers->numbers;
+    def.frames = FRAMES, def.times = times;
+    def.objective = objective, def.ctx = &dim;
+    ck_assert_msg(weft_gradient(&def, &whole, by_number, slope + dim, &err) == WEFT_OK,
+                  "%s", err.message);
+    ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
+    for (size_t frame = 0; frame < FRAMES; ++frame) {
+        if (frame > 0) {
+            ck_assert_int_eq(weft_sim_advance(sim, times[frame], &err), WEFT_OK);
+        }
+        memset(slope, 0, dim * sizeof *slope);
+        (void)objective(&dim, frame, times[frame], weft_sim_state(sim), &value, slope);
+        for (size_t j = 0; j < numbers->count; ++j) {
+            for (size_t i = 0; i < dim; ++i) {
+                sums[j] += slope[i] * weft_sim_sensitivity(sim, j)[i];
+            }
+        }
+    }
+    ck_assert_double_eq_tol(whole, value, 1e-11 * fabs(value));
+    for (size_t j = 0; j < numbers->count; ++j) {
+        most = fmax(most, fabs(sums[j]));
+        ck_assert_msg(
+            fabs(by_number[j] - sums[j]) <= 1e-10 * fabs(sums[j]) + 1e-12 * most,
+            "%s: %.17g, not %.17g", numbers->numbers[j].name, by_number[j], sums[j]);
+    }
+    ck_assert_double_gt(most, 0.0);
+    for (size_t i = 0; i < 2 * numbers->count; ++i) {
+        finish(&twins.ends[i]);
+    }
+    const uint64_t taken_back = weft_sim_vetoed(sim);
+    weft_sim_destroy(sim);
+    free(slope);
+    finish(&of);
+    return taken_back;
+}
+
+#define ALL_NUMBERS                                                                    \
+    "run: {duration: 0.15}\n"                                                          \
+    "sensitivity:\n"                                                                   \
+    "  of: [cloth.springs.stretch.stiffness, cloth.springs.bend.damping, "             \
+    "cloth.density, cloth.grid.spacing.0, forces.gravity.2, forces.damping, "          \
+    "forces.wind.velocity.1, forces.wind.drag, contact.friction, "                     \
+    "contact.thickness, contact.shapes.0.radius, contact.shapes.0.velocity.0, "        \
+    "cloth.pins.0.velocity.1, cloth.pins.1.amplitude.2, cloth.pins.1.frequency]\n"
+
+/* In fixed steps, and in the recorded ones of adaptive methods. */
+START_TEST(gradient_is_that_of_forward_mode)
+{
+    static const char *const steppers[] = {
+        "stepper={plugin: verlet, method: velocity_verlet, fixed_step: 5e-4}",
+        "stepper={plugin: verlet, method: symplectic_euler, fixed_step: 5e-4}",
+        "stepper={plugin: verlet, method: midpoint, fixed_step: 1e-3}",
+        "stepper={plugin: gsl, method: rk4, fixed_step: 1e-3}",
+        "stepper={plugin: gsl, method: rkf45, rtol: 1e-5, atol: 1e-5}",
+        "stepper={plugin: gsl, method: rk8pd, rtol: 1e-5, atol: 1e-5}",
+        "stepper={plugin: arkode, method: dormand_prince, rtol: 1e-5, atol: 1e-5}",
+    };
+    (void)check_gradient(SHEET ALL_NUMBERS, steppers[_i]);
+}
+END_TEST
+
+START_TEST(gradient_of_a_mesh_is_that_of_forward_mode)
+{
+    write_square(4);
+    (void)check_gradient(
+        MESH "run: {duration: 0.12}\n"
+             "sensitivity:\n"
+             "  of: [cloth.fabric.density, cloth.fabric.stretch.0, "
+             "cloth.fabric.shear, cloth.fabric.bend.0, cloth.fabric.damping, "
+             "contact.thickness, contact.shapes.0.at.2]\n",
+        "stepper={plugin: gsl, method: rkf45, fixed_step: 1e-4}");
+}
+END_TEST
+
+/* Half the height squared of a particle; stops at frame *ctx. */
+static int height(void *ctx, size_t frame, double t, const double *y, double *value,
+                  double *slope)
+{
+    (void)t;
+    *value += 0.5 * y[2] * y[2];
+    slope[2] += y[2];
+    return frame == *(const size_t *)ctx;
+}
+
+/* y = g t^2 / 2, twice at 0.5 s: the sum is y^2, and its derivative by log g 2 y^2. */
+START_TEST(gradient_of_a_fall_is_exact)
+{
+    end of = begin("cloth:\n  grid: {rows: 1, cols: 2, spacing: 1}\n  density: 1\n"
+                   "forces: {gravity: [0, -10, 0]}\n" RK4 "run: {duration: 0.5}\n"
+                   "sensitivity: {of: [forces.gravity.1]}\n",
+                   NULL, 0);
+    const double times[] = { 0.0, 0.5, 0.5 }, falling[] = { 0.5, 0.4 };
+    size_t stops_at = 3;
+    double value, by_number, by_start[12];
+    weft_error err = { 0 };
+    wide twins = { .def = { 0, NULL, false } };
+    weft_sim_def run = definition(&of, NULL, "", &twins);
+    weft_gradient_def def = weft_gradient_def_default();
+    def.sim = &run, def.count = 1,
+    def.numbers = weft_scene_twins_def(of.twins)->numbers;
+    def.frames = 3, def.times = times, def.objective = height, def.ctx = &stops_at;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, by_start, &err), WEFT_OK);
+    ck_assert_double_eq_tol(value, 1.5625, 1e-12);
+    ck_assert_double_eq_tol(by_number, 3.125, 1e-9);
+    ck_assert_double_eq_tol(by_start[2], -2.5, 1e-12);
+    ck_assert_double_eq_tol(by_start[8], -1.25, 1e-12); /* by vy */
+    ck_assert(by_start[0] == 0.0);
+    stops_at = 1;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_STOPPED);
+    ck_assert_ptr_nonnull(strstr(err.message, "frame 1, t = 0.5 s"));
+    def.times = falling, def.frames = 2;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "times[1] = 0.4 s"));
+    def.objective = NULL;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    def.objective = height, def.frames = 0;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_OK);
+    ck_assert(value == 0.0 && by_number == 0.0);
+    finish(&of);
+}
+END_TEST
+
+/* Of steps that contact has taken back, whose method begins anew. */
+START_TEST(gradient_goes_through_steps_that_were_taken_back)
+{
+    const uint64_t taken_back = check_gradient(
+        "cloth:\n"
+        "  grid: {rows: 3, cols: 3, spacing: 0.1, down: [0, 1, 0]}\n"
+        "  density: 0.2\n"
+        "  springs: {stretch: {stiffness: 20, damping: 0.01}, shear: "
+        "{stiffness: 10}}\n"
+        "  velocity: [0.1, 0.2, -3]\n"
+        "contact:\n"
+        "  thickness: 2e-3\n"
+        "  stopping_speed: 6\n"
+        "  shapes: [{shape: sphere, at: [0.1, 0.1, -0.3], radius: 0.2}]\n"
+        "run: {duration: 0.1}\n"
+        "sensitivity: {of: [cloth.springs.stretch.stiffness, "
+        "cloth.velocity.2]}\n",
+        "stepper={plugin: verlet, method: velocity_verlet, fixed_step: 1e-3}");
+    ck_assert_uint_gt(taken_back, 0);
 }
 END_TEST
 
@@ -539,8 +757,18 @@ static double never(void *ctx, const weft_cloth *cloth, double t, const double *
 
 static void refuse(const weft_sim_def *def, const char *why)
 {
+    const double t = 0.1;
+    double value, by[WEFT_SENSITIVITIES];
     weft_error err = { 0 };
     weft_sim *sim = NULL;
+    weft_gradient_def gradient = weft_gradient_def_default();
+    gradient.sim = def, gradient.frames = 1, gradient.times = &t;
+    gradient.objective = height, gradient.ctx = &value;
+    if (def->sensitivity->control) {
+        ck_assert_int_eq(weft_gradient(&gradient, &value, by, NULL, &err),
+                         WEFT_UNSUPPORTED);
+        ck_assert_msg(strstr(err.message, why) != NULL, "%s", err.message);
+    }
     ck_assert_int_eq(weft_sim_create(def, &sim, &err), WEFT_UNSUPPORTED);
     ck_assert_ptr_null(sim);
     ck_assert_msg(strstr(err.message, why) != NULL, "%s", err.message);
@@ -563,6 +791,19 @@ START_TEST(what_has_no_derivative_is_refused)
     def.limit.method = WEFT_LIMIT_PROVOT, refuse(&def, "strain limit"), def = start;
     def.method = test_method_named("gsl/msadams"), refuse(&def, "history"), def = start;
     def.method = test_method_named("stiff/ros2"), refuse(&def, "implicit"), def = start;
+    end fold = begin(
+        FOLD RK4 "run: {duration: 1}\nsensitivity: {of: [cloth.density]}\n", NULL, 0);
+    const double t = 0.1;
+    double value, by;
+    weft_error err = { 0 };
+    weft_gradient_def gradient = weft_gradient_def_default();
+    gradient.sim = &def, gradient.frames = 1, gradient.times = &t;
+    gradient.objective = height;
+    def.cloth = fold.cloth, def.sensitivity = NULL;
+    ck_assert_int_eq(weft_gradient(&gradient, &value, &by, NULL, &err),
+                     WEFT_UNSUPPORTED);
+    ck_assert_ptr_nonnull(strstr(err.message, "contact of the cloth with itself"));
+    finish(&fold), def = start;
     weft_sensitivity_def uncontrolled = *def.sensitivity;
     uncontrolled.control = false;
     def.sensitivity = &uncontrolled, def.config.norm = WEFT_NORM_RMS;
@@ -611,6 +852,10 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, a_landing_is_right_at_loose_tolerances);
     tcase_add_test(tests, scale_is_that_of_the_results_alone);
     tcase_add_test(tests, product_is_the_derivative_of_the_right_hand_side_by_a_number);
+    tcase_add_loop_test(tests, gradient_is_that_of_forward_mode, 0, 7);
+    tcase_add_test(tests, gradient_of_a_mesh_is_that_of_forward_mode);
+    tcase_add_test(tests, gradient_of_a_fall_is_exact);
+    tcase_add_test(tests, gradient_goes_through_steps_that_were_taken_back);
     tcase_add_test(tests, a_run_leaves_its_derivatives);
     tcase_add_test(tests, what_has_no_derivative_is_refused);
     tcase_add_test(tests, wrong_numbers_are_refused);

@@ -5,6 +5,7 @@
 
 #include "weft/base.h"
 #include "weft/cloth.h"
+#include "weft/gradient.h"
 #include "weft/registry.h"
 #include "weft/scene.h"
 #include "weft/sim.h"

@@ -25,7 +25,7 @@
 
 /* ---- made of a definition -------------------------------------------------------- */
 
-static const char *refusal(const weft_sim *sim)
+const char *weft__sensitivity_refusal(const weft_sim *sim)
 {
     const weft_sim_def *def = &sim->def;
     const uint32_t flags = def->method->flags;
@@ -43,8 +43,8 @@ static const char *refusal(const weft_sim *sim)
                ? "a method that keeps a history of steps"
            : (flags & (uint32_t)(WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0
                ? "an implicit or stabilised method, which solves for the state alone"
-           : !def->sensitivity->control && def->config.fixed_step == 0.0
-                   && def->config.norm == WEFT_NORM_RMS
+           : def->sensitivity != NULL && !def->sensitivity->control
+                   && def->config.fixed_step == 0.0 && def->config.norm == WEFT_NORM_RMS
                ? "the rms norm and without control: it is a mean over s too"
                : NULL;
 }
@@ -98,7 +98,7 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
 {
     weft__sensitivity *of = &sim->sensitivity;
     const weft_sensitivity_def *def = sim->def.sensitivity;
-    const char *why = refusal(sim);
+    const char *why = weft__sensitivity_refusal(sim);
     if (why != NULL) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no sensitivities with %s", why);
     }

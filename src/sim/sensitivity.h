@@ -20,7 +20,9 @@ typedef struct weft__sensitivity {
     double *room[3];        /* 6 N each */
 } weft__sensitivity;
 
-/* sensitivity.c: after all else of a simulation but its stepper. */
+/* sensitivity.c: why a simulation has no derivative, or NULL. */
+const char *weft__sensitivity_refusal(const weft_sim *sim);
+/* After all else of a simulation but its stepper. */
 weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err);
 void weft__sensitivity_free(weft_sim *sim);
 /* As weft__sim_rhs, of a simulation that has them. */

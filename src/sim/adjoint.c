@@ -1,0 +1,525 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* adjoint.c -- the gradient of an objective, backwards through the steps of a run
+ * (docs/gradients.md). A run forwards records its steps and leaves checkpoints; from
+ * each of these, the last one first, the states of the stages up to the next are
+ * computed again, kept, and gone through from their end. Both levels have as much
+ * memory, that of some 2 sqrt(steps) states.
+ *
+ * With the derivatives G_j of the objective by the states j = k + 1, ... of a step
+ * (sim/stages.h), that by rate k is w_k = sum share_jk G_j, G_k = J^T w_k, and what it
+ * adds by a number w_k.df/dp. */
+#include <math.h>
+
+#include "base/memory.h"
+#include "base/sized.h"
+#include "sim/simulation.h"
+#include "sim/stages.h"
+#include "weft/gradient.h"
+
+typedef struct recorded_step {
+    double t, h; /* [s] where it begins, its length */
+    bool restarts;
+} recorded_step;
+
+typedef struct adjoint {
+    const weft_gradient_def *def;
+    weft_sim *sim;
+    weft_allocator memory;
+    weft__stages *table;
+    weft__slope *slopes; /* of each number */
+    recorded_step *steps;
+    size_t count, room_for; /* steps */
+    size_t *frame;          /* of each frame the step after it */
+    double **checkpoints;   /* the state, then rate 0, of every so many steps */
+    size_t every, kept, most;
+    size_t slots;    /* states of a step in `segment` */
+    double *segment; /* of `every` steps, and the state at their end */
+    double *rates[WEFT__STAGES + 1], *by_state[WEFT__STAGES + 2];
+    double *vectors, *w, *carried; /* 6 N each; carried: by the next step's rate 0 */
+    double *room[3];               /* 6 N, 6 N, 9 N */
+    bool copies;                   /* the rates of this step, to rates[0] */
+    double *value, *by_number;
+} adjoint;
+
+void weft_gradient_def_init(weft_gradient_def *def, size_t size)
+{
+    const weft_gradient_def start = { .struct_size = (uint32_t)size };
+    weft__sized_write(def, size, &start, sizeof start);
+}
+
+/* ---- made -------------------------------------------------------------------------
+ */
+
+static weft_status no_memory(weft_error *err)
+{
+    return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a gradient");
+}
+
+static weft_status check(const weft_gradient_def *def, weft_error *err)
+{
+    double before = 0.0;
+    if (def->sim == NULL || def->objective == NULL
+        || (def->count > 0 && def->numbers == NULL)
+        || (def->frames > 0 && def->times == NULL)) {
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "a gradient needs a sim, an objective, and as many numbers "
+            "and times as it says: one is NULL");
+    }
+    for (size_t i = 0; i < def->frames; ++i) {
+        if (!(def->times[i] >= before) || !isfinite(def->times[i])) {
+            return weft_error_set(err, WEFT_INVALID,
+                                  "times[%zu] = %g s: they must ascend from 0", i,
+                                  def->times[i]);
+        }
+        before = def->times[i];
+    }
+    return WEFT_OK;
+}
+
+static size_t dim_of(const adjoint *of)
+{
+    return weft_cloth_dim(of->sim->cloth);
+}
+
+static int record_rates(double t, const double *y, double *dydt, void *ctx)
+{
+    adjoint *of = ctx;
+    const int failed = weft__sim_rhs(t, y, dydt, of->sim);
+    if (of->copies) {
+        memcpy(of->rates[0], dydt, dim_of(of) * sizeof *dydt);
+    }
+    return failed;
+}
+
+/* A simulation whose stepper calls record_rates. */
+static weft_status make_sim(adjoint *of, weft_error *err)
+{
+    weft_sim_def def;
+    weft_status status
+        = WEFT__DEF_READ(weft_sim_def, &def, of->def->sim, WEFT__DEF_MOST, err);
+    def.sensitivity = NULL;
+    status = status == WEFT_OK ? weft_sim_create(&def, &of->sim, err) : status;
+    if (status != WEFT_OK) {
+        return status;
+    }
+    const char *why = weft__sensitivity_refusal(of->sim);
+    why = why == NULL
+                  && (of->sim->forces.self != NULL || of->sim->forces.bodies != NULL)
+              ? "contact of the cloth with itself or a mesh, whose transposed product "
+                "is "
+                "not known"
+              : why;
+    if (why != NULL) {
+        return weft_error_set(err, WEFT_UNSUPPORTED, "no gradient with %s", why);
+    }
+    const weft_stepper_type *method = of->sim->def.method;
+    const weft_ode ode = { dim_of(of), record_rates, of };
+    method->destroy(of->sim->stepper);
+    of->sim->stepper = NULL;
+    status = method->create(method, &ode, &of->sim->config, &of->sim->stepper, err);
+    return status == WEFT_OK
+               ? weft__stages_find(method, &of->sim->config, of->table, err)
+               : status;
+}
+
+static weft_status make_room(adjoint *of, weft_error *err)
+{
+    const size_t dim = dim_of(of), end = of->table->count + 1;
+    of->slots = 1;
+    for (size_t k = 1; k < end; ++k) {
+        of->slots += of->table->needed[k];
+    }
+    of->vectors = weft__zeroed(&of->memory, (2 * end + 7) * dim, sizeof(double));
+    of->frame = weft__zeroed(&of->memory, of->def->frames, sizeof *of->frame);
+    of->slopes = weft__zeroed(&of->memory, of->def->count, sizeof *of->slopes);
+    if (of->vectors == NULL || of->frame == NULL || of->slopes == NULL) {
+        return no_memory(err);
+    }
+    double *next = of->vectors;
+    for (size_t k = 0; k < end; ++k, next += dim) {
+        of->rates[k] = next;
+    }
+    for (size_t k = 0; k <= end; ++k, next += dim) {
+        of->by_state[k] = next;
+    }
+    of->w = next, of->carried = next + dim;
+    for (size_t k = 0; k < 3; ++k) {
+        of->room[k] = next + (2 + k) * dim;
+    }
+    return WEFT_OK;
+}
+
+static weft_status make_slopes(adjoint *of, weft_error *err)
+{
+    for (size_t j = 0; j < of->def->count; ++j) {
+        const weft_number_of_cloth *number = &of->def->numbers[j];
+        weft_error inner = { 0 };
+        const weft_status status
+            = weft__slope_init(&of->slopes[j], of->sim->cloth, number->less,
+                               number->more, number->span, 1.0, &of->memory, &inner);
+        if (status != WEFT_OK) {
+            return weft_error_set(err, status, "gradient by %.60s: %.200s",
+                                  number->name, inner.message);
+        }
+        of->by_number[j] = 0.0;
+    }
+    return WEFT_OK;
+}
+
+/* ---- forwards ---------------------------------------------------------------------
+ */
+
+/* Keeps every second checkpoint. */
+static void thin(adjoint *of)
+{
+    for (size_t i = 0; i < of->kept; ++i) {
+        if (i % 2 == 0) {
+            of->checkpoints[i / 2] = of->checkpoints[i];
+        } else {
+            weft__free(&of->memory, of->checkpoints[i]);
+        }
+    }
+    of->kept = (of->kept + 1) / 2;
+    of->every *= 2;
+    of->most *= 2;
+}
+
+static weft_status leave_checkpoint(adjoint *of, weft_error *err)
+{
+    const size_t dim = dim_of(of);
+    double *to = weft__alloc(&of->memory, 2 * dim, sizeof *to);
+    double **list = weft__resize(&of->memory, of->checkpoints, of->kept + 1,
+                                 sizeof *of->checkpoints);
+    of->checkpoints = list != NULL ? list : of->checkpoints;
+    if (to == NULL || list == NULL) {
+        weft__free(&of->memory, to);
+        return no_memory(err);
+    }
+    memcpy(to, of->sim->y, dim * sizeof *to);
+    memcpy(to + dim, of->rates[0], dim * sizeof *to);
+    of->checkpoints[of->kept++] = to;
+    return WEFT_OK;
+}
+
+/* One step of the run, which step of->count begins. */
+static weft_status record_step(adjoint *of, double t_end, weft_error *err)
+{
+    weft_sim *sim = of->sim;
+    const uint64_t taken_back = sim->vetoed;
+    if (of->count == of->room_for) {
+        const size_t more = 2 * of->room_for + 64;
+        recorded_step *steps
+            = weft__resize(&of->memory, of->steps, more, sizeof *steps);
+        if (steps == NULL) {
+            return no_memory(err);
+        }
+        of->steps = steps, of->room_for = more;
+    }
+    if (of->count % of->every == 0 && of->kept == of->most) {
+        thin(of);
+    }
+    if (of->count % of->every == 0 && leave_checkpoint(of, err) != WEFT_OK) {
+        return WEFT_NO_MEMORY;
+    }
+    of->copies = (of->count + 1) % of->every == 0;
+    of->steps[of->count] = (recorded_step){ .t = sim->t };
+    const weft_status status = weft_sim_step(sim, t_end, err);
+    of->steps[of->count].restarts = of->count == 0 || sim->vetoed > taken_back;
+    of->steps[of->count++].h = weft_sim_stats(sim).last_step;
+    return status;
+}
+
+static weft_status record(adjoint *of, weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    of->every = 8, of->most = of->every * (of->slots + 1) / 2;
+    for (size_t i = 0; status == WEFT_OK && i < of->def->frames; ++i) {
+        while (status == WEFT_OK && of->sim->t < of->def->times[i]) {
+            status = record_step(of, of->def->times[i], err);
+        }
+        of->frame[i] = of->count;
+    }
+    of->copies = false;
+    return status;
+}
+
+/* ---- the states of a step ---------------------------------------------------------
+ */
+
+/* State k of a step of h from y. */
+static void find_state(const adjoint *of, size_t k, double h, const double *y,
+                       double *to)
+{
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const size_t n = mesh->particles, half = 3 * n;
+    const double way = h * of->table->c[k];
+    for (size_t i = 0; i < half; ++i) {
+        to[i] = y[i] + way * y[half + i];
+        to[half + i] = y[half + i];
+    }
+    for (size_t j = 0; j < k; ++j) {
+        const weft__share *by = &of->table->share[k][j];
+        const double *a = of->rates[j] + half, x = h * h * by->xa, v = h * by->va;
+        for (size_t i = 0; (x != 0.0 || v != 0.0) && i < half; ++i) {
+            to[i] += x * a[i];
+            to[half + i] += v * a[i];
+        }
+    }
+    for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
+        const size_t at = mesh->pins[i / 3] + i % 3 * n;
+        to[at] = y[at], to[half + at] = y[half + at];
+        for (size_t j = 0; j < k; ++j) {
+            const weft__share *by = &of->table->share[k][j];
+            const double *rate = of->rates[j];
+            to[at] += h * (by->xp * rate[at] + h * by->xq * rate[half + at]);
+            to[half + at] += h * by->vq * rate[half + at];
+        }
+    }
+}
+
+static int find_rate(adjoint *of, double t, const double *y, size_t k)
+{
+    return weft__forces_rhs(&of->sim->forces, t, y, of->rates[k]);
+}
+
+/* Where `segment` has state k of a step; 0: that at its start. */
+static double *place_of(const adjoint *of, size_t step, size_t k)
+{
+    size_t slot = 0;
+    for (size_t j = 1; j <= k; ++j) {
+        slot += of->table->needed[j];
+    }
+    return of->segment + (step % of->every * of->slots + slot) * dim_of(of);
+}
+
+/* Fills the segment of steps [first, end) from its checkpoint; the state at the end
+ * follows it. */
+static int repeat(adjoint *of, size_t first, size_t end)
+{
+    const size_t dim = dim_of(of), count = of->table->count;
+    const double *from = of->checkpoints[first / of->every];
+    int failed = 0;
+    memcpy(place_of(of, first, 0), from, dim * sizeof *from);
+    memcpy(of->rates[0], from + dim, dim * sizeof *from);
+    for (size_t i = first; i < end; ++i) {
+        const double t = of->steps[i].t, h = of->steps[i].h;
+        const double *y = place_of(of, i, 0);
+        if (of->steps[i].restarts && of->table->carries) {
+            failed |= find_rate(of, t, y, 0);
+        }
+        for (size_t k = 1; k <= count; ++k) {
+            if (of->table->needed[k]) {
+                find_state(of, k, h, y, place_of(of, i, k));
+                failed |= find_rate(of, t + of->table->c[k] * h, place_of(of, i, k), k);
+            }
+        }
+        find_state(of, count + 1, h, y,
+                   of->segment + (i + 1 - first) * of->slots * dim);
+        if (of->table->carries) {
+            double *last = of->rates[count];
+            of->rates[count] = of->rates[0];
+            of->rates[0] = last;
+        }
+    }
+    return failed;
+}
+
+/* ---- backwards --------------------------------------------------------------------
+ */
+
+/* w = what the states after rate k have of it. */
+static void find_by_rate(const adjoint *of, size_t k, double h)
+{
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const size_t n = mesh->particles, half = 3 * n, end = of->table->count + 1;
+    const bool carried = k == of->table->count && of->table->carries;
+    double *w = of->w;
+    for (size_t i = 0; i < 2 * half; ++i) {
+        w[i] = carried ? of->carried[i] : 0.0;
+    }
+    for (size_t j = k + 1; j <= end; ++j) {
+        const weft__share *by = &of->table->share[j][k];
+        const double *g = of->by_state[j], x = h * h * by->xa, v = h * by->va;
+        for (size_t i = 0; (x != 0.0 || v != 0.0) && i < half; ++i) {
+            w[half + i] += x * g[i] + v * g[half + i];
+        }
+    }
+    for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
+        const size_t at = mesh->pins[i / 3] + i % 3 * n;
+        w[at] = carried ? of->carried[at] : 0.0;
+        w[half + at] = carried ? of->carried[half + at] : 0.0;
+        for (size_t j = k + 1; j <= end; ++j) {
+            const weft__share *by = &of->table->share[j][k];
+            const double *g = of->by_state[j];
+            w[at] += h * by->xp * g[at];
+            w[half + at] += h * (h * by->xq * g[at] + by->vq * g[half + at]);
+        }
+    }
+}
+
+/* Adds w.df/dp of each number in a state, and writes J^T w. */
+static int go_through(adjoint *of, double t, const double *y, double *out)
+{
+    const weft__state at = { .t = t, .y = y };
+    weft__by_numbers by;
+    int failed
+        = weft__rhs_transposed(of->sim->cloth, t, y, of->w, of->room[0], out, &by);
+    for (size_t j = 0; j < of->def->count; ++j) {
+        failed |= weft__slope_product(&of->slopes[j], of->sim->cloth, &at, of->w, &by,
+                                      of->room, &of->by_number[j]);
+    }
+    return failed;
+}
+
+/* Adds what a state has of the state at the start of its step. */
+static void add_start(const adjoint *of, double way, const double *g, double *to)
+{
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const size_t half = 3 * mesh->particles;
+    for (size_t i = 0; i < half; ++i) {
+        to[i] += g[i];
+        to[half + i] += g[half + i] + way * g[i];
+    }
+    for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
+        const size_t at = mesh->pins[i / 3] + i % 3 * mesh->particles;
+        to[half + at] -= way * g[at];
+    }
+}
+
+/* The derivative by the state after a step becomes that by the state before. */
+static int step_back(adjoint *of, size_t step)
+{
+    const size_t end = of->table->count + 1, dim = dim_of(of);
+    const double t = of->steps[step].t, h = of->steps[step].h;
+    double *start = of->by_state[0];
+    int failed = 0;
+    memset(start, 0, dim * sizeof *start);
+    add_start(of, h, of->by_state[end], start);
+    for (size_t k = end - 1; k > 0; --k) {
+        if (of->table->needed[k]) {
+            find_by_rate(of, k, h);
+            failed |= go_through(of, t + of->table->c[k] * h, place_of(of, step, k),
+                                 of->by_state[k]);
+            add_start(of, of->table->c[k] * h, of->by_state[k], start);
+        }
+    }
+    if (of->table->carries) {
+        find_by_rate(of, 0, h);
+        memcpy(of->carried, of->w, dim * sizeof *of->w);
+    }
+    if (of->table->carries && of->steps[step].restarts) {
+        failed |= go_through(of, t, place_of(of, step, 0), of->by_state[1]);
+        add_start(of, 0.0, of->by_state[1], start);
+        memset(of->carried, 0, dim * sizeof *of->w);
+    }
+    of->by_state[0] = of->by_state[end], of->by_state[end] = start;
+    return failed;
+}
+
+/* The frames at the state y after `count` steps; *left of them are to come. */
+static weft_status add_frames(adjoint *of, size_t count, const double *y, size_t *left,
+                              weft_error *err)
+{
+    const size_t dim = dim_of(of);
+    double *slope = of->w, *to = of->by_state[of->table->count + 1];
+    while (*left > 0 && of->frame[*left - 1] == count) {
+        const size_t frame = --*left;
+        const double t = of->def->times[frame];
+        memset(slope, 0, dim * sizeof *slope);
+        if (of->def->objective(of->def->ctx, frame, t, y, of->value, slope) != 0) {
+            return weft_error_set(err, WEFT_STOPPED,
+                                  "the objective stopped at frame %zu, t = %g s", frame,
+                                  t);
+        }
+        for (size_t i = 0; i < dim; ++i) {
+            to[i] += slope[i];
+        }
+    }
+    return WEFT_OK;
+}
+
+static weft_status go_back(adjoint *of, weft_error *err)
+{
+    const size_t dim = dim_of(of);
+    size_t left = of->def->frames, end = of->count;
+    weft_status status = WEFT_OK;
+    int failed = 0;
+    const size_t segment = (end < of->every ? end : of->every) * of->slots + 1;
+    of->segment = weft__alloc(&of->memory, segment * dim, sizeof *of->segment);
+    if (of->segment == NULL) {
+        return no_memory(err);
+    }
+    while (end > 0 && status == WEFT_OK) {
+        const size_t first = (end - 1) / of->every * of->every;
+        failed |= repeat(of, first, end);
+        const double *y = of->segment + (end - first) * of->slots * dim;
+        for (; end > first && status == WEFT_OK; --end) {
+            status = add_frames(of, end, y, &left, err);
+            failed |= status == WEFT_OK ? step_back(of, end - 1) : 0;
+            y = place_of(of, end - 1, 0);
+        }
+    }
+    weft_cloth_start(of->sim->cloth, of->segment);
+    status = status == WEFT_OK ? add_frames(of, 0, of->segment, &left, err) : status;
+    return status == WEFT_OK && failed != 0
+               ? weft_error_set(err, WEFT_NOT_FINITE,
+                                "the gradient is not finite: it grows beyond all "
+                                "bounds, or no state has one")
+               : status;
+}
+
+/* The derivative by the first state, and by the numbers that it depends on. */
+static void finish(adjoint *of, double *by_start)
+{
+    const size_t dim = dim_of(of);
+    const double *g = of->by_state[of->table->count + 1];
+    for (size_t j = 0; j < of->def->count; ++j) {
+        weft_cloth_start(of->def->numbers[j].less, of->room[0]);
+        weft_cloth_start(of->def->numbers[j].more, of->room[1]);
+        for (size_t i = 0; i < dim; ++i) {
+            of->by_number[j]
+                += g[i] * (of->room[1][i] - of->room[0][i]) / of->def->numbers[j].span;
+        }
+    }
+    if (by_start != NULL) {
+        memcpy(by_start, g, dim * sizeof *g);
+    }
+}
+
+weft_status weft_gradient(const weft_gradient_def *given, double *value,
+                          double *by_number, double *by_start, weft_error *err)
+{
+    weft_gradient_def def;
+    weft_status status = weft__given(given, value, "weft_gradient", err);
+    if (status != WEFT_OK
+        || WEFT__DEF_READ(weft_gradient_def, &def, given, WEFT__DEF_MOST, err)
+               != WEFT_OK
+        || check(&def, err) != WEFT_OK) {
+        return WEFT_INVALID;
+    }
+    adjoint of = { .def = &def,
+                   .memory = weft_allocator_or_malloc(def.sim->allocator),
+                   .value = value,
+                   .by_number = by_number };
+    of.table = weft__alloc(&of.memory, 1, sizeof *of.table);
+    status = of.table == NULL ? no_memory(err) : make_sim(&of, err);
+    status = status == WEFT_OK ? make_room(&of, err) : status;
+    status = status == WEFT_OK ? make_slopes(&of, err) : status;
+    status = status == WEFT_OK ? record(&of, err) : status;
+    *value = 0.0;
+    status = status == WEFT_OK ? go_back(&of, err) : status;
+    if (status == WEFT_OK) {
+        finish(&of, by_start);
+    }
+    for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {
+        weft__slope_free(&of.slopes[j], &of.memory);
+    }
+    for (size_t i = 0; i < of.kept; ++i) {
+        weft__free(&of.memory, of.checkpoints[i]);
+    }
+    WEFT__FREE_ALL(&of.memory, of.checkpoints, of.steps, of.frame, of.slopes,
+                   of.segment, of.vectors, of.table);
+    weft_sim_destroy(of.sim);
+    return status;
+}
