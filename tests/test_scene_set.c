@@ -277,6 +277,20 @@ START_TEST(without_overrides_the_text_is_that_of_the_file)
 }
 END_TEST
 
+START_TEST(name_of_the_file_is_added_below_comments)
+{
+    char text[1024], wanted[1024];
+    (void)snprintf(text, sizeof text, "# washed twice\n# dried flat\n%s", base);
+    (void)snprintf(wanted, sizeof wanted,
+                   "# washed twice\n# dried flat\nname: \"towel\"\n%s", base);
+    weft_scene_def def = scene_of_text(text);
+    def.file = "towel.yaml";
+    weft_scene *scene = good_scene(&def);
+    ck_assert_str_eq(weft_scene_text(scene), wanted);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
 /* ---- help ------------------------------------------------------------------- */
 
 typedef struct page {
@@ -395,6 +409,7 @@ TEST_SUITE(scene_set)
     TCase *texts = tcase_create("texts");
     tcase_add_test(texts, the_text_with_overrides_loads_to_an_equal_scene);
     tcase_add_test(texts, without_overrides_the_text_is_that_of_the_file);
+    tcase_add_test(texts, name_of_the_file_is_added_below_comments);
     tcase_add_test(texts, help_lists_every_key_with_unit_and_default);
     suite_add_tcase(all, texts);
     return all;
