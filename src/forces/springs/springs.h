@@ -99,6 +99,12 @@ size_t weft__springs_count(const weft__springs *own, weft_family family);
 size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
                        weft_bonds *runs);
 
+/* springs_def.c, as in weft__force. */
+void weft__springs_check(const weft_cloth_def *def, const weft__faults *to);
+bool weft__springs_init(void *own, const weft_cloth_def *def,
+                        const weft_allocator *memory);
+uint64_t weft__springs_hash(const void *own, uint64_t hash);
+
 /* springs_matrix.c, as in weft__force. */
 void weft__springs_ratios(const void *own, struct weft__sides *to);
 void weft__springs_bound(const void *own, const weft__state *at, size_t i,
