@@ -5,7 +5,9 @@
 
 #include "bodies.h"
 #include "cloth/model.h"
+#include "forces/self/self_list.h"
 #include "random.h"
+#include "sim/forces.h"
 
 enum { SIDE = 9, N = SIDE * SIDE };
 
@@ -431,6 +433,65 @@ START_TEST(bits_are_those_of_any_threads_instructions_and_restored_states)
 }
 END_TEST
 
+/* Down, and each particle at random by much less. */
+static void shift(double *y, double down, uint64_t *seed)
+{
+    for (size_t i = 0; i < 6 * N; ++i) {
+        y[i] += (i < 3 * N ? 1e-4 : 0.1) * (random_uniform(seed) - 0.5);
+        y[i] -= i / N == 1 ? down : 0.0;
+    }
+}
+
+typedef struct meetings {
+    weft__stride stride;
+    size_t count;
+} meetings;
+
+static bool count_meeting(void *ctx, const weft__pair *pair)
+{
+    meetings *of = ctx;
+    double gap;
+    of->count += !weft__stride_clear(&of->stride, pair, &gap);
+    return true;
+}
+
+/* Of random steps from near where the list was made, 2 mm above a ball. */
+START_TEST(a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear)
+{
+    size_t far = 0, met = 0;
+    uint64_t seed = 9;
+    const double h = 1e-3;
+    def.origin[1] = 0.102;
+    put(icosphere(3, 0.1));
+    begin(1e-4);
+    weft__forces forces = weft__forces_create(cloth, 1, NULL);
+    const double *start = weft_sim_state(sim);
+    double y[2][6 * N];
+    for (int i = 0; i < 3; ++i) {
+        ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, start, y[0]), 0);
+        ck_assert_int_eq(weft__self_list_grow(forces.bodies->list, &err), WEFT_OK);
+    }
+    for (int i = 0; i < 60; ++i) {
+        memcpy(y[0], start, sizeof y[0]);
+        shift(y[0], 0.0, &seed);
+        memcpy(y[1], y[0], sizeof y[1]);
+        shift(y[1], 4e-3 * random_uniform(&seed), &seed);
+        const bool clear = weft__self_list_far(forces.bodies->list, y[0], y[1], h);
+        double *all[2] = { weft__bodies_spread(&cloth->bodies, 0.0, y[0]),
+                           weft__bodies_spread(&cloth->bodies, 0.0, y[1]) };
+        meetings of = { { &cloth->bodies.pairs, all[0], all[1], h }, 0 };
+        const weft__quadtree tree = weft__tree_of(&cloth->bodies.pairs, all[0]);
+        ck_assert(weft__each_pair(&tree, 0.02, count_meeting, &of));
+        ck_assert(!clear || of.count == 0);
+        far += clear, met += of.count > 0;
+        free(all[0]), free(all[1]);
+    }
+    ck_assert_uint_gt(far, 5);
+    ck_assert_uint_gt(met, 5);
+    weft__forces_destroy(&forces);
+}
+END_TEST
+
 /* Positions after a landing on a ball of facets, without friction and damping. */
 static void land_at_once(double h, double *to)
 {
@@ -481,6 +542,7 @@ TEST_SUITE(bodies)
     tcase_add_test(state, cloth_that_passes_through_a_body_is_named);
     tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);
     tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 6);
+    tcase_add_test(state, a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear);
     tcase_add_test(time, an_icosphere_bears_a_cloth_as_a_sphere_does);
     tcase_add_test(time, plates_of_any_cells_stop_a_sheet_at_one_depth);
     tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 5);

@@ -21,6 +21,7 @@ weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__drift_fn weft__drift_wide;
 weft__transposed_fn weft__transposed_wide;
+weft__range_fn weft__range_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
  * tile. */
@@ -198,6 +199,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->self.pushes = weft__pushes_wide;
         cloth->self.waits = weft__waits_wide;
         cloth->self.drift = weft__drift_wide;
+        cloth->self.range = weft__range_wide;
     }
     return wide ? "8 lanes" : weft_cloth_isa(cloth);
 }
@@ -610,26 +612,50 @@ static void expect_same_waits(const weft__self *at, weft__pair_kind kind, pair_l
     }
 }
 
+static void drift_patches(const weft__self *at, bool loops, const double *y,
+                          weft__drift *to)
+{
+    const size_t level = weft__tile_level(weft__nodes_of(at)), n = at->points;
+    for (size_t i = 0; i < weft__tile_count(at); ++i) {
+        weft__range range = { NULL, y, n, n, { 0, 0 }, NULL, 0 };
+        size_t more[2];
+        if (at->skin == NULL) {
+            (loops ? weft__drift_loops : at->drift)(at, NULL, y, level, i, i + 1, to);
+            continue;
+        }
+        weft__patch_points(at->skin, level, true, i, range.run, more);
+        range.more = at->skin->tile_point + more[0];
+        range.count = more[1] - more[0];
+        (loops ? weft__range_loops : at->range)(&range, &to[i]);
+    }
+}
+
 static void expect_same_bounds(const weft__self *at, double *y)
 {
     const size_t n = at->points, count = weft__tile_count(at);
     weft__drift tiles[2][4];
     ck_assert_uint_eq(count, at->skin != NULL ? 3 : 4);
-    const size_t level = weft__tile_level(weft__nodes_of(at));
-    weft__drift_loops(at, NULL, y, WEFT__LEVELS - 1, 0, 1, tiles[0]);
+    const weft__range whole = { NULL, y, n, n, { 0, n }, NULL, 0 };
+    weft__range_loops(&whole, tiles[0]);
     ck_assert_double_eq(weft__extent(at, NULL, y),
                         weft__drift_extent(&tiles[0][0], &tiles[0][0]));
-    at->drift(at, NULL, y, level, 0, count, tiles[0]);
-    weft__drift_loops(at, NULL, y, level, 0, count, tiles[1]);
+    drift_patches(at, false, y, tiles[0]);
+    drift_patches(at, true, y, tiles[1]);
     for (size_t i = 0; i < 3 * count; ++i) { /* vectors may reach beyond a tile */
         ck_assert_double_le(tiles[0][i / 3].low[i % 3], tiles[1][i / 3].low[i % 3]);
         ck_assert_double_ge(tiles[0][i / 3].high[i % 3], tiles[1][i / 3].high[i % 3]);
     }
+    for (size_t size = 1; size < 20; ++size) {
+        const weft__range range = { y + 3 * n, y, n, n - 30, { 3, 3 + size }, NULL, 0 };
+        at->range(&range, tiles[0]);
+        weft__range_loops(&range, tiles[1]);
+        ck_assert_mem_eq(tiles[0], tiles[1], sizeof tiles[0][0]);
+    }
     const double kept = y[n + 3];
     y[n + 3] = NAN;
     ck_assert_double_infinite(weft__extent(at, NULL, y));
-    at->drift(at, NULL, y, level, 0, count, tiles[0]);
-    weft__drift_loops(at, NULL, y, level, 0, count, tiles[1]);
+    drift_patches(at, false, y, tiles[0]);
+    drift_patches(at, true, y, tiles[1]);
     ck_assert_double_infinite(weft__drift_extent(&tiles[0][0], &tiles[0][count - 1]));
     ck_assert_double_infinite(weft__drift_extent(&tiles[1][0], &tiles[1][count - 1]));
     y[n + 3] = kept;

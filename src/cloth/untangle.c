@@ -339,7 +339,8 @@ static bool find_moves(relaxation *to, bool *crosses)
         *crosses = *crosses || of->count > 0;
     }
     for (size_t k = 0; k < 2 && !*crosses; ++k) {
-        (void)weft__self_each(to->tangles[k].own, to->tangles[k].y, part_near, to);
+        (void)weft__self_each(to->tangles[k].own, NULL, to->tangles[k].y, part_near,
+                              to);
     }
     return true;
 }

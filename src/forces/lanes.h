@@ -147,22 +147,27 @@ INLINE vec most(vec a, vec b)
     return EXTREME(max, a, b);
 }
 
-/* Whether any lane is set. */
-INLINE bool any(mask a)
+/* Bit l: lane l is set. */
+INLINE unsigned bits(mask a)
 {
 #if defined __AVX512DQ__ && LANES == 8
-    return _mm512_movepi64_mask((__m512i)a) != 0;
+    return _mm512_movepi64_mask((__m512i)a);
 #elif defined __AVX__ && LANES == 4
-    return _mm256_movemask_pd((__m256d)a) != 0;
+    return (unsigned)_mm256_movemask_pd((__m256d)a);
 #elif defined __SSE2__ && LANES == 2
-    return _mm_movemask_pd((__m128d)a) != 0;
+    return (unsigned)_mm_movemask_pd((__m128d)a);
 #else
-    int64_t found = 0;
+    unsigned found = 0;
     for (int i = 0; i < LANES; ++i) {
-        found |= a[i];
+        found |= (unsigned)(a[i] & 1) << i;
     }
-    return found != 0;
+    return found;
 #endif
+}
+
+INLINE bool any(mask a)
+{
+    return bits(a) != 0;
 }
 
 /* Lanes of a and then of b, by their numbers. */

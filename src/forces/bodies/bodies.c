@@ -98,8 +98,9 @@ static int each(const weft__bodies *own, weft__bodies_space *space,
     double *once;
     *y = points_at(own, space, at, &once);
     const int bad = space != NULL ? weft__self_list_each(list_of(space), *y, visit, ctx)
-                    : once != NULL ? weft__self_each(&own->pairs, once, visit, ctx)
-                                   : -1;
+                    : once != NULL
+                        ? weft__self_each(&own->pairs, NULL, once, visit, ctx)
+                        : -1;
     weft__free(&own->memory, once);
     return bad;
 }
@@ -250,6 +251,9 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
                         weft__bodies_breach *out)
 {
     const weft__bodies *own = space->own;
+    if (weft__self_list_far(list_of(space), path->y0, path->y1, path->t1 - path->t0)) {
+        return true;
+    }
     const weft__stride stride
         = { &own->pairs, spread(own, path->t0, path->y0, &space->before),
             spread(own, path->t1, path->y1, &space->now), path->t1 - path->t0 };
@@ -416,13 +420,6 @@ static bool present(const void *own)
     return ((const weft__bodies *)own)->pairs.law.self;
 }
 
-static bool copy(void *own, const weft_allocator *memory)
-{
-    (void)memory;
-    ((weft__bodies *)own)->pairs.shared = true;
-    return true;
-}
-
 static void free_own(void *own, const weft_allocator *memory)
 {
     weft__bodies *of = own;
@@ -436,11 +433,6 @@ static size_t bytes(const void *own)
 {
     const weft__bodies *of = own;
     return of->pairs.skin != NULL ? weft__skin_bytes(of->pairs.skin) : 0;
-}
-
-static void choose(void *own, weft__isa isa)
-{
-    weft__self_force.choose(own, isa);
 }
 
 weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
@@ -475,8 +467,8 @@ void weft__bodies_space_destroy(weft__bodies_space *space)
 
 const weft__force weft__bodies_force = { .name = "bodies",
                                          .init = init,
-                                         .choose = choose,
-                                         .copy = copy,
+                                         .choose = weft__self_choose,
+                                         .copy = weft__self_copy,
                                          .free = free_own,
                                          .bytes = bytes,
                                          .present = present,

@@ -260,25 +260,33 @@ static inline void add_kind(const weft__self *own, weft__pair_kind kind,
     }
 }
 
-void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
-                      const weft__pushes *pushes, size_t count, weft__unit unit,
-                      double *to)
+void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                    size_t count)
 {
+    const weft__self_sums *of = ctx;
     switch (kind) {
 #define CASE(kind)                                                                     \
     case kind:                                                                         \
-        add_kind(own, kind, pushes, count, unit, to);                                  \
+        add_kind(of->own, kind, pushes, count, of->unit, of->to);                      \
         break;
         EACH_KIND(CASE)
 #undef CASE
     }
 }
 
-void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
-                          const weft__pushes *pushes, size_t count, const double *y,
-                          weft_measures *sum)
+typedef struct measuring {
+    const weft__self *own;
+    const double *y;
+    weft_measures *sum;
+} measuring;
+
+static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                           size_t count)
 {
-    const size_t n = own->points;
+    const measuring *of = ctx;
+    const size_t n = of->own->points;
+    const double *y = of->y;
+    weft_measures *sum = of->sum;
     for (size_t i = 0; i < count; ++i) {
         const weft__pushes *from = &pushes[i / WEFT__BLOCK];
         const size_t lane = i % WEFT__BLOCK;
@@ -291,7 +299,7 @@ void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
             const double v[3] = { y[3 * n + at], y[4 * n + at], y[5 * n + at] };
             const double f[3] = { from->force[k][0][lane], from->force[k][1][lane],
                                   from->force[k][2][lane] };
-            if (at < own->mesh->particles && own->mesh->pin[at] != 0) {
+            if (of->own->mesh->pin[at] != 0) {
                 sum->power[WEFT_POWER_PINS] -= weft__dot(f, v);
             }
         }
@@ -323,57 +331,33 @@ static bool take_pair(void *ctx, const weft__pair *pair)
     return true;
 }
 
-bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
-                     void *ctx)
+bool weft__self_seek(const weft__self *own, weft__knot *knots, const double *y,
+                     weft__pair_fn *visit, void *ctx)
 {
-    const weft__quadtree tree = weft__tree_of(own, y);
+    weft__quadtree tree = weft__tree_of(own, y);
+    if (knots != NULL) {
+        weft__tree_fill(&tree, knots);
+    }
     return isfinite(weft__extent(own, NULL, y))
            && weft__each_pair(&tree, own->law.thickness, visit, ctx);
 }
 
-int weft__self_each(const weft__self *own, const double *y, weft__pushed_fn *each,
-                    void *ctx)
+int weft__self_each(const weft__self *own, weft__knot *knots, const double *y,
+                    weft__pushed_fn *each, void *ctx)
 {
     if (!own->law.self) {
         return 0;
     }
     pass all = { weft__self_law_of(own), y, each, ctx, 0.0 };
-    return weft__self_seek(own, y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
+    return weft__self_seek(own, knots, y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
 }
 
-void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
-                    size_t count)
-{
-    const weft__self_sums *to = ctx;
-    weft__pushes_add(to->own, kind, pushes, count, to->unit, to->to);
-}
-
-int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
-                   double *to)
-{
-    weft__self_sums sums = { own, unit, to };
-    return weft__self_each(own, at->y, weft__self_sum, &sums);
-}
-
-typedef struct measuring {
-    const weft__self *own;
-    const double *y;
-    weft_measures *sum;
-} measuring;
-
-static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
-                           size_t count)
-{
-    const measuring *of = ctx;
-    weft__pushes_measure(of->own, kind, pushes, count, of->y, of->sum);
-}
-
-void weft__self_measure(const weft__self *own, weft__self_list *list,
-                        const weft__state *at, weft_measures *sum)
+void weft__self_measure(const void *own, void *list, const weft__state *at,
+                        weft_measures *sum)
 {
     measuring of = { own, at->y, sum };
     (void)(list != NULL ? weft__self_list_each(list, at->y, measure_pushes, &of)
-                        : weft__self_each(own, at->y, measure_pushes, &of));
+                        : weft__self_each(own, NULL, at->y, measure_pushes, &of));
 }
 
 /* ---- its part of a cloth --------------------------------------------------------- */
@@ -468,7 +452,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
 }
 
-static bool copy(void *own, const weft_allocator *memory)
+bool weft__self_copy(void *own, const weft_allocator *memory)
 {
     (void)memory;
     ((weft__self *)own)->shared = true;
@@ -489,37 +473,33 @@ static size_t bytes(const void *own)
     return of->skin != NULL ? weft__skin_bytes(of->skin) : 0;
 }
 
-static void choose(void *own, weft__isa isa)
+void weft__self_choose(void *own, weft__isa isa)
 {
     weft__self *of = own;
     of->pushes = WEFT_FORM(isa, pushes);
     of->waits = WEFT_FORM(isa, waits);
     of->drift = WEFT_FORM(isa, drift);
+    of->range = WEFT_FORM(isa, range);
 }
 
 static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,
                    double *to)
 {
+    weft__self_sums sums = { own, unit, to };
     return space != NULL && unit == WEFT__ACCELERATION
                ? weft__self_list_add(space, at, to)
-               : weft__self_add(own, at, unit, to);
-}
-
-static void measure_all(const void *own, void *space, const weft__state *at,
-                        weft_measures *sum)
-{
-    weft__self_measure(own, space, at, sum);
+               : weft__self_each(own, NULL, at->y, weft__self_sum, &sums);
 }
 
 const weft__force weft__self_force = { .name = "self",
                                        .check = weft__self_check,
                                        .init = init,
-                                       .choose = choose,
-                                       .copy = copy,
+                                       .choose = weft__self_choose,
+                                       .copy = weft__self_copy,
                                        .free = free_own,
                                        .bytes = bytes,
                                        .grip = weft__self_grip,
                                        .multiply = weft__self_multiply,
                                        .blocks = weft__self_blocks,
                                        .add_all = add_all,
-                                       .measure_all = measure_all };
+                                       .measure_all = weft__self_measure };

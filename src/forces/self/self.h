@@ -89,10 +89,20 @@ typedef struct weft__drift {
 } weft__drift;
 
 /* Sets the bounds of displacements from one state to another, from NULL: from 0, of
- * patches [first, end) of a level; infinite ones where a number is not finite. Those
- * of a skin that are not tiles have the points of a run, whatever its order. */
+ * patches [first, end) of a level of a grid; infinite ones where a number is not
+ * finite. */
 typedef void weft__drift_fn(const weft__self *own, const double *from, const double *to,
                             size_t level, size_t first, size_t end, weft__drift *of);
+
+/* The same of points run[0], run[0] + 1, ... before run[1], and of `count` further
+ * ones, a multiple of WEFT__SKIN_RUN, in three planes that are so far apart. */
+typedef struct weft__range {
+    const double *from, *to;
+    size_t from_plane, to_plane, run[2];
+    const int32_t *more;
+    size_t count;
+} weft__range;
+typedef void weft__range_fn(const weft__range *range, weft__drift *of);
 
 /* [m] No two particles are displaced by more against each other; INFINITY if a number
  * is not finite. */
@@ -198,6 +208,7 @@ typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
 WEFT_FORMS(weft__pushes_fn, pushes);
 WEFT_FORMS(weft__waits_fn, waits);
 WEFT_FORMS(weft__drift_fn, drift);
+WEFT_FORMS(weft__range_fn, range);
 
 struct weft__self {
     const weft__mesh *mesh;
@@ -212,6 +223,7 @@ struct weft__self {
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
     weft__drift_fn *drift;
+    weft__range_fn *range;
 };
 
 /* Whether a point does not move by forces. */
@@ -233,30 +245,22 @@ static inline double weft__pair_friction(const weft__self *own, const weft__pair
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch);
 
-/* Adds the forces of `count` pushes of a kind to planes to[3 N]; what each has of
- * energy, powers, gap and touch to *sum. */
-void weft__pushes_add(const weft__self *own, weft__pair_kind kind,
-                      const weft__pushes *pushes, size_t count, weft__unit unit,
-                      double *to);
-void weft__pushes_measure(const weft__self *own, weft__pair_kind kind,
-                          const weft__pushes *pushes, size_t count, const double *y,
-                          weft_measures *sum);
-
-/* Visits the pairs that may push in a state; false if that is not finite, or ended. */
-bool weft__self_seek(const weft__self *own, const double *y, weft__pair_fn *visit,
-                     void *ctx);
+/* Visits the pairs that may push in a state; false if that is not finite, or ended.
+ * knots: room for those of a tree, which save time; or NULL. */
+bool weft__self_seek(const weft__self *own, weft__knot *knots, const double *y,
+                     weft__pair_fn *visit, void *ctx);
 
 /* Calls `each` with all that push in a state, which are sought, kind by kind in the
  * order of weft__each_pair. Returns 1 if a number is not finite. Nothing without
  * law.self. With a list the same. */
 typedef void weft__pushed_fn(void *ctx, weft__pair_kind kind,
                              const weft__pushes *pushes, size_t count);
-int weft__self_each(const weft__self *own, const double *y, weft__pushed_fn *each,
-                    void *ctx);
+int weft__self_each(const weft__self *own, weft__knot *knots, const double *y,
+                    weft__pushed_fn *each, void *ctx);
 int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
                          void *ctx);
 
-/* A weft__pushed_fn that adds them. */
+/* A weft__pushed_fn that adds their forces to planes to[3 N]. */
 typedef struct weft__self_sums {
     const weft__self *own;
     weft__unit unit;
@@ -265,11 +269,9 @@ typedef struct weft__self_sums {
 void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count);
 
-/* As add_all and measure_all of a weft__force; list NULL: they are sought. */
-int weft__self_add(const weft__self *own, const weft__state *at, weft__unit unit,
-                   double *to);
-void weft__self_measure(const weft__self *own, weft__self_list *list,
-                        const weft__state *at, weft_measures *sum);
+/* As measure_all of a weft__force; list NULL: they are sought. */
+void weft__self_measure(const void *own, void *list, const weft__state *at,
+                        weft_measures *sum);
 
 /* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
 
@@ -294,6 +296,10 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to);
 weft_status weft__notch_error(const weft__self *own, weft_error *err);
 
 extern const weft__force weft__self_force;
+
+/* Of a weft__force that begins with a weft__self. */
+bool weft__self_copy(void *own, const weft_allocator *memory);
+void weft__self_choose(void *own, weft__isa isa);
 
 /* Makes the skin of a mesh, with its lips; false: no memory. */
 bool weft__self_cover(weft__self *of, const weft_allocator *memory);

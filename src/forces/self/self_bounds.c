@@ -58,7 +58,7 @@ static bool seek(pair_sums *self)
     return self->own->law.self && self->y != NULL
            && (self->list != NULL
                    ? weft__self_list_seek(self->list, self->y, visit, self)
-                   : weft__self_seek(self->own, self->y, visit, self));
+                   : weft__self_seek(self->own, NULL, self->y, visit, self));
 }
 
 static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)

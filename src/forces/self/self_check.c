@@ -35,21 +35,43 @@ static bool look_at(void *ctx, const weft__pair *pair)
     return of->marks != NULL;
 }
 
-enum { EXTENTS = 5 };
+/* From the list to the end, in the step, and of the velocities at both ends. */
+enum { EXTENTS = 4 };
 
 /* [m] As far as particles go against each other in the step. */
 static double way_of(const weft__stride *of, const double extent[EXTENTS])
 {
-    return fmax(extent[2], of->h * fmax(extent[3], extent[4]));
+    return fmax(extent[1], of->h * fmax(extent[2], extent[3]));
 }
 
 /* [m] As far as two primitives may have been apart that can have met: half of what they
- * move against each other in the step, and from the list to both its ends. By the
- * extents of the displacements to both ends and in the step, and of the velocities. */
+ * move against each other in the step, and from the list to both its ends, of which the
+ * start is no further than the end and the step. */
 static double reach(const weft__stride *of, const double extent[EXTENTS])
 {
-    return 0.5 * (extent[0] + extent[1] + way_of(of, extent))
+    return 0.5 * (2.0 * extent[0] + extent[1] + way_of(of, extent))
            * (1.0 + WEFT__SELF_ROUNDOFF);
+}
+
+bool weft__self_list_far(const weft__self_list *list, const double *y0,
+                         const double *y1, double h)
+{
+    const size_t n = list->own->mesh->particles, points = list->own->points;
+    const double *from[EXTENTS] = { list->place, y0 };
+    const double *to[EXTENTS] = { y1, y1, y0 + 3 * n, y1 + 3 * n };
+    const weft__stride stride = { .h = h };
+    const weft__drift rest = { .low = { 0.0 } };
+    double extent[EXTENTS];
+    for (size_t k = 0; k < EXTENTS; ++k) {
+        const weft__range range
+            = { from[k], to[k], k == 0 ? points : n, n, { 0, n }, NULL, 0 };
+        weft__drift all;
+        list->own->range(&range, &all);
+        weft__drift_add(&all, &rest);
+        extent[k] = weft__drift_extent(&all, &all);
+    }
+    return list->valid && list->rest == n
+           && reach(&stride, extent) + WEFT__SELF_ALLOWED * list->skin < list->least;
 }
 
 /* Whether the list has all pairs that can have met; then the reach of its groups is
@@ -57,10 +79,10 @@ static double reach(const weft__stride *of, const double extent[EXTENTS])
 static bool proves(weft__self_list *list, const weft__stride *of)
 {
     const size_t velocities = 3 * list->own->points;
-    const size_t count = of->h > 0.0 ? EXTENTS : 3; /* else without velocities */
-    const double *from[EXTENTS] = { list->place, list->place, of->y0 };
+    const size_t count = of->h > 0.0 ? EXTENTS : 2; /* else without velocities */
+    const double *from[EXTENTS] = { list->place, of->y0 };
     const double *to[EXTENTS]
-        = { of->y0, of->y1, of->y1, of->y0 + velocities, of->y1 + velocities };
+        = { of->y1, of->y1, of->y0 + velocities, of->y1 + velocities };
     double extent[EXTENTS] = { 0.0 };
     for (size_t k = 0; list->valid && k < count; ++k) {
         extent[k] = weft__self_drift(list, from[k], to[k], k);
@@ -118,11 +140,10 @@ static void look(weft__self_list *list, stride_search *of)
     }
     const size_t velocities = 3 * list->own->points;
     of->way = INFINITY;
-    const double moved = weft__extent(list->own, stride->y0, stride->y1);
-    double extent[EXTENTS] = { moved, 0.0, moved };
-    for (size_t k = 3; k < EXTENTS && stride->h > 0.0; ++k) {
+    double extent[EXTENTS] = { 0.0, weft__extent(list->own, stride->y0, stride->y1) };
+    for (size_t k = 2; k < EXTENTS && stride->h > 0.0; ++k) {
         extent[k] = weft__extent(list->own, NULL,
-                                 (k == 3 ? stride->y0 : stride->y1) + velocities);
+                                 (k == 2 ? stride->y0 : stride->y1) + velocities);
     }
     weft__quadtree tree = weft__tree_of(list->own, stride->y0);
     weft__tree_fill(&tree, list->knots);

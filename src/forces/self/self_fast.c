@@ -68,12 +68,13 @@ INLINE void fill(queue *of)
     }
 }
 
-/* Adds those of at[0], at[1], ... that are set, of `count` at most. */
-INLINE void add(queue *to, const uint32_t at[LANES], mask set, size_t count)
+/* Adds those of at[0], at[1], ... whose bits are set, of `count` at most. */
+INLINE void add(queue *to, const uint32_t at[LANES], unsigned set, size_t count)
 {
+    set &= count < LANES ? (1U << count) - 1U : ~0U;
     for (size_t l = 0; l < LANES; ++l) {
         to->at[to->count] = at[l];
-        to->count += (size_t)(l < count && set[l] != 0);
+        to->count += set >> l & 1U;
     }
 }
 
@@ -86,8 +87,8 @@ INLINE void find(work *of, weft__pair_kind kind, size_t i)
     particles_of(of->near, kind, pairs, at);
     gather_points(of->y, own->points, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
-    const mask pushes = law_pushes(kind, &gram, own->law.thickness);
-    if (any(pushes)) {
+    const unsigned pushes = bits(law_pushes(kind, &gram, own->law.thickness));
+    if (pushes != 0) {
         add(&of->found, pairs, pushes, of->close.count - i);
     }
 }
@@ -194,8 +195,8 @@ INLINE bool scan(work *of, weft__pair_kind kind)
         const size_t end = of->spans[of->span].end[kind];
         const vec moved = splat(of->spans[of->span].moved);
         for (; of->next < end && of->close.count < STRETCH; of->next += LANES) {
-            const mask close = ~(load(of->near->waits + of->next) > moved);
-            if (any(close)) {
+            const unsigned close = bits(~(load(of->near->waits + of->next) > moved));
+            if (close != 0) {
                 uint32_t here[LANES];
                 for (size_t l = 0; l < LANES; ++l) {
                     here[l] = (uint32_t)(of->next + l);
@@ -319,29 +320,26 @@ INLINE void narrow(const run_bounds of[3], weft__drift *to)
     }
 }
 
-/* Of a skin. */
-INLINE void drift_points(const weft__self *own, const double *from, const double *to,
-                         size_t level, bool tile, size_t i, weft__drift *patch)
+void NAME(range, LEVEL)(const weft__range *range, weft__drift *patch)
 {
-    const size_t n = own->points;
+    const run_bounds none = { splat((double)INFINITY), splat(-(double)INFINITY) };
+    run_bounds of[3] = { none, none, none };
     vec trouble = splat(0.0);
-    run_bounds of[3];
-    size_t run[2], more[2];
-    weft__patch_points(own->skin, level, tile, i, run, more);
-    if (run[1] < LANES) {
-        weft__drift_loops(own, from, to, level, i, i + 1, patch - i);
+    const double *from = range->from, *to = range->to;
+    const size_t first = range->run[0], end = range->run[1];
+    if (end - first > 0 && end - first < LANES) {
+        weft__range_loops(range, patch);
         return;
     }
-    for (size_t k = 0; k < 3; ++k) {
-        const double *a = from != NULL ? from + k * n : NULL, *b = to + k * n;
-        of[k] = (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
-        add_run(a, b, run[0], run[1], &of[k], &trouble);
-        for (size_t j = more[0]; j < more[1]; j += LANES) {
-            const int32_t *at = own->skin->tile_point + j;
-            const vec d = a != NULL ? gather(b, at) - gather(a, at) : gather(b, at);
+    for (size_t k = 0; k < 3; ++k, to += range->to_plane) {
+        add_run(from, to, first, end, &of[k], &trouble);
+        for (size_t j = 0; j < range->count; j += LANES) {
+            const vec there = gather(to, range->more + j);
+            const vec d = from != NULL ? there - gather(from, range->more + j) : there;
             of[k].low = least(of[k].low, d), of[k].high = most(of[k].high, d);
             trouble += d * 0.0;
         }
+        from = from != NULL ? from + range->from_plane : NULL;
     }
     narrow(of, patch);
     if (any(trouble != 0.0)) {
@@ -353,13 +351,6 @@ void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double 
                         size_t level, size_t first, size_t end, weft__drift *patches)
 {
     const size_t n = own->points, cols = own->mesh->cols;
-    if (own->skin != NULL) {
-        const bool tile = level == weft__tile_level(weft__nodes_of(own));
-        for (size_t i = first; i < end; ++i) {
-            drift_points(own, from, to, level, tile, i, &patches[i]);
-        }
-        return;
-    }
     if (cols < LANES) {
         weft__drift_loops(own, from, to, level, first, end, patches);
         return;

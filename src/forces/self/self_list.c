@@ -108,14 +108,14 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
         .knots = weft__alloc(memory, weft__tree_size(&tree), sizeof *list->knots),
         .place = weft__alloc(memory, 3 * n, sizeof *list->place),
         .marks = weft__alloc(memory, n, 1),
-        .tiles = { weft__alloc(memory, tiles, 5 * sizeof(weft__drift)) },
+        .tiles = { weft__alloc(memory, tiles, 4 * sizeof(weft__drift)) },
         .between = weft__alloc(memory, most, sizeof *list->between),
         .clear = weft__alloc(memory, most, sizeof *list->clear),
         .runs = weft__alloc(memory, run_count(own), sizeof *list->runs),
         .grouped = weft__alloc(memory, tiles + 1, sizeof *list->grouped),
         .skin = skin_of(own),
     };
-    for (size_t k = 1; k < 5 && list->tiles[0] != NULL; ++k) {
+    for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
         list->tiles[k] = list->tiles[k - 1] + tiles;
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
@@ -156,15 +156,24 @@ typedef struct drifting {
 static void drift_part(void *ctx, size_t part)
 {
     const drifting *of = ctx;
+    const weft__self *own = of->own;
     const size_t first = part * of->part;
     const size_t end = first + of->part < of->count ? first + of->part : of->count;
     for (size_t i = first; i < end; ++i) {
         const size_t patch = of->which != NULL ? of->which[i] : i;
         if (patch > (of->rest - 1) >> 2 * of->level) {
             of->patches[patch] = (weft__drift){ .low = { 0.0 } };
+        } else if (own->skin == NULL) {
+            own->drift(own, of->from, of->to, of->level, patch, patch + 1, of->patches);
         } else {
-            of->own->drift(of->own, of->from, of->to, of->level, patch, patch + 1,
-                           of->patches);
+            weft__range range = { .from = of->from, .to = of->to };
+            const bool tile = of->level == weft__tile_level(weft__nodes_of(own));
+            size_t more[2];
+            weft__patch_points(own->skin, of->level, tile, patch, range.run, more);
+            range.from_plane = range.to_plane = own->points;
+            range.more = own->skin->tile_point + more[0];
+            range.count = more[1] - more[0];
+            own->range(&range, &of->patches[patch]);
         }
     }
 }
@@ -419,6 +428,7 @@ static void end_making(weft__self_list *list)
     bool needed = false;
     list->group_count = 0;
     list->valid = true;
+    list->least = weft__self_range(list);
     for (size_t i = 0; i < list->chunk_count; ++i) {
         weft__self_chunk *at = &list->chunks[i];
         list->valid = list->valid && !at->full;
@@ -427,6 +437,9 @@ static void end_making(weft__self_list *list)
             at->now.spans[g].moved
                 = at->now.at[g].loss + WEFT__SELF_ALLOWED * list->skin;
             needed = needed || is_needed(list, &at->now, g);
+            list->least
+                = fmin(list->least, fmin(list->clear[at->now.at[g].tiles],
+                                         at->now.at[g].nearest - at->now.at[g].loss));
         }
     }
     for (size_t i = 0; i < list->chunk_count && !needed; ++i) {
@@ -585,7 +598,8 @@ int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn
     evaluation all = { .list = list, .y = y };
     const readiness is = prepare(list, y);
     if (is != READY) {
-        return is == NOT_FINITE ? 1 : weft__self_each(list->own, y, each, ctx);
+        return is == NOT_FINITE ? 1
+                                : weft__self_each(list->own, list->knots, y, each, ctx);
     }
     const bool any = evaluate(&all);
     for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
@@ -609,7 +623,7 @@ bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn 
     const readiness is = prepare(list, y);
     bool goes_on = is == READY;
     if (is == WITHOUT_LIST) {
-        return weft__self_seek(list->own, y, visit, ctx);
+        return weft__self_seek(list->own, list->knots, y, visit, ctx);
     }
     for (size_t j = 0; j < WEFT__KINDS * list->chunk_count; ++j) {
         const size_t kind = j / list->chunk_count;

@@ -18,7 +18,7 @@ void weft__self_list_destroy(weft__self_list *list); /* NULL is allowed */
  * alone, between steps, and is done without until then. */
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
 
-/* As weft__self_add. */
+/* As add_all of a weft__force, by acceleration. */
 int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to);
 
 /* As weft__self_seek. */
@@ -29,6 +29,11 @@ bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn 
  * its gap [m] at the end. */
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
                            weft_primitive pair[2], double *gap);
+
+/* Whether no two points can have met in a step of particles y0 .. y1 alone, six planes
+ * each, while all others rest; false: it is not known. */
+bool weft__self_list_far(const weft__self_list *list, const double *y0,
+                         const double *y1, double h);
 
 /* Shortens displacements from y0 until they are clear: those of particles in pairs that
  * are not are halved, all six numbers. */
@@ -98,7 +103,7 @@ struct weft__self_list {
     size_t rest;           /* points from here on do not move; 0: all may */
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles */
-    weft__drift *tiles[5]; /* of the last displacements; in checks of steps all */
+    weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
     weft__drift *runs;     /* of a skin, of many points each */
     uint32_t *grouped;     /* tiles that groups have; of a grid all */
     size_t grouped_count;
@@ -108,6 +113,7 @@ struct weft__self_list {
     double skin; /* [m] beyond the thickness pairs are listed */
     size_t group_count;
     double extent; /* [m] of the last displacement */
+    double least;  /* [m] no pair that the step check looks at is nearer in `place` */
     bool valid;    /* whole, about `place` */
     size_t pin_changes;
     weft__self_chunk *chunks;

@@ -214,32 +214,20 @@ static const owned *owned_by(const pair_search *of, size_t node, size_t slice,
     return last;
 }
 
-/* The edges of one node have common particles. */
+/* Slice by slice; all edges of one node have it in common, and all that a point owns.
+ */
 static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
-    const size_t cols = of->tree->own->mesh->cols, r = j / cols, c = j - r * cols;
-    const owned *a = owned_by(of, i, 0, &of->first);
-    const owned *b = owned_by(of, j, 0, &of->others[r % 2][c % 2]);
-    if (i == j) {
-        return try_vertex(of, &a->vertex, a);
-    }
-    return try_vertex(of, &a->vertex, b) && try_vertex(of, &b->vertex, a)
-           && (!seeks(of, WEFT__VERTICES)
-               || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b->vertex, 1))
-           && try_edges(of, a, b);
-}
-
-/* Slice by slice; all that a point owns has it in common. */
-static bool visit_points(void *ctx, size_t i, size_t j)
-{
-    pair_search *of = ctx;
-    const owned *a = NULL, *b = NULL;
-    bool goes_on = true;
+    const bool points = of->tree->own->skin != NULL;
+    const size_t row = points ? 0 : j / of->tree->own->mesh->cols;
+    const size_t col = points ? j : j - row * of->tree->own->mesh->cols;
+    const owned *a = owned_by(of, i, 0, &of->first), *b = NULL;
+    bool goes_on = i != j || points || try_vertex(of, &a->vertex, a);
     for (size_t k = 0; i != j && goes_on && (k == 0 || a->more); ++k) {
         a = owned_by(of, i, k, &of->first);
         for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
-            b = owned_by(of, j, l, &of->others[0][j % 2]);
+            b = owned_by(of, j, l, &of->others[row % 2][col % 2]);
             goes_on = (k > 0 || try_vertex(of, &a->vertex, b))
                       && (l > 0 || try_vertex(of, &b->vertex, a))
                       && (k + l > 0 || !seeks(of, WEFT__VERTICES)
@@ -256,9 +244,8 @@ static bool seek(const weft__quadtree *tree, const uint32_t *tiles, double range
     const owned none = { .node = SIZE_MAX };
     pair_search of
         = { tree, range, visit, ctx, kinds, none, { { none, none }, { none, none } } };
-    weft__visit_fn *nodes = tree->own->skin != NULL ? visit_points : visit_nodes;
-    return tiles == NULL ? weft__tree_pairs(tree, range, nodes, &of)
-                         : weft__tree_between(tree, tiles, range, nodes, &of);
+    return tiles == NULL ? weft__tree_pairs(tree, range, visit_nodes, &of)
+                         : weft__tree_between(tree, tiles, range, visit_nodes, &of);
 }
 
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
@@ -335,25 +322,18 @@ static inline void set_drift(const plane_bounds *of, size_t k, weft__drift *to)
     to->high[k] = of->bad == 0.0 ? of->high : (double)INFINITY;
 }
 
-/* Of a skin. */
-static void drift_points(const weft__self *own, const double *from, const double *to,
-                         size_t level, size_t patch, weft__drift *of)
+void weft__range_loops(const weft__range *range, weft__drift *of)
 {
-    const weft__skin *skin = own->skin;
-    const bool tile = level == weft__tile_level(weft__nodes_of(own));
-    size_t run[2], more[2];
-    weft__patch_points(skin, level, tile, patch, run, more);
-    for (size_t k = 0; k < 3; ++k) {
+    const double *from = range->from, *to = range->to;
+    const size_t run = range->run[1] - range->run[0];
+    for (size_t k = 0; k < 3; ++k, to += range->to_plane) {
         plane_bounds sum = unbounded;
-        const size_t count = run[1] - run[0];
-        for (size_t i = 0; i < count + (more[1] - more[0]); ++i) {
-            const size_t j
-                = k * skin->points
-                  + (i < count ? run[0] + i
-                               : (size_t)skin->tile_point[more[0] + i - count]);
-            add_drift(from, to, j, &sum);
+        for (size_t i = 0; i < run + range->count; ++i) {
+            add_drift(from, to,
+                      i < run ? range->run[0] + i : (size_t)range->more[i - run], &sum);
         }
         set_drift(&sum, k, of);
+        from = from != NULL ? from + range->from_plane : NULL;
     }
 }
 
@@ -361,10 +341,7 @@ void weft__drift_loops(const weft__self *own, const double *from, const double *
                        size_t level, size_t first, size_t end, weft__drift *of)
 {
     const size_t n = own->points;
-    for (size_t i = first; own->skin != NULL && i < end; ++i) {
-        drift_points(own, from, to, level, i, &of[i]);
-    }
-    for (size_t i = first; own->skin == NULL && i < end; ++i) {
+    for (size_t i = first; i < end; ++i) {
         size_t in[4];
         weft__patch_range(own->mesh, level, i, in);
         for (size_t k = 0; k < 3; ++k) {
@@ -381,8 +358,14 @@ void weft__drift_loops(const weft__self *own, const double *from, const double *
 
 double weft__extent(const weft__self *own, const double *from, const double *to)
 {
-    weft__drift all; /* the one patch of the last level */
-    own->drift(own, from, to, WEFT__LEVELS - 1, 0, 1, &all);
+    const size_t n = own->points;
+    const weft__range range = { from, to, n, n, { 0, n }, NULL, 0 };
+    weft__drift all;
+    if (own->skin != NULL) {
+        own->range(&range, &all);
+    } else { /* the one patch of the last level */
+        own->drift(own, from, to, WEFT__LEVELS - 1, 0, 1, &all);
+    }
     const double extent = weft__drift_extent(&all, &all);
     return isfinite(extent) ? extent : (double)INFINITY;
 }
