@@ -49,6 +49,7 @@ OURS = """
 extern "Python" int weftpy_force(void *, double, const double *, double *);
 extern "Python" bool weftpy_correct(void *, double, double, double *);
 extern "Python" double weftpy_event(void *, const weft_cloth *, double, const double *);
+extern "Python" int weftpy_objective(void *, size_t, double, const double *, double *, double *);
 extern "Python" void weftpy_log(void *, weft_log_level, const char *);
 extern "Python" void weftpy_refused(void *, const weft_error *);
 extern "Python" void weftpy_line(void *, const char *);
@@ -56,6 +57,7 @@ extern "Python" void weftpy_option(void *, const char *, const char *);
 extern const char *const weftpy_prefix;
 weft_log weftpy_log_of(void);
 weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_diagnostics *, weft_error *);
+weft_status weftpy_twins(weft_registry *, const weft_scene *, weft_scene_twins **, weft_error *);
 void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
 void weftpy_index(const weft_cloth *, size_t *);
@@ -103,6 +105,15 @@ static weft_status weftpy_scene(weft_registry *registry, weft_scene_def *def, we
     def->find_plugin = weftpy_find;
     def->find_ctx = registry;
     return weft_scene_load(def, out, found, err);
+}
+
+static weft_status weftpy_twins(weft_registry *registry, const weft_scene *scene, weft_scene_twins **out,
+                                weft_error *err)
+{
+    weft_scene_def def = weft_scene_def_default();
+    def.find_plugin = weftpy_find;
+    def.find_ctx = registry;
+    return weft_scene_twins_create(scene, &def, out, err);
 }
 
 static void weftpy_masses(const weft_cloth *cloth, double *mass)

@@ -16,7 +16,7 @@ import weft
 
 
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning")
-@pytest.mark.parametrize("module", [weft, weft.garment, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [weft, weft.garment, weft.gradients, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
 def test_docstrings(module, doctest_folder):
     globs = {"weft": weft, "scene": sheet(), "tmp": doctest_folder}
     result = doctest.testmod(module, extraglobs=globs)
@@ -52,6 +52,14 @@ def test_the_readme_is_five_lines_that_run(in_a_tree, capsys):
     assert len(code.splitlines()) == 5
     exec(code, {})
     assert "max_strain" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["torch_gradient.py", "jax_gradient.py"])
+def test_gradients_go_into_other_frameworks(name):
+    """Or a message: these are no dependencies."""
+    result = subprocess.run([sys.executable, TREE / "examples" / name], capture_output=True, text=True, timeout=600)
+    assert result.returncode == 0, result.stderr
+    assert "cloth.springs.stretch.stiffness" in result.stdout or "skipped: no " in result.stdout
 
 
 @pytest.mark.filterwarnings("ignore")

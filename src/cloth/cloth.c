@@ -248,6 +248,7 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);
         status = fill(cloth, def, err);
+        weft__cloth_choose(cloth, cloth->isa); /* by what they are now, too */
     }
     if (status != WEFT_OK) {
         weft_cloth_destroy(cloth);

@@ -32,7 +32,6 @@ int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
     const size_t n = mesh->particles, end = weft__blocks(mesh);
     const weft__state at = { .t = t, .y = y, .along = room };
     const weft__state by_x = { .y = room }, by_v = { .y = room + 3 * n };
-    double bad = 0.0;
     *by = (weft__by_numbers){ 0 };
     memset(room + 3 * n, 0, 3 * n * sizeof *room); /* l, 0, l */
     memset(out, 0, 3 * n * sizeof *out);
@@ -56,10 +55,7 @@ int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
             force->transposed(own, &at, out, by);
         }
     }
-    for (size_t i = 0; i < 6 * n; ++i) {
-        bad += out[i] * 0.0;
-    }
-    return bad == 0.0 ? 0 : 1;
+    return weft__all_finite(out, 6 * n) ? 0 : 1;
 }
 
 int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,

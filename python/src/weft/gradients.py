@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gradients of an objective by many numbers of a scene."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+
+from weft._weft import ffi, lib
+from weft.callbacks import as_particles
+from weft.library import Array, check, read_scene, real, registry, registry_lock
+from weft.mesh import has_bodies, has_mesh
+from weft.simulation import Scene, _form
+
+# (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
+Objective = Callable[[float, Array, Array], tuple[Any, ...]]
+
+
+class Gradient(NamedTuple):
+    """value: the sum of the objective over all frames. numbers: {key: its derivative, per unit of the number}.
+    x, v (N, 3): its derivatives by the positions [per m] and velocities [per m/s] at t = 0."""
+
+    value: float
+    numbers: dict[str, float]
+    x: Array
+    v: Array
+
+
+class _Call:
+    """An objective with the arrays that it sees, and what it raised."""
+
+    def __init__(self, objective: Objective, n: int) -> None:
+        self.objective, self.error = objective, None  # type: Objective, Optional[BaseException]
+        self.y = np.zeros(6 * n)
+        self.x, self.v = as_particles(self.y[:3 * n], n), as_particles(self.y[3 * n:], n)
+        self.x.flags.writeable = self.v.flags.writeable = False
+
+
+@ffi.def_extern()
+def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: Any) -> int:
+    call = ffi.from_handle(ctx)
+    try:
+        ffi.memmove(ffi.from_buffer(call.y), y, call.y.nbytes)
+        found, *slopes = call.objective(t, call.x, call.v)
+        n = len(call.x)
+        planes = np.frombuffer(ffi.buffer(slope, call.y.nbytes)).reshape(2, 3, n)
+        if not 1 <= len(slopes) <= 2:
+            raise TypeError("the objective returns its value and its derivatives by x, or by x and by v")
+        for k, by in enumerate(slopes):
+            planes[k] += real(by, "the derivative by " + "xv"[k], (n, 3)).T
+        value[0] += float(found)
+    except BaseException as error:  # also KeyboardInterrupt: the caller gets it
+        call.error = error
+        return 1
+    return 0
+
+
+def _read(file: Any, content: Any, sets: list[Any], keys: Sequence[str]) -> tuple[Any, Any]:
+    """A scene, and the cloths with less and more of up to 16 numbers."""
+    of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
+    scene, _ = read_scene(file, content, [*sets, of])
+    out, err = ffi.new("weft_scene_twins **"), ffi.new("weft_error *")
+    with registry_lock:
+        check(lib.weftpy_twins(registry(), scene, out, err), err)
+    return scene, ffi.gc(out[0], lib.weft_scene_twins_destroy)
+
+
+def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
+             overrides: Optional[Mapping[str, Any]] = None, *, times: Optional[Sequence[float]] = None) -> Gradient:
+    """The derivative of an objective by numbers of a scene and by its first state (docs/gradients.md).
+
+    objective(t, x, v) returns its value in a frame at t [s] and its derivatives by the positions x (N, 3) [m], or by
+    these and by the velocities v (N, 3) [m/s]. It is called of each of `times` [s], the last one first (default: the
+    frames of the scene), with the same arrays each time, which it must not change; of triangles these have the order of
+    Sim.state. over: keys as overrides write them, any number of them. It costs some four runs in all, and for each
+    number other than those of springs, gravity and drag up to two more. Explicit one-step methods, without strain limit,
+    stop, or contact of the cloth with itself.
+
+    >>> def height(t, x, v):
+    ...     by = np.zeros(x.shape)
+    ...     by[-1, 1] = 1
+    ...     return x[-1, 1], by
+    >>> found = weft.gradient(scene, height, ["forces.gravity.1", "cloth.density"], times=[0.5])
+    >>> found.numbers["forces.gravity.1"] > 0, found.x.shape
+    (True, (80, 3))
+    """
+    if isinstance(scene, Mapping) and (has_mesh(scene) or has_bodies(scene)):
+        raise TypeError("gradient() needs a scene whose meshes and bodies are files: Mesh.write() makes one")
+    file, content, sets = _form(scene, overrides)
+    parts = [_read(file, content, sets, over[i:i + lib.WEFT_SENSITIVITIES])
+             for i in range(0, max(len(over), 1), lib.WEFT_SENSITIVITIES)]
+    first = parts[0][0]
+    err, cloth = ffi.new("weft_error *"), ffi.new("weft_cloth **")
+    check(lib.weft_cloth_create(lib.weft_scene_cloth(first), cloth, err), err)
+    cloth = ffi.gc(cloth[0], lib.weft_cloth_destroy)
+    run = lib.weft_scene_run(first)
+    if times is None:
+        frames = [lib.weft_run_frame_time(run, i) for i in range(lib.weft_run_last_frame(run) + 1)]
+    else:
+        frames = np.asarray(times, dtype=float).ravel().tolist()
+    sim = ffi.new("weft_sim_def *", lib.weft_sim_def_default())
+    sim.cloth, sim.method = cloth, lib.weft_scene_method_type(first)
+    sim.config, sim.limit = lib.weft_scene_config(first)[0], lib.weft_scene_limit(first)[0]
+    lib.weftpy_stop(sim, run)
+    numbers = ffi.new("weft_number_of_cloth[]", max(len(over), 1))
+    units = []
+    for read, twins in parts:
+        of = lib.weft_scene_twins_def(twins)
+        for j in range(0 if of == ffi.NULL else of.count):
+            numbers[len(units)] = of.numbers[j]
+            units.append(lib.weft_scene_sensitivities(read).values[j] or 1.0)
+    call = _Call(objective, int(lib.weft_cloth_particles(cloth)))
+    handle, at = ffi.new_handle(call), ffi.new("double[]", frames)
+    definition = ffi.new("weft_gradient_def *", lib.weft_gradient_def_default())
+    definition.sim, definition.count, definition.numbers = sim, len(units), numbers
+    definition.frames, definition.times = len(frames), at
+    definition.objective, definition.ctx = lib.weftpy_objective, handle
+    value, by, start = ffi.new("double *"), np.zeros(max(len(units), 1)), np.zeros_like(call.y)
+    status = lib.weft_gradient(definition, value, ffi.from_buffer("double[]", by),
+                               ffi.from_buffer("double[]", start), err)
+    if call.error is not None:
+        raise call.error
+    check(status, err)
+    half = len(start) // 2
+    return Gradient(value[0], {key: float(by[j] / units[j]) for j, key in enumerate(over)},
+                    as_particles(start[:half], len(call.x)), as_particles(start[half:], len(call.x)))
