@@ -21,6 +21,9 @@ static inline const weft_plugin *fake_plugin(size_t i)
         = { .name = "cash_karp", .flags = WEFT_STEPPER_CONTROLLER };
     static const weft_stepper_type ros2
         = { .name = "ros2", .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR };
+    static const weft_stepper_type bdf
+        = { .name = "bdf", .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_MULTISTEP };
+    static const weft_stepper_type *const cvode_types[] = { &bdf, NULL };
     static const weft_stepper_type *const stiff_types[] = { &ros2, NULL };
     static const weft_stepper_type *const gsl_types[] = { &rk4, &rkf45, &rk8pd, NULL };
     static const weft_stepper_type *const verlet_types[] = { &verlet, NULL };
@@ -31,6 +34,7 @@ static inline const weft_plugin *fake_plugin(size_t i)
         { .id = "verlet", .types = verlet_types },
         { .id = "arkode", .types = arkode_types },
         { .id = "stiff", .types = stiff_types },
+        { .id = "cvode", .types = cvode_types },
     };
     return i < sizeof plugins / sizeof plugins[0] ? &plugins[i] : NULL;
 }

@@ -269,6 +269,53 @@ START_TEST(verlet_has_the_derivative_of_its_own_map)
 }
 END_TEST
 
+/* The sheet at the end under a method with steps of h, and how far s is from the
+ * difference of runs. */
+static double error_of(const char *method, double h)
+{
+    char stepper[128];
+    (void)snprintf(stepper, sizeof stepper, "stepper={%s, fixed_step: %.17g}", method,
+                   h);
+    const char *const with[] = { stepper };
+    const char *text = SHEET RK4 "run: {duration: 0.1}\n"
+                                 "sensitivity:\n"
+                                 "  of: [cloth.springs.stretch.stiffness]\n";
+    double error = 0.0, *y[2];
+    for (size_t i = 0; i < 2; ++i) {
+        char value[64];
+        const char *const sets[] = { stepper, "sensitivity=null", value };
+        (void)snprintf(value, sizeof value, "cloth.springs.stretch.stiffness=%.17g",
+                       100.0 * (1.0 + (i == 0 ? -1e-4 : 1e-4)));
+        end of = run(text, sets, 3);
+        const size_t size = weft_cloth_dim(of.cloth) * sizeof(double);
+        y[i] = malloc(size);
+        memcpy(y[i], weft_sim_state(of.sim), size);
+        finish(&of);
+    }
+    end of = run(text, with, 1);
+    const double *s = weft_sim_sensitivity(of.sim, 0);
+    for (size_t k = 0; k < weft_cloth_dim(of.cloth) / 2; ++k) {
+        error = fmax(error, fabs(s[k] - (y[1][k] - y[0][k]) / 2e-4));
+    }
+    finish(&of);
+    free(y[0]);
+    free(y[1]);
+    return error;
+}
+
+#define ROS2 "plugin: stiff, method: ros2"
+
+/* Its stages see the matrix alone of what s' has of the state: the order stays. */
+START_TEST(implicit_and_stabilised_methods_have_their_order)
+{
+    ck_assert_double_le(error_of("plugin: arkode, method: dirk324", 2e-3), 1e-8);
+    ck_assert_double_le(error_of("plugin: arkode, method: trbdf2", 2e-3), 1e-8);
+    ck_assert_double_le(error_of("plugin: stiff, method: rkc2", 4e-4), 1e-8);
+    const double of_order_2 = error_of(ROS2, 2e-3) / error_of(ROS2, 1e-3);
+    ck_assert_double_eq_tol(of_order_2, 4.0, 0.4);
+}
+END_TEST
+
 /* Two particles 1 m apart, of 1 kg each: y = -1 - g / w^2 (1 - cos w t), w^2 = k. */
 #define PENDULUM                                                                       \
     "cloth:\n"                                                                         \
@@ -790,7 +837,6 @@ START_TEST(what_has_no_derivative_is_refused)
     def.dense = true, refuse(&def, "dense"), def = start;
     def.limit.method = WEFT_LIMIT_PROVOT, refuse(&def, "strain limit"), def = start;
     def.method = test_method_named("gsl/msadams"), refuse(&def, "history"), def = start;
-    def.method = test_method_named("stiff/ros2"), refuse(&def, "implicit"), def = start;
     end fold = begin(
         FOLD RK4 "run: {duration: 1}\nsensitivity: {of: [cloth.density]}\n", NULL, 0);
     const double t = 0.1;
@@ -845,6 +891,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, numbers_of_self_contact_are_those_of_differences);
     tcase_add_test(tests, verlet_has_the_derivative_of_its_own_map);
     tcase_add_test(tests, a_hanging_mass_is_exact);
+    tcase_add_test(tests, implicit_and_stabilised_methods_have_their_order);
     tcase_add_test(tests, a_falling_cloth_is_exact);
     tcase_add_test(tests, without_control_the_steps_are_those_without);
     tcase_add_test(tests, threads_do_not_change_a_bit);

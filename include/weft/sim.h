@@ -106,7 +106,7 @@ typedef struct weft_sim_def {
     double event_hold; /* [s] > 0: the event is when the function has been 0 or below at
                           the end of every step for so long; that it was so at the start
                           counts. Saved. 0: when it falls to 0, as weft_event_fn says */
-    const weft_sensitivity_def *sensitivity; /* NULL: none. Explicit one-step methods;
+    const weft_sensitivity_def *sensitivity; /* NULL: none. One-step methods;
                           not with a limit, `correct`, `force`, `event`, a ledger,
                           `dense`, a comm or an untangled start: WEFT_UNSUPPORTED. Then
                           no function may change state, pins, wind or shapes */

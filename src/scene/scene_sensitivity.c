@@ -167,10 +167,10 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
           "stepper", "norm",
           "the rms norm, unless sensitivity.control is true: it is a mean over s too" },
         { (flags & (uint32_t)WEFT_STEPPER_MULTISTEP) != 0, "stepper", "method",
-          "methods that keep a history of steps: choose an explicit one-step method" },
-        { (flags & (uint32_t)(WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0,
+          "methods that keep a history of steps: choose a one-step method" },
+        { (flags & (uint32_t)WEFT_STEPPER_LINEAR) != 0 && scene->cloth.mesh != NULL,
           "stepper", "method",
-          "implicit and stabilised methods: choose an explicit one-step method" },
+          "implicit methods on triangles: choose an explicit one-step method" },
         { reader->def->bands > 1, "sensitivity", NULL, "a run in bands" },
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {

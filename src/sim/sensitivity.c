@@ -42,7 +42,11 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
            : (flags & (uint32_t)WEFT_STEPPER_MULTISTEP) != 0
                ? "a method that keeps a history of steps"
            : (flags & (uint32_t)(WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR)) != 0
-               ? "an implicit or stabilised method, which solves for the state alone"
+                   && def->sensitivity == NULL
+               ? "an implicit or stabilised method"
+           : (flags & (uint32_t)WEFT_STEPPER_LINEAR) != 0
+                   && def->cloth->mesh.triangles != NULL
+               ? "an implicit method on triangles"
            : def->sensitivity != NULL && !def->sensitivity->control
                    && def->config.fixed_step == 0.0 && def->config.norm == WEFT_NORM_RMS
                ? "the rms norm and without control: it is a mean over s too"
@@ -67,7 +71,7 @@ static bool make_room(weft_sim *sim, weft__sensitivity *of)
         of->direct = of->direct && !has_others(def->numbers[j].less)
                      && !has_others(def->numbers[j].more);
     }
-    of->row = of->direct ? sim->cloth->mesh.cols : dim / 6;
+    of->row = of->direct && of->runs == NULL ? sim->cloth->mesh.cols : dim / 6;
     double *room = weft__zeroed(&sim->memory, all, (of->direct ? 3 : 5) * sizeof *room);
     of->z = room;
     for (size_t k = 0; room != NULL && k < 3; ++k) {
@@ -109,7 +113,13 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
     }
     of->count = def->count;
     of->factor = def->control ? 1.0 : UNSEEN;
+    const bool structure = (sim->def.method->flags
+                            & (uint32_t)(WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINEAR))
+                           != 0;
     sim->config.structure = NULL; /* it is that of the state alone */
+    if (structure && weft__augmented_init(sim, err) != WEFT_OK) {
+        return WEFT_NO_MEMORY;
+    }
     for (size_t j = 0; j < of->count; ++j) {
         const weft_number_of_cloth *number = &def->numbers[j];
         weft_error inner = { 0 };
@@ -137,7 +147,8 @@ void weft__sensitivity_free(weft_sim *sim)
     for (size_t j = 0; j < of->count; ++j) {
         weft__slope_free(&of->of[j], &sim->memory);
     }
-    WEFT__FREE_ALL(&sim->memory, of->z, of->room[0], of->room[1], of->room[2]);
+    WEFT__FREE_ALL(&sim->memory, of->z, of->room[0], of->room[1], of->room[2], of->runs,
+                   of->masses, of->own);
 }
 
 uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash)
@@ -201,7 +212,11 @@ void weft__sensitivity_pack(weft_sim *sim)
     }
 }
 
-/* The state of the stepper as the simulation has it. */
+void weft__sensitivity_state(const weft_sim *sim, const double *z, double *y)
+{
+    gather(sim, 0, z, 1.0, y);
+}
+
 static void unpack(weft_sim *sim)
 {
     gather(sim, 0, sim->sensitivity.z, 1.0, sim->y);

@@ -14,10 +14,13 @@ typedef struct weft__sensitivity {
     bool direct;   /* no other forces than springs, weight and air, of z as it is */
     size_t row;    /* particles of such a row: of the grid's if direct, else N */
     weft__slope of[WEFT_SENSITIVITIES];
-    double *z, *before;     /* the stepper's state: now, before the step */
-    double *s;              /* planes of each s, one after another; once unpacked */
-    double *states, *rates; /* unless direct, so with the state's before */
-    double *room[3];        /* 6 N each */
+    double *z, *before;       /* the stepper's state: now, before the step */
+    double *s;                /* planes of each s, one after another; once unpacked */
+    double *states, *rates;   /* unless direct, so with the state's before */
+    double *room[3];          /* 6 N each */
+    weft_structure structure; /* augmented.c, for methods that take one */
+    weft_bonds *runs;
+    double *masses, *own; /* of the structure; what it takes from that of the state */
 } weft__sensitivity;
 
 /* sensitivity.c: why a simulation has no derivative, or NULL. */
@@ -29,6 +32,10 @@ void weft__sensitivity_free(weft_sim *sim);
 int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx);
 /* y and s into the stepper's state. */
 void weft__sensitivity_pack(weft_sim *sim);
+/* The state alone, of the stepper's: 6 N. */
+void weft__sensitivity_state(const weft_sim *sim, const double *z, double *y);
+/* augmented.c: the structure for the stepper, in the config. */
+weft_status weft__augmented_init(weft_sim *sim, weft_error *err);
 /* Fills s. */
 void weft__sensitivity_unpack(const weft_sim *sim);
 /* After y was put back to where the last step began. */

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* augmented.c -- the weft_structure of a state with its sensitivities, for implicit and
+ * stabilised methods: that of the state once for each part, as if all were cloths side
+ * by side. It lacks how s' depends on the state, d(J s + df/dp)/dy, which changes no
+ * mode; of a matrix, Newton's iteration and W-methods allow that. */
+#include "base/memory.h"
+#include "sim/simulation.h"
+
+/* The structure of the state of which that of all parts is made, and their number. */
+static const weft_structure *parts_of(const weft_sim *sim, size_t *count)
+{
+    *count = 1 + sim->sensitivity.count;
+    return &sim->structure;
+}
+
+/* Planes of one part, `width` apart, to the same of part i, `all` apart. */
+static void repeat(const double *from, size_t planes, size_t first, size_t count,
+                   size_t width, double *to, size_t all, size_t at)
+{
+    for (size_t k = 0; k < planes; ++k) {
+        memcpy(to + k * all + at, from + k * width + first, count * sizeof *to);
+    }
+}
+
+static int linearise(double t, const double *y, double *planes, double *blocks,
+                     void *ctx)
+{
+    const weft_sim *sim = ctx;
+    size_t parts;
+    const weft_structure *of = parts_of(sim, &parts);
+    const size_t n = of->particles, bonds = of->bond_count, bend = of->bend_bonds;
+    double *own = sim->sensitivity.own, *touched = own + WEFT_BOND_PLANES * bonds;
+    weft__sensitivity_state(sim, y, sim->sensitivity.room[0]);
+    const int failed = of->linearise(t, sim->sensitivity.room[0], own,
+                                     blocks != NULL ? touched : NULL, of->ctx);
+    for (size_t i = 0; i < parts; ++i) {
+        repeat(own, WEFT_BOND_PLANES, 0, bonds - bend, bonds, planes, parts * bonds,
+               i * (bonds - bend));
+        repeat(own, WEFT_BOND_PLANES, bonds - bend, bend, bonds, planes, parts * bonds,
+               parts * (bonds - bend) + i * bend);
+        if (blocks != NULL) {
+            repeat(touched, WEFT_BLOCK_PLANES, 0, n, n, blocks, parts * n, i * n);
+        }
+    }
+    return failed;
+}
+
+static size_t modes(double t, const double *y, double (*corners)[2], size_t room,
+                    void *ctx)
+{
+    const weft_sim *sim = ctx;
+    if (y != NULL) {
+        weft__sensitivity_state(sim, y, sim->sensitivity.room[0]);
+    }
+    return sim->structure.modes(t, y != NULL ? sim->sensitivity.room[0] : NULL, corners,
+                                room, sim->structure.ctx);
+}
+
+weft_status weft__augmented_init(weft_sim *sim, weft_error *err)
+{
+    size_t parts;
+    const weft_structure *of = parts_of(sim, &parts);
+    weft__sensitivity *to = &sim->sensitivity;
+    const size_t n = of->particles, plain = of->run_count - of->bend_runs;
+    weft_bonds *runs = weft__alloc(&sim->memory, parts * of->run_count, sizeof *runs);
+    double *masses = weft__alloc(&sim->memory, parts * n, 2 * sizeof *masses);
+    to->runs = runs, to->masses = masses;
+    to->own = weft__alloc(&sim->memory,
+                          WEFT_BOND_PLANES * of->bond_count + WEFT_BLOCK_PLANES * n,
+                          sizeof *to->own);
+    if (runs == NULL || masses == NULL || to->own == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
+    }
+    for (size_t i = 0; i < parts; ++i) {
+        memcpy(masses + i * n, of->mass, n * sizeof *masses);
+        memcpy(masses + (parts + i) * n, of->drag, n * sizeof *masses);
+        for (size_t r = 0; r < of->run_count; ++r) {
+            const size_t at = r < plain ? i * plain + r
+                                        : parts * plain + i * of->bend_runs + r - plain;
+            runs[at] = (weft_bonds){ of->runs[r].p + i * n, of->runs[r].q + i * n,
+                                     of->runs[r].count };
+        }
+    }
+    to->structure = *of;
+    to->structure.particles *= parts, to->structure.run_count *= parts;
+    to->structure.bond_count *= parts, to->structure.bend_runs *= parts;
+    to->structure.bend_bonds *= parts;
+    to->structure.runs = runs;
+    to->structure.mass = masses, to->structure.drag = masses + parts * n;
+    to->structure.linearise = linearise, to->structure.modes = modes;
+    to->structure.link_count = to->structure.tie_count = 0;
+    to->structure.ctx = sim;
+    sim->config.structure = &to->structure;
+    return WEFT_OK;
+}
