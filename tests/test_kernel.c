@@ -312,7 +312,8 @@ START_TEST(several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loo
             by.laws[g]
                 = (weft__slope_law){ chance(&seed), chance(&seed), chance(&seed) };
         }
-        weft__ways ways = { z, out, stride, down, ALL - 1, { { NULL } } };
+        weft__ways ways
+            = { .y = z, .base = out, .stride = stride, .down = down, .count = ALL - 1 };
         for (size_t j = 0; j < ALL - 1; ++j) {
             const size_t at = (1 + j) * part;
             ways.way[j] = (weft__way){ z + at, out + at, j == 1 ? &by : NULL };
