@@ -80,7 +80,7 @@ START_TEST(mistakes_have_their_place)
             7);
     refused("    - {shape: mesh, file: walk-%d.obj}\n", "key frames need fps", 7);
     refused("    - {shape: mesh, file: one-%d.obj, fps: 30}\n",
-            "there are 1 files of key frames", 7);
+            "key frames 'one-%d.obj': there are 1 files from 0", 7);
     refused("    - {shape: mesh, file: walk-%d.obj, fps: 30}\n",
             "key frames must have the same", 4);
     refused("    - {shape: mesh, file: plate.obj, spin: [0, 1, 0]}\n",

@@ -229,6 +229,11 @@ typedef struct weft_mesh_def {
     const weft_cloth_part *parts; /* part_count cloths, which have all vertices in their
                  order; at most WEFT_CLOTHS_MAX */
     size_t part_count;            /* 0: one cloth, without a name */
+    const struct weft_cloth_def *const *grids; /* part_count of them, or NULL. Part k is
+                       the grid of grids[k] unless that is NULL: its particle (r, c) is
+                       vertex first + r cols + c, which has no triangle, place or start
+                       here. Its rows to scale, mass, density, law, springs, across,
+                       rim_half and bending are used: 2 rows and 2 columns or more */
 } weft_mesh_def;
 
 /* No triangles, seams that bend. Set the rest. */

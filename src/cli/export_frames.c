@@ -448,6 +448,9 @@ static int export_garment(const arguments *given)
                                operand);
     for (size_t k = 0; status == WEFT_OK && k < (parts > 0 ? parts : 1); ++k) {
         char name[RECORD_PATH];
+        if (mesh->grids != NULL && mesh->grids[k] != NULL) {
+            continue; /* it has no pieces */
+        }
         name_garment(name, to, parts > 0 ? mesh->parts[k].name : NULL);
         status = record_exists(NULL, name)
                      ? weft_error_set(&err, WEFT_IO, "%.200s: the file exists", name)

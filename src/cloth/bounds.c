@@ -7,7 +7,7 @@
 
 #include "base/memory.h"
 #include "base/random.h"
-#include "cloth/model.h"
+#include "cloth/grids.h"
 
 /* cos(acos(r) / 3) for |r| <= 1: the largest root of 4 c^3 - 3 c = r, from above, by
  * Newton's method, whose bits are the same everywhere. */
@@ -53,6 +53,9 @@ static weft__sides sides_of(const weft_cloth *cloth, const double *y)
         = { .count = 3, .way = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
     if (y != NULL) {
         WEFT__EACH_FORCE(cloth, ratios, &sides)
+    }
+    for (size_t g = 0; y != NULL && g < cloth->grid_count; g += 2) {
+        WEFT__EACH_FORCE(&cloth->grids[g], ratios, &sides)
     }
     return sides;
 }
@@ -101,11 +104,16 @@ enum { BLOCK = 512 };
 static void bound_of(const weft_cloth *cloth, const weft__state *at, size_t i,
                      const weft__sides *sides, double (*sums)[6])
 {
+    const weft_cloth *grid = weft__grids_at(cloth, i),
+                     *of = grid != NULL ? grid : cloth;
+    const size_t first = of->first;
+    weft__state own = *at;
+    own.y = at->y != NULL ? at->y + first : NULL;
     memset(sums, 0, sides->count * sizeof *sums);
     for (size_t k = WEFT__FORCES; k-- > 0;) {
-        const weft__force *force = weft__force_at(cloth, k);
+        const weft__force *force = weft__force_at(of, k);
         if (force != NULL && force->bound != NULL) {
-            force->bound(weft__own(cloth, k), at, i, sides, sums);
+            force->bound(weft__own(of, k), &own, i - first, sides, sums);
         }
     }
 }

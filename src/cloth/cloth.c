@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth.c -- a cloth from its definition: masses, pins, the state at rest. */
-#include "cloth/model.h"
+#include "cloth/grids.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -95,6 +95,7 @@ static void attach(weft_cloth *cloth)
         *(const weft__mesh **)weft__own_of(cloth, k) = &cloth->mesh;
     }
     cloth->bodies.contact = &cloth->contact;
+    weft__grids_attach(cloth);
 }
 
 void weft__cloth_choose(weft_cloth *cloth, weft__isa isa)
@@ -105,6 +106,7 @@ void weft__cloth_choose(weft_cloth *cloth, weft__isa isa)
             weft__table[k].force->choose(weft__own_of(cloth, k), isa);
         }
     }
+    weft__grids_choose(cloth);
 }
 
 const char *weft_cloth_isa(const weft_cloth *cloth)
@@ -149,6 +151,9 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
         }
     }
     TRY(keep_tracks(cloth, err));
+    if (!weft__grids_init(cloth, def)) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for grids");
+    }
     TRY(list_pins(cloth, err));
     return weft__start_crossing_error(cloth, err);
 }
@@ -173,12 +178,40 @@ static weft_status take_items(const char *name, const void *items, size_t count,
     return understood ? WEFT_OK : weft__sized_unknown(name, err);
 }
 
-enum { ARRAYS = 4 };
+enum { ARRAYS = 4, COPIES };
+
+/* The definitions of grids among several cloths. */
+static weft_status take_grids(weft_mesh_def *mesh, const weft_allocator *memory,
+                              void **copy, weft_error *err)
+{
+    const size_t count = mesh->grids != NULL ? mesh->part_count : 0;
+    weft_status status = WEFT_OK;
+    if (count == 0 || count > WEFT_CLOTHS_MAX) { /* too many: refused later */
+        mesh->grids = NULL;
+        return WEFT_OK;
+    }
+    weft_cloth_def *list = *copy
+        = weft__alloc(memory, count, sizeof *list + sizeof *mesh->grids);
+    if (list == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a cloth");
+    }
+    const weft_cloth_def **to = (void *)(list + count);
+    for (size_t k = 0; k < count; ++k) {
+        const weft_cloth_def *given = mesh->grids[k];
+        to[k] = given != NULL ? &list[k] : NULL;
+        if (given != NULL && status == WEFT_OK) {
+            status
+                = WEFT__DEF_READ(weft_cloth_def, &list[k], given, WEFT__DEF_MOST, err);
+        }
+    }
+    mesh->grids = to;
+    return status;
+}
 
 /* The caller's definition, of any version, with copies of its arrays where they are of
  * another one. */
 static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
-                            const weft_cloth_def *given, void *copies[ARRAYS],
+                            const weft_cloth_def *given, void *copies[COPIES],
                             weft_error *err)
 {
     TRY(WEFT__DEF_READ(weft_cloth_def, def, given, WEFT__DEF_MOST, err));
@@ -209,7 +242,7 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
     def->pins = copies[1] != NULL ? copies[1] : def->pins;
     def->contact.shapes = copies[2] != NULL ? copies[2] : def->contact.shapes;
     mesh->fabrics = copies[3] != NULL ? copies[3] : mesh->fabrics;
-    return WEFT_OK;
+    return take_grids(mesh, &memory, &copies[ARRAYS], err);
 }
 
 /* Gives the triangles that the check made, also where it fails. */
@@ -263,13 +296,13 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
 {
     weft_cloth_def def;
     weft_mesh_def mesh;
-    void *copies[ARRAYS] = { NULL };
+    void *copies[COPIES] = { NULL };
     TRY(weft__given(given, out, "weft_cloth_create", err));
     *out = NULL;
     weft_status status = take_def(&def, &mesh, given, copies, err);
     status = status == WEFT_OK ? create(&def, out, err) : status;
     const weft_allocator memory = weft_allocator_or_malloc(def.allocator);
-    for (size_t i = 0; i < ARRAYS; ++i) {
+    for (size_t i = 0; i < COPIES; ++i) {
         weft__free(&memory, copies[i]);
     }
     return status;
@@ -284,7 +317,7 @@ void weft_cloth_destroy(weft_cloth *cloth)
             weft__triangles_destroy(cloth->mesh.triangles, &memory);
         }
         WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
-                       cloth->mesh.pins, cloth->mesh.coast);
+                       cloth->mesh.pins, cloth->mesh.coast, cloth->grids);
         for (size_t k = 0; k < WEFT__FORCES; ++k) {
             if (weft__table[k].force->free != NULL) {
                 weft__table[k].force->free(weft__own_of(cloth, k), &memory);
@@ -305,7 +338,6 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
     *copy = *model;
     copy->memory = *memory;
     copy->copied = true;
-    attach(copy);
     weft__mesh *mesh = &copy->mesh;
     mesh->defined_pin = from->defined_pin != NULL ? from->defined_pin : from->pin;
     mesh->pin = weft__alloc(memory, n, sizeof *mesh->pin);
@@ -315,6 +347,8 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
         = weft__zeroed(memory, n + WEFT_PAST, sizeof *mesh->inverse_mass);
     bool made = mesh->pin != NULL && mesh->pins != NULL && mesh->coast != NULL
                 && mesh->inverse_mass != NULL;
+    made = weft__grids_copy(copy) && made;
+    attach(copy);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__table[k].force->copy != NULL) {
             made = weft__table[k].force->copy(weft__own_of(copy, k), memory) && made;
@@ -382,7 +416,11 @@ weft_band weft_cloth_band(const weft_cloth *cloth)
 
 size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family)
 {
-    return weft__springs_count(&cloth->springs, family);
+    size_t count = weft__springs_count(&cloth->springs, family);
+    for (size_t g = 0; g < cloth->grid_count; g += 2) {
+        count += weft__springs_count(&cloth->grids[g].springs, family);
+    }
+    return count;
 }
 
 size_t weft_cloth_pins(const weft_cloth *cloth)
@@ -411,8 +449,8 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
                     ? force->bytes(weft__own(cloth, k))
                     : 0;
     }
-    return sizeof *cloth + more + cloth->mesh.particles * each
-           + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
+    return sizeof *cloth + more + cloth->grid_count * sizeof *cloth
+           + cloth->mesh.particles * each + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins
            + WEFT__TRACK_WIDTH * cloth->row_count * sizeof *cloth->rows
            + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth_hash.c -- a hash of all that determines the motion of a cloth but its state. */
 #include "base/hash.h"
-#include "cloth/model.h"
+#include "cloth/grids.h"
 
 /* How a pin is held: not which entry of the definition says so. */
 uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b)
@@ -43,5 +43,6 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks)
             hash = weft__table[k].force->hash(weft__own(cloth, k), hash);
         }
     }
+    hash = weft__grids_hash(cloth, hash);
     return cloth->untangle > 0.0 ? weft__hash_real(hash, cloth->untangle) : hash;
 }

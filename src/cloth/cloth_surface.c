@@ -84,7 +84,8 @@ const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size)
                            parts > 1 ? "s" : "");
         }
         (void)weft_text_format(text, size, "%zu vertices, %zu triangles%s",
-                               mesh->particles, mesh->triangles->count, in);
+                               mesh->particles, weft__surface_triangles(mesh, NULL),
+                               in);
     } else {
         (void)weft_text_format(text, size, "%zu x %zu particles", mesh->band.rows,
                                mesh->cols);
@@ -102,7 +103,8 @@ const char *weft_spring_text(const weft_cloth *cloth, const weft_spring *spring,
                              char *text, size_t size)
 {
     char p[WEFT__NAME_TEXT], q[WEFT__NAME_TEXT], of[WEFT__CLOTH_TEXT];
-    const bool grid = cloth->mesh.triangles == NULL;
+    const bool grid = cloth->mesh.triangles == NULL
+                      || weft__grid_at(&cloth->mesh, spring->p) != NULL;
     (void)weft_text_format(
         text, size, "%s%s %s-%s%s", grid ? weft_family_name(spring->family) : "",
         grid ? " spring" : "edge", weft__name_text(&cloth->mesh, spring->p, p),

@@ -3,25 +3,39 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "cloth/model.h"
+#include "cloth/grids.h"
 
-/* Unless runs is NULL, which only counts, writes them. */
+/* Unless runs is NULL, which only counts, writes some of particles from `first` on. */
+static void add_runs(const weft_bonds *some, size_t count, size_t first,
+                     weft_bonds *runs, weft_structure *of)
+{
+    for (size_t i = 0; i < count; ++i, ++of->run_count) {
+        of->bond_count += some[i].count;
+        if (runs != NULL) {
+            runs[of->run_count]
+                = (weft_bonds){ some[i].p + first, some[i].q + first, some[i].count };
+        }
+    }
+}
+
 static void list_runs(const weft_cloth *cloth, weft_bonds *runs, weft_structure *of)
 {
     of->run_count = of->bond_count = 0;
+    for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
+        weft__grid_row row = { 0 };
+        while (weft__grids_next(cloth, &(weft__state){ .t = 0.0 }, b, &row)) {
+            weft_bonds some[WEFT_GROUPS];
+            add_runs(some, weft__springs_runs(&row.cloth->springs, row.row, some),
+                     row.cloth->first, runs, of);
+        }
+    }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const bool has = force != NULL && force->runs != NULL;
         const size_t runs_before = of->run_count, bonds_before = of->bond_count;
         weft_bonds some[WEFT_GROUPS];
         for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
-            const size_t count = force->runs(weft__own(cloth, k), b, some);
-            for (size_t i = 0; i < count; ++i, ++of->run_count) {
-                of->bond_count += some[i].count;
-                if (runs != NULL) {
-                    runs[of->run_count] = some[i];
-                }
-            }
+            add_runs(some, force->runs(weft__own(cloth, k), b, some), 0, runs, of);
         }
         if (k == WEFT__FORCE_bending) {
             of->bend_runs = of->run_count - runs_before;
@@ -62,6 +76,13 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
     if (blocks != NULL) {
         memset(blocks, 0, 15 * cloth->mesh.particles * sizeof *blocks);
     }
+    for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
+        weft__grid_row row = { 0 };
+        while (weft__grids_next(cloth, &at, b, &row)) {
+            planes = weft__springs_bonds(&row.cloth->springs, &row.at, row.row, planes,
+                                         bonds, &bad);
+        }
+    }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const void *own = weft__own(cloth, k);
@@ -88,6 +109,10 @@ size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties)
 {
     size_t count = 0;
     WEFT__FROM_EACH_FORCE(count +=, cloth, ties, ties != NULL ? ties + count : NULL)
+    for (size_t g = 0; g < cloth->grid_count; g += 2) {
+        count += weft__bending_ties(&cloth->grids[g].bending, cloth->grids[g].first,
+                                    ties != NULL ? ties + count : NULL);
+    }
     return count;
 }
 

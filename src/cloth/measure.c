@@ -6,7 +6,7 @@
  * gravitational energy and both momenta are those of the free particles. The powers of
  * forces, of moved pins and of shapes change the energy E (docs/physics.md). */
 #include "base/hash.h"
-#include "cloth/model.h"
+#include "cloth/grids.h"
 #include "mesh/triangles.h"
 
 void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b,
@@ -22,12 +22,14 @@ void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b
         }
     }
     WEFT__EACH_FORCE(cloth, energy, at, b, sum)
+    weft__grids_measure(cloth, at, b, WEFT__GRID_ENERGY, sum);
 }
 
 void weft__block_power(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
     WEFT__EACH_FORCE(cloth, power, at, b, sum)
+    weft__grids_measure(cloth, at, b, WEFT__GRID_POWER, sum);
 }
 
 static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_t b,
@@ -49,6 +51,7 @@ void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
     WEFT__EACH_FORCE(cloth, worst, at, b, sum)
+    weft__grids_measure(cloth, at, b, WEFT__GRID_WORST, sum);
 }
 
 static uint64_t block_hash(const double *y, size_t n, size_t first, size_t end)
@@ -217,7 +220,12 @@ void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain
         strain[i] = none;
     }
     for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
+        weft__grid_row row = { 0 };
         WEFT__EACH_FORCE(cloth, strains, &at, b, strain)
+        while (weft__grids_next(cloth, &at, b, &row)) {
+            WEFT__EACH_FORCE(row.cloth, strains, &row.at, row.row,
+                             strain + row.cloth->first)
+        }
     }
     for (size_t i = 0; i < cloth->mesh.particles; ++i) {
         strain[i] = strain[i] == none ? 0.0 : strain[i];

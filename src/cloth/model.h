@@ -6,6 +6,9 @@
 #include "cloth/table.h"
 #include "forces/bounds.h"
 
+typedef int weft__sum_fn(const weft_cloth *cloth, const weft__state *at,
+                         weft__unit unit, double *to, size_t first, size_t end);
+
 #define WEFT_FORCE_MEMBER(name) weft__##name name;
 struct weft_cloth {
     weft__mesh mesh;
@@ -16,6 +19,9 @@ struct weft_cloth {
     double untangle; /* [s] */
     bool copied;     /* shares masses, motions and rows with its model */
     weft_allocator memory;
+    struct weft_cloth *grids; /* grid_count of them: grids.h */
+    size_t grid_count, first; /* of a grid: the whole's particle that is its first */
+    weft__sum_fn *sum_grids;  /* NULL: none */
 };
 #undef WEFT_FORCE_MEMBER
 
@@ -61,7 +67,11 @@ static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
 #define WEFT__EACH_FORCE(cloth, member, ...)                                           \
     WEFT__FROM_EACH_FORCE((void), cloth, member, __VA_ARGS__)
 
-/* rhs.c: all of dy/dt of blocks [first, end) but what add_all adds. Returns 0, or 1 if
+/* rhs.c: all forces but add_all of blocks [first, end), in three planes; with
+ * WEFT__ACCELERATION x' are before them. */
+weft__sum_fn weft__sum_blocks;
+
+/* All of dy/dt of blocks [first, end) but what add_all adds. Returns 0, or 1 if
  * a number is not finite. The bits do not depend on how blocks are divided among calls.
  */
 int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,

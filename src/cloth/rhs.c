@@ -13,15 +13,15 @@
 #define PLACE(name) { &weft__##name##_force, offsetof(struct weft_cloth, name) },
 const weft__line weft__table[WEFT__FORCES] = { WEFT_FORCES(PLACE) };
 
-/* All forces of blocks [first, end), in three planes; with WEFT__ACCELERATION x' are
- * before them. */
-static int sum(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
-               double *to, size_t first, size_t end)
+int weft__sum_blocks(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
+                     double *to, size_t first, size_t end)
 {
-    double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.particles;
-    return weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at, unit, to,
-                                       first, end)
-           | weft__rhs_others(cloth, at, unit, planes, first, end);
+    double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.stride;
+    weft__sum_fn *grids = cloth->sum_grids;
+    int failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
+                                             unit, to, first, end);
+    failed |= grids != NULL ? grids(cloth, at, unit, to, first, end) : 0;
+    return failed | weft__rhs_others(cloth, at, unit, planes, first, end);
 }
 
 int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
@@ -33,10 +33,9 @@ int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit 
         const weft__force *force = weft__force_at(cloth, k);
         const bool change = at->along != NULL && force != NULL && !force->linear;
         weft__add_fn *add = force == NULL ? NULL : change ? force->change : force->add;
+        const weft__state *of = at->along != NULL && !change ? &along : at;
         if (add != NULL) {
-            failed
-                |= add(weft__own(cloth, k), at->along != NULL && !change ? &along : at,
-                       unit, planes, first, end);
+            failed |= add(weft__own(cloth, k), of, unit, planes, first, end);
         }
     }
     return failed;
@@ -46,7 +45,7 @@ int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dyd
                      size_t first, size_t end)
 {
     const weft__mesh *mesh = &cloth->mesh;
-    const int failed = sum(cloth, at, WEFT__ACCELERATION, dydt, first, end);
+    int failed = weft__sum_blocks(cloth, at, WEFT__ACCELERATION, dydt, first, end);
     if (at->along == NULL) {
         weft__move_pins(mesh, at->t, dydt, weft__block(mesh, first),
                         weft__block(mesh, end));
@@ -87,6 +86,6 @@ int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *d
 void weft_cloth_force(const weft_cloth *cloth, double t, const double *y, double *f)
 {
     const weft__state at = { .t = t, .y = y };
-    (void)sum(cloth, &at, WEFT__FORCE, f, 0, weft__blocks(&cloth->mesh));
+    (void)weft__sum_blocks(cloth, &at, WEFT__FORCE, f, 0, weft__blocks(&cloth->mesh));
     (void)weft__rhs_all(cloth, NULL, &at, WEFT__FORCE, f);
 }

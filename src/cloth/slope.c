@@ -33,6 +33,9 @@ int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
     const weft__state at = { .t = t, .y = y, .along = room };
     const weft__state by_x = { .y = room }, by_v = { .y = room + 3 * n };
     *by = (weft__by_numbers){ 0 };
+    if (cloth->grid_count > 0) {
+        return -1;
+    }
     memset(room + 3 * n, 0, 3 * n * sizeof *room); /* l, 0, l */
     memset(out, 0, 3 * n * sizeof *out);
     memcpy(out + 3 * n, w, 3 * n * sizeof *out);
@@ -157,6 +160,11 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                               "two cloths with less and more of a number must have the "
                               "particles, pins, springs and shapes of the cloth "
                               "itself, and a span > 0");
+    }
+    if (cloth->grid_count > 0) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "derivatives by numbers need one grid, or meshes: not a "
+                              "grid among several cloths");
     }
     find_laws(of);
     if (!find_masses(of, memory)) {

@@ -184,7 +184,7 @@ static bool check_vertices(const weft_cloth_def *def, const char *what, size_t i
 static void check_vertex_masses(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_mesh_def *mesh = def->mesh;
-    double least = INFINITY, sum = 0.0, longest;
+    double least = DBL_MAX, sum = 0.0, longest; /* grids are checked by themselves */
     for (size_t t = 0; t < mesh->triangles; ++t) {
         const weft_fabric *of
             = &mesh->fabrics[mesh->fabric_of != NULL ? mesh->fabric_of[t] : 0];
@@ -221,6 +221,51 @@ static bool check_held(const weft_cloth_def *def, const weft__faults *to)
     return good;
 }
 
+/* A fault of a grid among several cloths, as one of the member `mesh`. */
+typedef struct grid_fault {
+    const weft__mesh_faults *to;
+    const char *name;
+    bool found;
+} grid_fault;
+
+static void keep_grid_fault(void *ctx, size_t field, size_t other, const char *message)
+{
+    grid_fault *at = ctx;
+    char text[256];
+    (void)field, (void)other;
+    (void)weft_text_format(text, sizeof text, "%s: %s", at->name, message);
+    at->to->found(at->to->ctx, WEFT__MESH_DEF, 0, text);
+    at->found = true;
+}
+
+/* Whether all grids among several cloths are good: before triangles are made. */
+static bool check_grids(const weft_cloth_def *def, const weft__mesh_faults *parts)
+{
+    const weft_mesh_def *mesh = def->mesh;
+    grid_fault at = { .to = parts };
+    const weft__faults to = { keep_grid_fault, &at };
+    for (size_t k = 0;
+         mesh->grids != NULL && mesh->parts != NULL && k < mesh->part_count; ++k) {
+        if (mesh->grids[k] == NULL) {
+            continue;
+        }
+        const weft_cloth_def grid = weft__grid_def_of(def, k);
+        at.name = mesh->parts[k].name != NULL ? mesh->parts[k].name : "";
+        if (!weft__grid_check(&grid, MAX_PARTICLES, &to) || at.found) {
+            continue;
+        }
+        if (grid.rows < 2 || grid.cols < 2) {
+            weft__fault(
+                &to, FIELD(rows), FIELD(cols),
+                "a grid of %zu x %zu has no triangles, by which it touches "
+                "other cloths: among several it has 2 rows and 2 columns or more",
+                grid.rows, grid.cols);
+        }
+        weft__sheet_check(&grid, &to);
+    }
+    return !at.found;
+}
+
 void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
                       const weft__faults *to, weft__triangles **triangles,
                       bool *no_memory)
@@ -228,9 +273,11 @@ void weft__mesh_check(const weft_cloth_def *def, const weft__mesh_faults *parts,
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const weft__mesh_faults all = { keep_fault, (void *)to };
     parts = parts != NULL ? parts : &all;
+    *no_memory = false;
     check_fabrics(def->mesh, parts);
     const bool valid
-        = weft__triangles_create(triangles, def->mesh, &memory, parts, no_memory);
+        = check_grids(def, parts)
+          && weft__triangles_create(triangles, def->mesh, &memory, parts, no_memory);
     if (check_held(def, to) && valid) {
         check_vertex_masses(def, to);
     }

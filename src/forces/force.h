@@ -126,7 +126,7 @@ static inline double weft__force_add(const weft__mesh *mesh, weft__unit unit, si
     const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
     double bad = 0.0;
     for (size_t k = 0; k < 3; ++k) {
-        double *sum = to + k * mesh->particles + i;
+        double *sum = to + k * mesh->stride + i;
         *sum += share * force[k];
         bad += *sum * 0.0;
     }

@@ -14,7 +14,7 @@ void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
         return;
     }
     mesh->triangles = triangles;
-    mesh->particles = def->mesh->vertices;
+    mesh->particles = mesh->stride = def->mesh->vertices;
     mesh->block = WEFT__MESH_BLOCK;
     mesh->band = (weft_band){ .rows = weft__blocks(mesh), .own = weft__blocks(mesh) };
     memcpy(mesh->velocity, def->velocity, sizeof mesh->velocity);
@@ -73,11 +73,26 @@ void weft__rest_positions(const weft__mesh *mesh, double *xyz)
 {
     for (size_t i = 0; i < mesh->particles; ++i) {
         double *x = &xyz[3 * weft__vertex_of(mesh, i)];
-        if (mesh->triangles == NULL) {
+        const weft__part *part = weft__grid_at(mesh, i);
+        if (part != NULL) {
+            weft__grid_rest(&part->grid, i - part->first, x);
+        } else if (mesh->triangles == NULL) {
             weft__grid_rest(mesh, i, x);
         } else {
             weft__start_position(mesh, i, x);
         }
+    }
+}
+
+void weft__def_start(const weft_mesh_def *def, size_t vertex, double x[3])
+{
+    const weft_cloth_def *grid = weft__grid_with(def, vertex);
+    if (grid != NULL) {
+        weft__mesh of = { .rows = 0 };
+        weft__grid_init(&of, grid);
+        weft__grid_start(&of, vertex - def->parts[weft__part_at(def, vertex)].first, x);
+    } else {
+        memcpy(x, &def->start[3 * vertex], 3 * sizeof *x);
     }
 }
 
@@ -101,9 +116,14 @@ const char *weft__particle_text(const weft_cloth_def *def, size_t particle, char
                                 size_t size)
 {
     const weft_mesh_def *mesh = def->mesh;
-    if (mesh == NULL) {
-        (void)weft_text_format(text, size, "particle (%zu, %zu)", particle / def->cols,
-                               particle % def->cols);
+    const weft_cloth_def *grid = mesh == NULL ? def : weft__grid_with(mesh, particle);
+    if (grid != NULL) {
+        const weft_cloth_part *part
+            = mesh == NULL ? NULL : &mesh->parts[weft__part_at(mesh, particle)];
+        const size_t i = particle - (part != NULL ? part->first : 0);
+        (void)weft_text_format(text, size, "particle (%zu, %zu)%s%s", i / grid->cols,
+                               i % grid->cols, part != NULL ? " of " : "",
+                               part != NULL ? part->name : "");
     } else {
         const bool of = mesh->part_count > 0;
         (void)weft_text_format(

@@ -38,6 +38,7 @@ typedef struct weft__motion {
 
 typedef struct weft__mesh {
     size_t particles, pinned;
+    size_t stride;               /* of planes of a state: the particles of all cloths */
     size_t block;                /* particles of a block: blocks.h */
     size_t pin_changes;          /* how often `pinned` was counted */
     double *mass;                /* [kg] N of them */

@@ -7,8 +7,9 @@
 
 /* ---- triangles and edges --------------------------------------------------------- */
 
-/* Triangles, of 3 particles, or edges, of 2. */
-static size_t grid_cells(const weft__mesh *mesh, size_t size, uint32_t *corners)
+/* Triangles, of 3 particles, or edges, of 2; particle 0 has number `first`. */
+static size_t grid_cells(const weft__mesh *mesh, size_t size, size_t first,
+                         uint32_t *corners)
 {
     size_t count = 0;
     for (size_t i = 0; i < mesh->particles; ++i) {
@@ -17,9 +18,27 @@ static size_t grid_cells(const weft__mesh *mesh, size_t size, uint32_t *corners)
                                       : weft__edges_of(mesh, i, edges);
         for (size_t j = 0; corners != NULL && j < size * more; ++j) {
             corners[size * count + j]
-                = size == 3 ? triangles[j / 3][j % 3] : edges[j / 2][j % 2];
+                = (uint32_t)first
+                  + (size == 3 ? triangles[j / 3][j % 3] : edges[j / 2][j % 2]);
         }
         count += more;
+    }
+    return count;
+}
+
+/* Those of all parts that are grids, behind `count`; places: their particles have
+ * numbers behind so many. */
+static size_t add_grid_cells(const weft__triangles *of, size_t size, size_t count,
+                             const size_t *places, uint32_t *corners)
+{
+    size_t place = places != NULL ? *places : 0;
+    for (size_t k = 0; k < of->part_count; ++k) {
+        const weft__part *part = &of->parts[k];
+        if (part->grid.rows > 0) {
+            count += grid_cells(&part->grid, size, places != NULL ? place : part->first,
+                                corners != NULL ? corners + size * count : NULL);
+            place += part->count;
+        }
     }
     return count;
 }
@@ -28,12 +47,12 @@ size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners)
 {
     const weft__triangles *of = mesh->triangles;
     if (of == NULL) {
-        return grid_cells(mesh, 3, corners);
+        return grid_cells(mesh, 3, 0, corners);
     }
     for (size_t j = 0; corners != NULL && j < 3 * of->count; ++j) {
         corners[j] = of->vertex[of->corner[j / 3][j % 3]];
     }
-    return of->count;
+    return add_grid_cells(of, 3, of->count, NULL, corners);
 }
 
 /* [m] u along a row, v up a column of a grid. */
@@ -57,7 +76,7 @@ size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends)
     const weft__triangles *of = mesh->triangles;
     size_t count = 0;
     if (of == NULL) {
-        return grid_cells(mesh, 2, ends);
+        return grid_cells(mesh, 2, 0, ends);
     }
     for (size_t e = 0; e < of->edges; ++e) {
         const weft__edge *edge = &of->edge_list[e];
@@ -69,21 +88,30 @@ size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends)
         }
         ++count;
     }
-    return count;
+    return add_grid_cells(of, 2, count, NULL, ends);
 }
 
 size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places, double *uv)
 {
     const weft__triangles *of = mesh->triangles;
-    const size_t places = of != NULL ? of->places : mesh->particles;
-    if (of == NULL && corner_places != NULL) {
-        (void)grid_cells(mesh, 3, corner_places);
-    }
-    for (size_t j = 0; of != NULL && corner_places != NULL && j < 3 * of->count; ++j) {
-        corner_places[j] = of->place[j / 3][j % 3];
+    size_t places = of != NULL ? of->places : mesh->particles;
+    if (corner_places != NULL && of == NULL) {
+        (void)grid_cells(mesh, 3, 0, corner_places);
+    } else if (corner_places != NULL) {
+        for (size_t j = 0; j < 3 * of->count; ++j) {
+            corner_places[j] = of->place[j / 3][j % 3];
+        }
+        (void)add_grid_cells(of, 3, of->count, &of->places, corner_places);
     }
     for (size_t i = 0; uv != NULL && i < places; ++i) {
         place_at(mesh, i, &uv[2 * i]);
+    }
+    for (size_t k = 0; of != NULL && k < of->part_count; ++k) {
+        const weft__mesh *grid = &of->parts[k].grid;
+        for (size_t i = 0; uv != NULL && i < grid->particles; ++i) {
+            place_at(grid, i, &uv[2 * (places + i)]);
+        }
+        places += grid->particles;
     }
     return places;
 }
@@ -117,7 +145,7 @@ static void add_grid_normals(const weft__mesh *mesh, const double *x, size_t i,
                             up && left,    left && down, left && down };
     for (size_t k = 0; k < 6; ++k) {
         if (there[k]) {
-            add_normal(x, mesh->particles, i, ring[k], ring[k + 1], sum);
+            add_normal(x, mesh->stride, i, ring[k], ring[k + 1], sum);
         }
     }
 }
@@ -126,8 +154,11 @@ void weft__surface_normal(const weft__mesh *mesh, const double *x, size_t i,
                           double normal[3])
 {
     const weft__triangles *of = mesh->triangles;
+    const weft__part *part = weft__grid_at(mesh, i);
     double sum[3] = { 0.0, 0.0, 0.0 };
-    if (of == NULL) {
+    if (part != NULL) {
+        add_grid_normals(&part->grid, x + part->first, i - part->first, sum);
+    } else if (of == NULL) {
         add_grid_normals(mesh, x, i, sum);
     } else {
         for (size_t j = of->around_first[i]; j < of->around_first[i + 1]; ++j) {
@@ -154,7 +185,11 @@ size_t weft__surface_pieces(const weft__mesh *mesh, size_t *sewn, double *length
             ++*sewn;
         }
     }
-    return of != NULL ? of->pieces : 1;
+    size_t pieces = of != NULL ? of->pieces : 1;
+    for (size_t k = 0; of != NULL && k < of->part_count; ++k) {
+        pieces += of->parts[k].grid.rows > 0;
+    }
+    return pieces;
 }
 
 /* ---- names ----------------------------------------------------------------------- */
@@ -163,9 +198,11 @@ const char *weft__name_text(const weft__mesh *mesh, size_t vertex,
                             char text[WEFT__NAME_TEXT])
 {
     const weft__triangles *of = mesh->triangles;
-    if (of == NULL) {
-        (void)snprintf(text, WEFT__NAME_TEXT, "(%zu, %zu)", vertex / mesh->cols,
-                       vertex % mesh->cols);
+    const weft__part *part = weft__grid_at(mesh, vertex);
+    if (part != NULL || of == NULL) {
+        const size_t cols = part != NULL ? part->grid.cols : mesh->cols;
+        const size_t i = vertex - (part != NULL ? part->first : 0);
+        (void)snprintf(text, WEFT__NAME_TEXT, "(%zu, %zu)", i / cols, i % cols);
     } else {
         (void)snprintf(text, WEFT__NAME_TEXT, "%zu",
                        of->name != NULL ? of->name[vertex] : vertex);
@@ -189,22 +226,26 @@ const char *weft__particle_name(const weft__mesh *mesh, size_t vertex, char *tex
                                 size_t size)
 {
     char name[WEFT__NAME_TEXT], of[WEFT__CLOTH_TEXT];
-    (void)snprintf(
-        text, size, "%s %s%s", mesh->triangles == NULL ? "particle" : "vertex",
-        weft__name_text(mesh, vertex, name), weft__cloth_name(mesh, vertex, of));
+    const bool grid = mesh->triangles == NULL || weft__grid_at(mesh, vertex) != NULL;
+    (void)snprintf(text, size, "%s %s%s", grid ? "particle" : "vertex",
+                   weft__name_text(mesh, vertex, name),
+                   weft__cloth_name(mesh, vertex, of));
     return text;
 }
 
 /* A triangle of a grid is known by its cell, that of the top left particle. */
 static size_t cell_of(const weft__mesh *mesh, const weft_primitive *triangle)
 {
+    const weft__part *part = weft__grid_at(mesh, triangle->particle[0]);
+    const size_t first = part != NULL ? part->first : 0;
+    const size_t cols = part != NULL ? part->grid.cols : mesh->cols;
     size_t row = SIZE_MAX, col = SIZE_MAX;
     for (size_t k = 0; k < 3; ++k) {
-        const size_t i = triangle->particle[k];
-        row = i / mesh->cols < row ? i / mesh->cols : row;
-        col = i % mesh->cols < col ? i % mesh->cols : col;
+        const size_t i = triangle->particle[k] - first;
+        row = i / cols < row ? i / cols : row;
+        col = i % cols < col ? i % cols : col;
     }
-    return row * mesh->cols + col;
+    return first + row * cols + col;
 }
 
 const char *weft__primitive_text(const weft__mesh *mesh,
@@ -221,12 +262,13 @@ const char *weft__primitive_text(const weft__mesh *mesh,
     }
     if (primitive->count == 2) {
         (void)snprintf(text, size, "edge %s-%s%s", names[0], names[1], of);
-    } else if (mesh->triangles != NULL) {
+    } else if (mesh->triangles != NULL
+               && weft__grid_at(mesh, primitive->particle[0]) == NULL) {
         (void)snprintf(text, size, "triangle %s-%s-%s%s", names[0], names[1], names[2],
                        of);
     } else {
-        (void)snprintf(text, size, "cell %s",
-                       weft__name_text(mesh, cell_of(mesh, primitive), names[0]));
+        (void)snprintf(text, size, "cell %s%s",
+                       weft__name_text(mesh, cell_of(mesh, primitive), names[0]), of);
     }
     return text;
 }

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
+#include "mesh/grid_def.h"
 
 enum { FEW = 16 }; /* edges of a vertex, which are sorted one by one */
 
@@ -315,11 +316,27 @@ static void order_particles(weft__work *at)
         sort_by_keys(at->key, &at->order, &at->other, n);
     }
     for (size_t i = 0; i < n; ++i) {
-        const uint32_t vertex = at->order[i];
+        const bool grid = weft__grid_with(at->def, i) != NULL;
+        const uint32_t vertex = grid ? (uint32_t)i : at->order[i];
         at->out->vertex[i] = vertex;
         at->out->of_vertex[vertex] = (uint32_t)i;
-        memcpy(&at->out->start[3 * i], &at->def->start[3 * (size_t)vertex],
-               3 * sizeof *at->out->start);
+        if (!grid) {
+            memcpy(&at->out->start[3 * i], &at->def->start[3 * (size_t)vertex],
+                   3 * sizeof *at->out->start);
+        }
+    }
+}
+
+/* Where a part that is a grid lies, and its areas. */
+static void set_grid(weft__triangles *out, weft__part *part, const weft_cloth_def *grid,
+                     size_t stride)
+{
+    weft__grid_init(&part->grid, grid);
+    part->grid.stride = stride;
+    part->mass = grid->mass, part->density = grid->density;
+    for (size_t i = 0; i < part->count; ++i) {
+        weft__grid_start(&part->grid, i, &out->start[3 * (part->first + i)]);
+        out->lumped[part->first + i] = weft__grid_area(&part->grid, i);
     }
 }
 
@@ -498,6 +515,9 @@ static void copy_fabrics(weft__work *at)
         to->first = from->first;
         to->count = from->count;
         memcpy(to->velocity, from->velocity, sizeof to->velocity);
+        if (at->def->grids != NULL && at->def->grids[i] != NULL) {
+            set_grid(out, to, at->def->grids[i], at->def->vertices);
+        }
     }
 }
 
@@ -630,6 +650,13 @@ void weft__triangles_masses(const weft__triangles *of, const weft_cloth_def *def
         const double share = of->fabrics[of->fabric[t]].density * of->area[t] / 3.0;
         for (size_t k = 0; k < 3; ++k) {
             mass[of->corner[t][k]] += share;
+        }
+    }
+    for (size_t i = 0; i < def->mesh->vertices; ++i) {
+        const weft__part *part
+            = def->mesh->grids != NULL ? &of->parts[weft__part_of(of, i)] : NULL;
+        if (part != NULL && part->grid.rows > 0) {
+            mass[i] = part->density > 0.0 ? part->density * of->lumped[i] : part->mass;
         }
     }
     for (size_t i = 0; i < def->load_count; ++i) {

@@ -26,7 +26,9 @@ typedef struct weft__edge {
 typedef struct weft__part {
     char name[WEFT_CLOTH_NAME_MAX + 1];
     size_t first, count;
-    double velocity[3]; /* [m/s] */
+    double velocity[3];   /* [m/s] */
+    weft__mesh grid;      /* its shape alone; rows 0: it has triangles instead */
+    double mass, density; /* of the grid, as in weft_cloth_def */
 } weft__part;
 
 typedef struct weft__triangles {
@@ -56,6 +58,16 @@ typedef struct weft__triangles {
 
 /* Of a vertex, or of a particle. */
 WEFT__PART_OF(weft__part_of, weft__triangles)
+
+/* The part that has a vertex, or a particle, if it is a grid, whose particles have the
+ * numbers of their vertices; else NULL. */
+static inline const weft__part *weft__grid_at(const weft__mesh *mesh, size_t i)
+{
+    const weft__triangles *of = mesh->triangles;
+    const weft__part *part
+        = of != NULL && of->part_count > 0 ? &of->parts[weft__part_of(of, i)] : NULL;
+    return part != NULL && part->grid.rows > 0 ? part : NULL;
+}
 
 /* The number in the definition of particle i, and the particle of a number. */
 static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)

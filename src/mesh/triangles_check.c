@@ -40,14 +40,17 @@ void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
 static void check_arrays(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
-    const char *missing = def->start == NULL     ? "start"
+    const bool none = def->grids != NULL && def->triangles == 0;
+    const char *missing = none                   ? NULL
+                          : def->start == NULL   ? "start"
                           : def->rest == NULL    ? "rest"
                           : def->corners == NULL ? "corners"
                           : def->fabrics == NULL ? "fabrics"
                                                  : NULL;
-    if (def->vertices < 3 || def->vertices > MAX_VERTICES || def->triangles < 1
-        || def->triangles > MAX_TRIANGLES || def->places < 3 || def->places > UINT32_MAX
-        || def->fabric_count < 1) {
+    if (def->vertices < 3 || def->vertices > MAX_VERTICES
+        || def->triangles > MAX_TRIANGLES || def->places > UINT32_MAX
+        || (!none
+            && (def->triangles < 1 || def->places < 3 || def->fabric_count < 1))) {
         weft__mesh_fault(
             at, WEFT__MESH_DEF, 0,
             "a mesh of %zu vertices, %zu places, %zu triangles and %zu fabrics: it "
@@ -93,6 +96,13 @@ static void check_parts(weft__work *at)
                              "mesh: part %zu, %s, has vertices %zu and %zu more: the "
                              "parts have 3 or more each, from %zu on here",
                              i, of->name, of->first, of->count, next);
+        } else if (def->grids != NULL && def->grids[i] != NULL
+                   && of->count != def->grids[i]->rows * def->grids[i]->cols) {
+            weft__mesh_fault(at, WEFT__MESH_DEF, 0,
+                             "mesh: part %zu, %s, has %zu vertices, but its grid %zu "
+                             "rows of %zu",
+                             i, of->name, of->count, def->grids[i]->rows,
+                             def->grids[i]->cols);
         } else if (!weft__all_finite(of->velocity, 3)) {
             weft__mesh_fault(at, WEFT__MESH_DEF, 0,
                              "mesh: part %zu, %s: its velocity is not finite", i,
@@ -111,7 +121,8 @@ static void check_positions(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
     for (size_t i = 0; i < def->vertices; ++i) {
-        if (!weft__all_finite(&def->start[3 * i], 3)) {
+        if (weft__grid_with(def, i) == NULL
+            && !weft__all_finite(&def->start[3 * i], 3)) {
             weft__mesh_fault(
                 at, WEFT__MESH_VERTEX, i,
                 "vertex %zu starts at [%g, %g, %g] m, not at finite coordinates",
@@ -185,6 +196,12 @@ static bool check_triangle(weft__work *at, size_t t)
                          b, c);
         return false;
     }
+    if (weft__grid_with(at->def, a) != NULL) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
+                         "triangle %zu has a corner of part %zu, which is a grid", t,
+                         part);
+        return false;
+    }
     if (a == b || b == c || c == a) {
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
                          "a triangle with vertex %zu at two corners",
@@ -221,7 +238,7 @@ static void check_used(weft__work *at)
         used[at->def->corners[i]] = 1;
     }
     for (size_t i = 0; used != NULL && i < at->def->vertices; ++i) {
-        if (!used[i]) {
+        if (!used[i] && weft__grid_with(at->def, i) == NULL) {
             weft__mesh_fault(at, WEFT__MESH_VERTEX, i, "vertex %zu is in no triangle",
                              weft__name_of(at, i));
         }

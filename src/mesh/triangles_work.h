@@ -50,6 +50,15 @@ static inline size_t weft__name_of(const weft__work *at, size_t vertex)
 /* The cloth that has a vertex; 0 if there is only one. */
 WEFT__PART_OF(weft__part_at, weft_mesh_def)
 
+/* The grid that has a vertex; NULL: it has triangles. */
+static inline const weft_cloth_def *weft__grid_with(const weft_mesh_def *def, size_t i)
+{
+    return def->grids != NULL ? def->grids[weft__part_at(def, i)] : NULL;
+}
+
+/* mesh.c: where a vertex starts. */
+void weft__def_start(const weft_mesh_def *def, size_t vertex, double x[3]);
+
 /* The vertex and the place of corner k of triangle t. */
 static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_t k)
 {

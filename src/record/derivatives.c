@@ -83,6 +83,7 @@ weft_status record_sensitivities(const char *directory, const weft_scene *scene,
     const weft_scene_sensitivity *of = weft_scene_sensitivities(scene);
     const weft_cloth *cloth = weft_sim_cloth(sim);
     const size_t n = weft_cloth_particles(cloth), cols = weft_cloth_cols(cloth);
+    const bool parts = weft_cloth_parts(cloth) > 0;
     record_file file;
     double *values = malloc(6 * n * sizeof *values);
     if (values == NULL) {
@@ -91,12 +92,19 @@ weft_status record_sensitivities(const char *directory, const weft_scene *scene,
     weft_status status = record_file_open(&file, directory, RECORD_SENSITIVITY, err);
     if (status == WEFT_OK) {
         fprintf(file.stream, "key,%s,x,y,z,vx,vy,vz\n",
-                cols > 0 ? "row,col" : "vertex");
+                cols > 0 ? "row,col"
+                : parts  ? "cloth,vertex"
+                         : "vertex");
         for (size_t j = 0; j < of->count; ++j) {
             record_sensitivity(scene, sim, j, false, values);
             record_sensitivity(scene, sim, j, true, values + 3 * n);
             for (size_t i = 0; i < n; ++i) {
                 fprintf(file.stream, "%s,", of->keys[j]);
+                if (parts) {
+                    fprintf(
+                        file.stream, "%s,",
+                        weft_cloth_part_at(cloth, weft_cloth_part_of(cloth, i)).name);
+                }
                 if (cols > 0) {
                     fprintf(file.stream, "%zu,%zu", i / cols, i % cols);
                 } else {

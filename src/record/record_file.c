@@ -194,7 +194,9 @@ weft_status record_scene_text(const char *directory, const char *name,
     for (size_t k = 0; mesh != NULL && k < mesh->part_count; ++k) {
         char copy[40];
         (void)snprintf(copy, sizeof copy, "scene-%zu.obj", k);
-        TRY(record_mesh(directory, copy, scene, k, err));
+        if (mesh->grids == NULL || mesh->grids[k] == NULL) {
+            TRY(record_mesh(directory, copy, scene, k, err));
+        }
     }
     char copy[64];
     const char *body;

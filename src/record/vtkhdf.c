@@ -155,8 +155,7 @@ static bool is_recorded(const record_vtkhdf *self, size_t set)
     return set == VELOCITY ? wanted[WEFT_RECORD_VELOCITY]
            : set == STRAIN ? wanted[WEFT_RECORD_STRAIN]
            : set >= SENSITIVITY && set < PARTS
-               ? self->def.sensitivity != NULL
-                     && set - SENSITIVITY < self->def.sensitivity->count
+               ? set - SENSITIVITY < record_series_numbers(self->def.series)
            : set >= FIELDS ? vtkhdf_is_field(self->def.series->names[set - FIELDS])
                            : true;
 }
@@ -177,7 +176,8 @@ static bool open_sets(record_vtkhdf *self)
                        : own ? "/VTKHDF/PointData/s_"
                              : layout[i].path,
                        field ? self->def.series->names[i - FIELDS]
-                       : own ? self->def.sensitivity->keys[i - SENSITIVITY]
+                       : own ? weft_scene_sensitivities(self->def.series->scene)
+                                   ->keys[i - SENSITIVITY]
                              : "");
         self->sets[i]
             = (hdf_set){ .id = H5Dopen2(self->file, path, H5P_DEFAULT),

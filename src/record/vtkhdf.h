@@ -15,7 +15,6 @@ typedef struct record_vtkhdf_def {
     const weft_cloth *whole; /* in bands, on rank 0, until the first frame; else NULL */
     const weft_comm *comm;   /* in bands: all functions are collective. NULL: alone */
     const weft_record_def *record;
-    const weft_scene_sensitivity *sensitivity; /* NULL: none */
     size_t last; /* frame of the run: room is made for all, if there is any */
     const record_series *series; /* open; outlives it. Its rows become field data */
 } record_vtkhdf_def;

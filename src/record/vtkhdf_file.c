@@ -319,13 +319,12 @@ static bool field(const builder *self, weft_record_field field, const char *path
 
 static bool sensitivities(const builder *self)
 {
-    const weft_scene_sensitivity *of = self->def->sensitivity;
     bool good = true;
-    for (size_t j = 0; of != NULL && j < of->count; ++j) {
+    for (size_t j = 0; j < record_series_numbers(self->def->series); ++j) {
         char path[160], offsets[160];
-        (void)snprintf(path, sizeof path, ROOT "PointData/s_%s", of->keys[j]);
-        (void)snprintf(offsets, sizeof offsets, STEPS "PointDataOffsets/s_%s",
-                       of->keys[j]);
+        const char *key = weft_scene_sensitivities(self->def->series->scene)->keys[j];
+        (void)snprintf(path, sizeof path, ROOT "PointData/s_%s", key);
+        (void)snprintf(offsets, sizeof offsets, STEPS "PointDataOffsets/s_%s", key);
         good = good
                && dataset(self, path, self->real, self->capacity * self->n, 3, 0, NULL)
                && same(self, STEPS "PointOffsets", offsets);

@@ -131,7 +131,9 @@ void weft__check_cloth(weft__reader *reader, const weft__match *match, void *bas
     } else if (weft__key_in(match, "grid") != NULL) {
         check_sheet(reader, match, cloth);
     }
-    weft__warn_of_held(reader, weft__key_in(match, "pins"));
+    if (reader->scene->part == 0) { /* of several cloths all together */
+        weft__warn_of_held(reader, weft__key_in(match, "pins"));
+    }
 }
 
 /* ---- limit, run ------------------------------------------------------------- */

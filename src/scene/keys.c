@@ -396,11 +396,13 @@ static const weft__key cloth_keys[] = {
                  "later entry wins" },
 };
 
-static const weft__section cloth_section = { .keys = cloth_keys + 1,
-                                             .count = COUNT(cloth_keys) - 1,
-                                             .one = { "grid", "mesh", "cut" },
-                                             .check = weft__check_cloth },
-                           part_section = { KEYS(cloth), .check = weft__check_part };
+static const weft__section cloth_section
+    = { .keys = cloth_keys + 1,
+        .count = COUNT(cloth_keys) - 1,
+        .one = { "grid", "mesh", "cut" },
+        .check = weft__check_cloth },
+    part_section
+    = { KEYS(cloth), .one = { "grid", "mesh", "cut" }, .check = weft__check_part };
 
 /* ---- forces -------------------------------------------------------------------- */
 
@@ -801,9 +803,9 @@ static const weft__key root_keys[] = {
                  "and cloths is required" },
     { "cloths", WEFT__CLOTHS, .section = &part_section, .absent = "cloth or cloths",
       AT(weft_scene, parts),
-      .meaning = "several: each a mesh or a cut with its name, fabric, velocity, loads "
-                 "and pins; seams and membrane are the same for all; they touch each "
-                 "other with contact.self" },
+      .meaning = "several: each with its name and the keys of cloth, a grid of 2 rows "
+                 "and columns or more; seams and membrane are the same for all meshes; "
+                 "they touch each other with contact.self" },
     { "forces", WEFT__MAPPING, SECTION(force), .absent = "gravity",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, CHECKED(contact), .absent = "none",

@@ -164,9 +164,9 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
     keys = keyed ? count_keys(reader, &of, &start) : 1;
     if (keys < 1 + (size_t)keyed || keys == MOST_KEYS) {
         ERROR_AT(reader, file,
-                 "there are %zu files of key frames from 0 or 1 on: 2 to "
-                 "%d are needed",
-                 keys, MOST_KEYS - 1);
+                 "key frames '%.200s': there are %zu files from 0 or 1 on; 2 to %d are "
+                 "needed",
+                 item->file, keys, MOST_KEYS - 1);
         return;
     }
     weft_body *body = weft__tree_take(reader->tree, 1, sizeof *body);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_cloths.c -- several cloths: each is read as the cloth of a scene of its own,
- * then all of them become one mesh of named parts. */
-#include <math.h>
+ * then all of them become one mesh of named parts, some of which may be grids. */
 #include <string.h>
 
 #include "base/name.h"
 #include "cloth/model.h"
+#include "mesh/grid_def.h"
 #include "scene/read.h"
 
 /* ---- one of them --------------------------------------------------------------- */
@@ -16,27 +16,6 @@ void weft__scene_begin(weft_scene *scene)
     scene->cloth.load_size = sizeof(weft_load);
     scene->cloth.pin_size = sizeof(weft_pin);
     scene->cloth.shape_size = sizeof(weft_shape);
-}
-
-/* The cut that is the same sheet, if the grid is a good one. */
-static void report_grid(weft__reader *reader, const weft__match *match,
-                        const weft_cloth_def *grid)
-{
-    char cut[320] = "";
-    if (grid->rows > 1 && grid->cols > 1) {
-        const double width = (double)(grid->cols - 1) * grid->spacing[1],
-                     height = (double)(grid->rows - 1) * grid->spacing[0];
-        (void)snprintf(cut, sizeof cut,
-                       ": the same sheet is cut: {outline: [[0, 0], [0, %g], [%g, %g], "
-                       "[%g, 0]], spacing: %g} with its origin, right and down",
-                       -height, width, -height, width,
-                       fmin(grid->spacing[0], grid->spacing[1]));
-    }
-    ERROR_AT(
-        reader, weft__key_in(match, "grid"),
-        "a cloth of several is a mesh or a cut with a fabric, as a grid of springs "
-        "has no triangles%s",
-        cut);
 }
 
 static void check_name(weft__reader *reader, const weft__match *match)
@@ -52,13 +31,32 @@ static void check_name(weft__reader *reader, const weft__match *match)
 
 void weft__check_part(weft__reader *reader, const weft__match *match, void *base)
 {
+    const weft_cloth_def *cloth = base;
     check_name(reader, match);
-    if (weft__key_in(match, "grid") != NULL) {
-        report_grid(reader, match, base);
-        return;
+    weft__check_cloth(reader, match, base);
+    if (reader->def->refine > 1 && !reader->scene->meshed) {
+        ERROR_AT(reader, match->map,
+                 "a grid among several cloths is not refined: weft converge takes "
+                 "meshes and cuts, or one grid as cloth");
     }
-    weft__check_one(reader, match, (const char *const[]){ "mesh", "cut", NULL });
-    weft__check_mesh_cloth(reader, match);
+    if (!reader->scene->meshed && (cloth->rows == 1 || cloth->cols == 1)) {
+        ERROR_AT(reader,
+                 weft__value_of(weft__value_in(match, "grid"),
+                                cloth->rows == 1 ? "rows" : "cols"),
+                 "a grid of %zu x %zu has no triangles, by which it touches other "
+                 "cloths: among several it has 2 rows and 2 columns or more",
+                 cloth->rows, cloth->cols);
+    }
+}
+
+/* The first one that is no grid, or the last one. */
+static const weft_scene *first_mesh(const weft_scene *scene)
+{
+    size_t k = 0;
+    while (k + 1 < scene->part_count && !scene->parts[k].meshed) {
+        ++k;
+    }
+    return &scene->parts[k];
 }
 
 /* Keys of one mesh, which its parts must agree on: at the second of two that do not. */
@@ -68,9 +66,9 @@ static void check_same(weft__reader *reader, const weft__node *node, const char 
     const weft__node *value = weft__value_of(node, key);
     if (differs) {
         ERROR_AT(reader, (value == NULL ? node : value),
-                 "%s of cloths[%zu] differs from that of cloths[0]: it is the same for "
-                 "all cloths",
-                 key, part);
+                 "%s of cloths[%zu] differs from that of cloths[%zu]: it is the same "
+                 "for all meshes",
+                 key, part, (size_t)(first_mesh(reader->scene) - reader->scene->parts));
     }
 }
 
@@ -85,8 +83,11 @@ static void check_pair(weft__reader *reader, const weft__node *list, size_t part
                      "cloths[%zu] is called '%.60s' too", i, own->part_name);
         }
     }
-    check_same(reader, node, "seams", part, own->obj.def.seams != all->obj.def.seams);
-    check_same(reader, node, "membrane", part, own->obj.def.arc != all->obj.def.arc);
+    const weft_mesh_def *first = &first_mesh(reader->scene)->obj.def;
+    if (own->meshed) {
+        check_same(reader, node, "seams", part, own->obj.def.seams != first->seams);
+        check_same(reader, node, "membrane", part, own->obj.def.arc != first->arc);
+    }
 }
 
 static void read_part(weft__reader *reader, const weft__key *key,
@@ -97,7 +98,7 @@ static void read_part(weft__reader *reader, const weft__key *key,
     weft__reader own = *reader;
     (void)snprintf(title, sizeof title, "cloths[%zu]", index);
     weft__scene_begin(part);
-    part->meshed = true;
+    part->meshed = weft__value_of(node, "grid") == NULL;
     part->part = index + 1;
     part->mistakes = reader->report->mistakes;
     own.scene = part;
@@ -107,15 +108,27 @@ static void read_part(weft__reader *reader, const weft__key *key,
 
 /* ---- all of them ---------------------------------------------------------------- */
 
-/* Numbers of vertices that are `first` higher, of the tree. */
-static const size_t *shifted(weft__reader *reader, const size_t *from, size_t count,
-                             size_t first)
+/* What a pin or a load is on: vertices of a mesh, or rows and columns of a grid, as
+ * vertices that are `first` higher, of the tree. */
+static weft__vertices shifted(weft__reader *reader, const weft_cloth_def *of,
+                              weft__vertices from, const weft__place *place,
+                              size_t first)
 {
-    size_t *to = weft__tree_take(reader->tree, count, sizeof *to);
-    for (size_t i = 0; to != NULL && i < count; ++i) {
-        to[i] = from[i] + first;
+    size_t row[2] = { 0, 0 }, col[2] = { 0, 0 }, wide = 1;
+    if (of->mesh == NULL) {
+        (void)weft__range_resolve(place->rows, of->rows, &row[0], &row[1]);
+        (void)weft__range_resolve(place->cols, of->cols, &col[0], &col[1]);
+        wide = col[1] + 1 - col[0];
+        from.count = (row[1] + 1 - row[0]) * wide;
     }
-    return to;
+    size_t *to = weft__tree_take(reader->tree, from.count, sizeof *to);
+    for (size_t i = 0; to != NULL && i < from.count; ++i) {
+        to[i]
+            = first
+              + (of->mesh != NULL ? from.list[i]
+                                  : (row[0] + i / wide) * of->cols + col[0] + i % wide);
+    }
+    return (weft__vertices){ to, to != NULL ? from.count : 0 };
 }
 
 /* The pins and loads of a part behind those that are there. */
@@ -125,14 +138,20 @@ static void add_held(weft__reader *reader, const weft_cloth_def *from, size_t fi
     weft_pin *pins = (weft_pin *)to->pins + to->pin_count;
     weft_load *loads = (weft_load *)to->loads + to->load_count;
     for (size_t i = 0; i < from->pin_count; ++i) {
-        pins[i] = from->pins[i];
-        pins[i].vertices
-            = shifted(reader, pins[i].vertices, pins[i].vertex_count, first);
+        const weft_pin *pin = &from->pins[i];
+        const weft__vertices of = shifted(
+            reader, from, (weft__vertices){ pin->vertices, pin->vertex_count },
+            &(weft__place){ pin->rows, pin->cols }, first);
+        pins[i] = *pin;
+        pins[i].vertices = of.list, pins[i].vertex_count = of.count;
     }
     for (size_t i = 0; i < from->load_count; ++i) {
-        loads[i] = from->loads[i];
-        loads[i].vertices
-            = shifted(reader, loads[i].vertices, loads[i].vertex_count, first);
+        const weft_load *load = &from->loads[i];
+        const weft__vertices of = shifted(
+            reader, from, (weft__vertices){ load->vertices, load->vertex_count },
+            &(weft__place){ load->rows, load->cols }, first);
+        loads[i] = *load;
+        loads[i].vertices = of.list, loads[i].vertex_count = of.count;
     }
     to->pin_count += from->pin_count;
     to->load_count += from->load_count;
@@ -174,10 +193,10 @@ static bool make_room(weft__reader *reader, const weft__node *node,
     size_t vertices = 0, places = 0, triangles = 0, own = 0, pins = 0, loads = 0;
     for (size_t i = 0; i < scene->part_count; ++i) {
         const weft_cloth_def *from = &scene->parts[i].cloth;
-        vertices += from->mesh->vertices;
-        places += from->mesh->places;
-        triangles += from->mesh->triangles;
-        own += from->mesh->fabric_count;
+        vertices += weft__particles_in(&scene->parts[i]);
+        places += from->mesh != NULL ? from->mesh->places : 0;
+        triangles += from->mesh != NULL ? from->mesh->triangles : 0;
+        own += from->mesh != NULL ? from->mesh->fabric_count : 0;
         pins += from->pin_count;
         loads += from->load_count;
     }
@@ -205,27 +224,41 @@ static void join(weft__reader *reader, const weft__node *node)
     weft__obj *obj = &scene->obj;
     weft_fabric *fabrics;
     weft_cloth_part *parts;
-    if (!make_room(reader, node, &fabrics, &parts)) {
+    const weft_cloth_def **grids
+        = weft__tree_take(reader->tree, scene->part_count, sizeof *grids);
+    const weft_scene *mesh = first_mesh(scene);
+    if (!make_room(reader, node, &fabrics, &parts) || grids == NULL) {
         return;
     }
     obj->def = weft_mesh_def_default();
-    obj->def.seams = scene->parts->obj.def.seams;
-    obj->def.arc = scene->parts->obj.def.arc;
+    obj->def.seams = mesh->obj.def.seams;
+    obj->def.arc = mesh->obj.def.arc;
     for (size_t i = 0; i < scene->part_count; ++i) {
         const weft_scene *part = &scene->parts[i];
         parts[i] = (weft_cloth_part){ .name = part->part_name,
                                       .first = obj->def.vertices,
-                                      .count = part->cloth.mesh->vertices };
+                                      .count = weft__particles_in(part) };
         memcpy(parts[i].velocity, part->cloth.velocity, sizeof parts[i].velocity);
         add_held(reader, &part->cloth, obj->def.vertices);
-        add_mesh(obj, part->cloth.mesh, fabrics);
+        grids[i] = part->cloth.mesh == NULL ? &part->cloth : NULL;
+        if (part->cloth.mesh != NULL) {
+            add_mesh(obj, part->cloth.mesh, fabrics);
+            continue;
+        }
+        weft__mesh grid = { .rows = 0 };
+        weft__grid_init(&grid, &part->cloth);
+        for (size_t k = 0; k < parts[i].count; ++k, ++obj->def.vertices) {
+            weft__grid_start(&grid, k, &obj->start[3 * obj->def.vertices]);
+            obj->name[obj->def.vertices] = k;
+        }
+        obj->def.grids = grids;
     }
     weft__obj_show(obj);
     obj->def.fabrics = fabrics;
     obj->def.parts = parts;
     obj->def.part_count = scene->part_count;
     scene->cloth.mesh = &obj->def;
-    scene->fabric = scene->parts->fabric;
+    scene->fabric = mesh->fabric;
     weft__warn_of_held(reader, node);
 }
 

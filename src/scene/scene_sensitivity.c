@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/sized.h"
+#include "base/suggest.h"
 #include "scene/read.h"
 
 enum { KEY_LENGTH = 96 }; /* with what results put before it, the name of a column */
@@ -39,6 +40,7 @@ typedef struct led_to {
     const weft__node *node; /* NULL: there is no such value */
     weft__node plain;
     size_t by_default; /* the first bytes of the path have a default, which it is of */
+    weft__guess guess; /* for the first part that is no key */
 } led_to;
 
 static void find_value(const weft__reader *reader, const char *path, led_to *of)
@@ -47,10 +49,15 @@ static void find_value(const weft__reader *reader, const char *path, led_to *of)
     const weft__node *node = reader->tree->root;
     const char *at = path;
     char name[KEY_LENGTH];
+    bool lost = false;
     *of = (led_to){ .key = NULL };
     while ((at = next_part(at, name)) != NULL) {
         if (node == NULL || node->type == WEFT__MAP) {
             of->key = weft__key_named(section, name);
+            for (size_t i = 0; of->key == NULL && !lost && i < section->count; ++i) {
+                weft__guess_try(&of->guess, name, section->keys[i].name);
+            }
+            lost = lost || of->key == NULL;
             section = of->key != NULL && of->key->section != NULL ? of->key->section
                                                                   : section;
             node = node != NULL ? weft__value_of(node, name) : NULL;
@@ -116,7 +123,9 @@ void weft__read_keys(weft__reader *reader, const weft__key *key, const weft__nod
                         : NULL;
         }
         if (fault != NULL) {
-            ERROR_AT(reader, item, "%s %s", path, fault);
+            char near[80];
+            ERROR_AT(reader, item, "%s %s%s", path, fault,
+                     weft__guess_text(&at.guess, near, sizeof near));
         }
         of->keys[i] = weft__tree_text(reader->tree, path, strlen(path));
         if (fault == NULL && at.by_default > 0) {
@@ -172,6 +181,9 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
           "stepper", "method",
           "implicit methods on triangles: choose an explicit one-step method" },
         { reader->def->bands > 1, "sensitivity", NULL, "a run in bands" },
+        { scene->cloth.mesh != NULL && scene->cloth.mesh->grids != NULL, "cloths", NULL,
+          "a grid among several cloths: derivatives ride along with one grid, or with "
+          "meshes" },
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {

@@ -64,13 +64,19 @@ static void print_cloths(const weft_mesh_def *mesh, const weft_cloth *cloth)
 {
     for (size_t k = 0; k < mesh->part_count; ++k) {
         const record_part_facts of = record_part_facts_of(cloth, k);
+        const weft_cloth_def *grid = mesh->grids != NULL ? mesh->grids[k] : NULL;
+        const char *item = k == 0 ? "cloths" : "";
         size_t triangles = 0;
+        if (grid != NULL) {
+            print_item(item, "%s: grid of %zu x %zu particles, %.6g kg, %zu held",
+                       of.part.name, grid->rows, grid->cols, of.mass, of.pinned);
+            continue;
+        }
         for (size_t t = 0; t < mesh->triangles; ++t) {
             triangles += part_of(mesh, mesh->corners[3 * t]) == k;
         }
-        print_item(k == 0 ? "cloths" : "",
-                   "%s: %zu vertices, %zu triangles, %.6g kg, %zu held", of.part.name,
-                   of.part.count, triangles, of.mass, of.pinned);
+        print_item(item, "%s: %zu vertices, %zu triangles, %.6g kg, %zu held",
+                   of.part.name, of.part.count, triangles, of.mass, of.pinned);
     }
 }
 

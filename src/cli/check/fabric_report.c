@@ -125,7 +125,9 @@ static void print_peirce(const report *of, const char *first, const char *second
 static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     print_pieces(cloth);
-    print_triangles(def->mesh);
+    if (def->mesh->triangles > 0) {
+        print_triangles(def->mesh);
+    }
     for (size_t i = 0; i < def->mesh->fabric_count; ++i) {
         const report of = mesh_report(def, i);
         const weft_fabric *fabric = &of.fabric;

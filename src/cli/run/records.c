@@ -140,7 +140,6 @@ static record_vtkhdf_def frames_of(const run *self)
         .whole = self->whole,
         .comm = self->comm,
         .record = weft_scene_record(self->scene),
-        .sensitivity = weft_scene_sensitivities(self->scene),
         .last = self->result.planned - 1,
         .series = &self->series,
     };

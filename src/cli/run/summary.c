@@ -185,6 +185,19 @@ static void print_files(const run *self)
             say(&names, "%s %s", names.text[0] == '\0' ? ":" : "", record_names[i]);
         }
     }
+    char copy[64];
+    size_t bodies = 0;
+    while (weft_scene_body_file(self->scene, bodies, copy, sizeof copy) != NULL) {
+        ++bodies;
+    }
+    if (bodies > 0) {
+        (void)weft_scene_body_file(self->scene, 0, copy, sizeof copy);
+        say(&names, " %s", copy);
+    }
+    if (bodies > 1) {
+        (void)weft_scene_body_file(self->scene, bodies - 1, copy, sizeof copy);
+        say(&names, " to %s", copy);
+    }
     print_item("files", "in %s%s", self->out, names.text);
 }
 

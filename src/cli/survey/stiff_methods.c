@@ -73,6 +73,12 @@ static double spacing_of(const weft_cloth_def *cloth)
         const rest_triangle at = rest_triangle_of(mesh, t);
         area += rest_area(&at);
     }
+    for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
+        const weft_cloth_def *grid = mesh->grids[k];
+        area += grid != NULL
+                    ? (double)mesh->parts[k].count * grid->spacing[0] * grid->spacing[1]
+                    : 0.0;
+    }
     return sqrt(area / (double)mesh->vertices);
 }
 

@@ -154,7 +154,7 @@ static double resistance(const field *of, size_t i)
 static void force_on(const weft__bending *own, const double *y, size_t i,
                      double force[3])
 {
-    const size_t n = own->mesh->particles;
+    const size_t n = own->mesh->stride;
     for (size_t k = 0; k < 3; ++k) {
         const double *x = y + k * n;
         const field plane = { own, x, own->damping != 0.0 ? x + 3 * n : NULL };
@@ -190,8 +190,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
  * x[3 N]. */
 static double row_square(const weft__bending *own, const double *x, size_t r)
 {
-    const size_t n = own->mesh->particles, rows = own->mesh->rows,
-                 cols = own->mesh->cols;
+    const size_t n = own->mesh->stride, rows = own->mesh->rows, cols = own->mesh->cols;
     const weft__bending *k = own;
     const double across = k->across * weft__strip(r, rows);
     const size_t down = r + 1 < rows ? cols : 0;
@@ -236,7 +235,7 @@ static double pin_power(const weft__bending *own, const weft__state *at, size_t 
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__bending *of = own;
-    const double *v = at->y + 3 * of->mesh->particles;
+    const double *v = at->y + 3 * of->mesh->stride;
     sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
     if (of->damping != 0.0) {
         sum->power[WEFT_POWER_SPRINGS] += of->damping * row_square(of, v, b);
@@ -343,6 +342,27 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
         }
     }
     return planes;
+}
+
+size_t weft__bending_ties(const weft__bending *own, size_t first, weft_tie *to)
+{
+    size_t count = 0;
+    for (size_t way = 0; own->present && way < WEFT_GROUPS; ++way) {
+        weft__group of;
+        const bool has = weft__group_init(own->mesh, way, &of);
+        for (size_t r = 0; has && r < of.end_row; ++r) {
+            for (size_t c = of.first_col; c < of.end_col; ++c, ++count) {
+                const size_t p = first + r * own->mesh->cols + c;
+                const double k = pull_of(own, way, r, c);
+                if (to != NULL) {
+                    to[count]
+                        = (weft_tie){ (uint32_t)p, (uint32_t)(p + (size_t)of.stride), k,
+                                      k * own->damping };
+                }
+            }
+        }
+    }
+    return count;
 }
 
 const weft__force weft__bending_force = { .name = "bending",

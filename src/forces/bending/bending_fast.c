@@ -82,7 +82,7 @@ INLINE void row_end(strip *self, line of, trail *left, const double *mass, doubl
 /* x + damping v of a row from two columns beyond the tile on. */
 static void take_row(strip *self, size_t r)
 {
-    const size_t n = self->own->mesh->particles, cols = self->own->mesh->cols;
+    const size_t n = self->own->mesh->stride, cols = self->own->mesh->cols;
     const size_t low = self->first > 0 ? self->first - LANES : 0;
     const size_t high = self->end < self->inner ? self->end + 2 : cols;
     const double damping = self->own->damping;
@@ -104,7 +104,7 @@ static void take_row(strip *self, size_t r)
 static const double *field(const strip *self, size_t r, size_t k)
 {
     return self->aside ? self->field[r % 3] + k * SPAN + LANES
-                       : self->y + k * self->own->mesh->particles
+                       : self->y + k * self->own->mesh->stride
                              + r * self->own->mesh->cols + self->first;
 }
 
@@ -151,7 +151,7 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
 /* The columns of the tile in rows [first_row, end_row). */
 static void tile(strip *self, size_t first_row, size_t end_row)
 {
-    const size_t n = self->own->mesh->particles, rows = self->own->mesh->rows;
+    const size_t n = self->own->mesh->stride, rows = self->own->mesh->rows;
     size_t taken = weft__before(weft__before(first_row)); /* rows, so far */
     for (size_t s = first_row; s <= end_row + 1; ++s) {   /* row s - 1 */
         const size_t r = weft__before(s) < rows ? weft__before(s) : rows - 1;

@@ -3,6 +3,7 @@
 
 #include "base/grow.h"
 #include "forces/self/self_list.h"
+#include "mesh/surface.h"
 
 /* ---- points ---------------------------------------------------------------------- */
 
@@ -336,17 +337,12 @@ static void draft_body(weft__skin_draft *to, const weft_body *body, size_t trian
     }
 }
 
-static size_t cloth_triangles(const weft__mesh *mesh)
-{
-    return mesh->triangles != NULL ? mesh->triangles->count
-                                   : 2 * (mesh->rows - 1) * (mesh->cols - 1);
-}
-
 static bool cover(weft__bodies *of, const weft_cloth_def *def,
                   const weft_allocator *memory)
 {
     const weft__mesh *mesh = of->pairs.mesh;
-    size_t point = mesh->particles, triangle = cloth_triangles(mesh), all = triangle;
+    size_t point = mesh->particles, triangle = weft__surface_triangles(mesh, NULL),
+           all = triangle;
     weft__skin_draft draft;
     for (size_t k = 0; k < of->contact->shape_count; ++k) {
         const weft_body *body = of->contact->shapes[k].def.body;
@@ -356,7 +352,7 @@ static bool cover(weft__bodies *of, const weft_cloth_def *def,
         draft.particles = point;
         draft.thickness = of->pairs.law.thickness;
         if (mesh->triangles != NULL) {
-            weft__skin_draft_mesh(&draft, mesh->triangles);
+            weft__skin_draft_parts(&draft, mesh->triangles);
         } else {
             weft__skin_draft_grid(&draft, mesh, def);
         }

@@ -35,7 +35,7 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
 {
     const weft__body *of = own;
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles;
+    const size_t n = mesh->stride;
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         const double x[3] = { at->y[i], at->y[n + i], at->y[2 * n + i] };
         if (mesh->pin[i] == 0) {
@@ -48,7 +48,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 {
     const weft__body *of = own;
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles, end = weft__block(mesh, b + 1);
+    const size_t n = mesh->stride, end = weft__block(mesh, b + 1);
     for (size_t i = weft__block(mesh, b); of->drag != 0.0 && i < end; ++i) {
         const double *v = at->y + 3 * n + i;
         const double speed[3] = { v[0], v[n], v[2 * n] };

@@ -5,6 +5,7 @@
 #include "base/finite.h"
 #include "forces/contact/mesh_shape.h"
 #include "mesh/grid_def.h"
+#include "mesh/triangles_work.h"
 
 #define CONTACT(name) offsetof(weft_contact_def, name)
 #define SHAPE(name)   offsetof(weft_shape, name)
@@ -182,7 +183,7 @@ static double start_gap(const weft_cloth_def *def, const weft_shape *shape,
         const size_t whole = def->mesh != NULL ? i : weft__whole_index(&grid, i);
         double x[3];
         if (def->mesh != NULL) {
-            memcpy(x, &def->mesh->start[3 * i], sizeof x);
+            weft__def_start(def->mesh, i, x);
         } else {
             weft__grid_start(&grid, i, x);
         }

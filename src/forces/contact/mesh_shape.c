@@ -15,7 +15,7 @@
 
 /* ---- numbers --------------------------------------------------------------------- */
 
-static bool is_flat(const double *places, const uint32_t *corner)
+static const char *flat_fault(const double *places, const uint32_t *corner)
 {
     const double *x[3]
         = { places + 3 * corner[0], places + 3 * corner[1], places + 3 * corner[2] };
@@ -28,7 +28,11 @@ static bool is_flat(const double *places, const uint32_t *corner)
     }
     double cross[3];
     weft__cross(e[0], e[1], cross);
-    return !(weft__length(cross) > LEAST_HEIGHT * longest);
+    const double area = weft__length(cross);
+    return area > LEAST_HEIGHT * longest && isfinite(area) ? NULL
+           : isfinite(area) && isfinite(longest)
+               ? "a triangle of its body has no area"
+               : "a triangle of its body is too large for a double";
 }
 
 const char *weft__body_fault(const weft_body *of, size_t *triangle)
@@ -54,8 +58,9 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle)
             return "a triangle of its body has a vertex that is not there";
         }
         for (size_t k = 0; k < of->keys; ++k) {
-            if (is_flat(of->places + 3 * of->vertices * k, c)) {
-                return "a triangle of its body has no area";
+            const char *fault = flat_fault(of->places + 3 * of->vertices * k, c);
+            if (fault != NULL) {
+                return fault;
             }
         }
     }

@@ -162,7 +162,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     weft__membrane *of = own;
     const weft__triangles *triangles = of->mesh->triangles;
     (void)def;
-    if (triangles == NULL) {
+    if (triangles == NULL || triangles->count == 0) {
         return true;
     }
     const size_t n = of->mesh->particles;

@@ -13,11 +13,14 @@
 #include "mesh/surface.h"
 #include "mesh/triangles_work.h"
 
-/* The share of each pair of a grid: a particle between two layers has some four. */
-#define GRID_SHARE 0.25
 /* Of what two layers have by reduced areas, edges share this; facts of docs/physics.md
  */
 #define EDGES_SHARE 0.125
+
+static double grid_window(const weft__self *own, const weft__mesh *grid)
+{
+    return 1.0 / fmin(own->law.thickness / weft__shortest_edge(grid), 0.3);
+}
 
 weft__self_law weft__self_law_of(const weft__self *own)
 {
@@ -26,10 +29,9 @@ weft__self_law weft__self_law_of(const weft__self *own)
     }
     const double a2 = own->mesh->spacing[0] * own->mesh->spacing[0];
     const double b2 = own->mesh->spacing[1] * own->mesh->spacing[1];
-    const double smaller = weft__shortest_edge(own->mesh);
     return (weft__self_law){ .own = own,
-                             .share = GRID_SHARE,
-                             .window = 1.0 / fmin(own->law.thickness / smaller, 0.3),
+                             .share = WEFT__GRID_SHARE,
+                             .window = grid_window(own, own->mesh),
                              .square = { a2, b2, a2 + b2 } };
 }
 
@@ -78,8 +80,9 @@ static double skin_mass(const weft__self *own, const weft__pair *pair)
 
 double weft__pair_mass(const weft__self *own, const weft__pair *pair)
 {
+    const weft__part *grid = weft__pair_grid(own, pair);
     double least = 0.0;
-    if (own->skin != NULL) {
+    if (own->skin != NULL && grid == NULL) {
         return skin_mass(own, pair);
     }
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
@@ -87,7 +90,12 @@ double weft__pair_mass(const weft__self *own, const weft__pair *pair)
         const double mass = own->mesh->pin[i] == 0 ? own->mesh->mass[i] : 0.0;
         least = mass > 0.0 && (least == 0.0 || mass < least) ? mass : least;
     }
-    return least;
+    return grid != NULL ? -least : least;
+}
+
+static double share_of(const weft__self_law *law, double mass)
+{
+    return mass < 0.0 ? WEFT__GRID_SHARE : law->share;
 }
 
 /* 1 / x0 as law_weigh takes it. */
@@ -149,8 +157,9 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     if (mass == 0.0) {
         return false;
     }
-    law_push_of(kind, &law->own->law, law->share, weft__pair_friction(law->own, pair),
-                law->own->rough, &at, mass, v, &push);
+    law_push_of(kind, &law->own->law, share_of(law, mass),
+                weft__pair_friction(law->own, pair), law->own->rough, &at, fabs(mass),
+                v, &push);
     for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -190,10 +199,11 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     }
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,
-                            .share = law->share * at.weight };
+                            .share = share_of(law, mass) * at.weight };
     touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
     weft__touch_forces(contact, weft__pair_friction(law->own, pair), touch);
-    touch->push *= mass, touch->stiffness *= mass, touch->drag *= mass;
+    touch->push *= fabs(mass), touch->stiffness *= fabs(mass);
+    touch->drag *= fabs(mass);
     memcpy(arm, at.arm, sizeof at.arm);
     return true;
 }
@@ -389,25 +399,36 @@ static void check_heights(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
+static void check_spacing(const weft_cloth_def *grid, const weft_contact_def *law,
+                          const char *name, const weft__faults *to)
+{
+    weft__mesh mesh = { .rows = 0 };
+    weft__grid_init(&mesh, grid);
+    const double most = 0.5 * weft__shortest_edge(&mesh);
+    if (law->self && law->thickness > most) {
+        weft__fault(
+            to, offsetof(weft_contact_def, thickness), offsetof(weft_contact_def, self),
+            "contact: thickness %g m is more than half the smaller spacing%s%s, "
+            "%g m, which contact of the cloth with itself needs",
+            law->thickness, name != NULL ? " of " : "", name != NULL ? name : "", most);
+    }
+}
+
 void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const weft_contact_def *law = &def->contact;
-    weft__mesh mesh = { .rows = 0 };
     if (def->mesh != NULL) {
         if (law->self) {
             check_heights(def, to);
         }
+        for (size_t k = 0; def->mesh->grids != NULL && k < def->mesh->part_count; ++k) {
+            if (def->mesh->grids[k] != NULL) {
+                check_spacing(def->mesh->grids[k], law, def->mesh->parts[k].name, to);
+            }
+        }
         return;
     }
-    weft__grid_init(&mesh, def);
-    const double most = 0.5 * weft__shortest_edge(&mesh);
-    if (law->self && law->thickness > most) {
-        weft__fault(to, offsetof(weft_contact_def, thickness),
-                    offsetof(weft_contact_def, self),
-                    "contact: thickness %g m is more than half the smaller spacing, %g "
-                    "m, which contact of the cloth with itself needs",
-                    law->thickness, most);
-    }
+    check_spacing(def, law, NULL, to);
 }
 
 weft_status weft__notch_error(const weft__self *own, weft_error *err)
@@ -428,17 +449,43 @@ weft_status weft__notch_error(const weft__self *own, weft_error *err)
                           0.5 * own->skin->notch_width);
 }
 
+/* The windows of pairs of a grid among several cloths with itself. */
+static void set_grid_windows(const weft__self *of)
+{
+    weft__skin *skin = of->skin;
+    const weft__triangles *mesh = of->mesh->triangles;
+    for (size_t k = 0; k < mesh->part_count; ++k) {
+        const weft__part *part = &mesh->parts[k];
+        if (part->grid.rows == 0) {
+            continue;
+        }
+        const double window = grid_window(of, &part->grid);
+        for (size_t j = 3; j < 6; ++j) {
+            skin->triangle_window[j * skin->triangles + k] = window;
+        }
+        for (size_t e = skin->edge_first[part->first];
+             e < skin->edge_first[part->first + part->count]; ++e) {
+            skin->square[skin->edges + e] = skin->square[e];
+            skin->edge_window[skin->edges + e] = window;
+        }
+    }
+}
+
 bool weft__self_cover(weft__self *of, const weft_allocator *memory)
 {
     const weft__mesh *mesh = of->mesh;
+    const size_t count = weft__surface_triangles(mesh, NULL);
     weft__skin_draft draft;
-    if (weft__skin_draft_create(&draft, mesh->particles, mesh->triangles->count,
-                                memory)) {
-        weft__skin_draft_mesh(&draft, mesh->triangles);
+    if (weft__skin_draft_create(&draft, mesh->particles, count, memory)) {
+        weft__skin_draft_parts(&draft, mesh->triangles);
         draft.thickness = of->law.thickness;
+        draft.grids = count > mesh->triangles->count;
         of->skin = weft__skin_create(&draft, memory);
     }
     weft__skin_draft_destroy(&draft, memory);
+    if (of->skin != NULL && of->skin->grids) {
+        set_grid_windows(of);
+    }
     return of->skin != NULL
            && weft__find_lips(of->skin, of->mesh, of->law.thickness, memory);
 }

@@ -133,7 +133,7 @@ static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
 /* What the law takes from a cloth. */
 typedef struct weft__self_law {
     const weft__self *own;
-    double share;     /* of the energy of a pair */
+    double share;     /* of the energy of a pair, unless its mass is negative */
     double window;    /* of a grid: 1 / x0 of the weights */
     double square[3]; /* [m^2] of its rest lengths: down, right, diagonal */
 } weft__self_law;
@@ -141,7 +141,9 @@ typedef struct weft__self_law {
 weft__self_law weft__self_law_of(const weft__self *own);
 
 /* 1 / the product of the squares of both edges' rest lengths, or 0 of other pairs; the
- * mass M [kg] of a pair, 0 without free particles. */
+ * mass M [kg] of a pair, 0 without free particles, -M of a grid among several cloths
+ * with itself, whose pairs have WEFT__GRID_SHARE. */
+#define WEFT__GRID_SHARE 0.25 /* a particle between two layers has some four pairs */
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft__self *own, const weft__pair *pair);
 
@@ -230,6 +232,17 @@ struct weft__self {
 static inline bool weft__self_held(const weft__self *own, size_t i)
 {
     return i >= own->mesh->particles || own->mesh->pin[i] != 0;
+}
+
+/* The grid among several cloths that both primitives of a pair are of; NULL: none. */
+static inline const weft__part *weft__pair_grid(const weft__self *own,
+                                                const weft__pair *pair)
+{
+    const size_t last = pair->particle[weft__pair_particles(pair) - 1];
+    const weft__part *of = own->skin != NULL && own->skin->grids
+                               ? weft__grid_at(own->mesh, pair->particle[0])
+                               : NULL;
+    return of != NULL && last >= of->first && last - of->first < of->count ? of : NULL;
 }
 
 /* Bodies have the higher points. */

@@ -85,6 +85,9 @@ static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grip
     weft__grip most = { .stiff = 0.0 };
     weft__grip_most(&own->law, &pose, own->skin != NULL ? REDUCED_SHARE : LAYERS_SHARE,
                     own->skin != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
+    if (own->skin != NULL && own->skin->grids) {
+        weft__grip_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
+    }
     for (size_t i = 0; i < count; ++i) {
         for (size_t j = 0; j < 6; ++j) {
             grips[i].press[j] += most.press[j];

@@ -137,7 +137,7 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
     weft__pushes *to = &of->out[first / WEFT__BLOCK];
     int32_t at[4][LANES];
     vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0), window[3];
-    vec mu = splat(contact.friction);
+    vec mu = splat(contact.friction), share = splat(of->law->share);
     law_push out;
     particles_of(of->near, kind, pairs, at);
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
@@ -146,6 +146,9 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
     for (size_t l = 0; l < LANES; ++l) {
         mass[l] = of->near->mass[pairs[l]];
         rest[l] = kind == WEFT__EDGES ? of->near->rest[pairs[l]] : 0.0;
+        if (mass[l] < 0.0) {
+            mass[l] = -mass[l], share[l] = WEFT__GRID_SHARE;
+        }
     }
     gather_points(of->y, n, kind, at, x);
     gather_points(of->y + 3 * n, n, kind, at, v);
@@ -161,7 +164,7 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
         }
         mu = gather(own->friction, side);
     }
-    law_push_of(kind, &contact, of->law->share, mu, own->rough, &feet, mass, v, &out);
+    law_push_of(kind, &contact, share, mu, own->rough, &feet, mass, v, &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;

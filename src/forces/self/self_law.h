@@ -383,7 +383,7 @@ LAW num law_slip(weft__pair_kind kind, const law_feet *at, num v[4][3], num n[3]
 }
 
 /* Of a pair that pushes, by mass M; mu: its friction, rough: that of any pair. */
-LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, double share,
+LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, num share,
                      num mu, double rough, const law_feet *at, num mass, num v[4][3],
                      law_push *out)
 {

@@ -322,7 +322,7 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
             in->near.mass[at] = weft__pair_mass(list->own, &pair);
             in->near.rest[at] = weft__pair_rest(&law, &pair);
         }
-        if (!(in->near.mass[at] > 0.0)) {
+        if (in->near.mass[at] == 0.0) {
             in->near.waits[at] = INFINITY;
         }
         if (kind >= WEFT__VERTEX_TRIANGLE && !(distance > to->nearest)) {

@@ -141,6 +141,20 @@ static bool seeks(const pair_search *of, weft__pair_kind kind)
     return (of->kinds >> kind & 1U) != 0;
 }
 
+/* Those of a grid among several cloths, if both are of it (skin.h). */
+static void take_windows(const weft__self *own, weft__pair *pair)
+{
+    const weft__part *grid = weft__pair_grid(own, pair);
+    const uint32_t edges = (uint32_t)own->skin->edges;
+    if (grid != NULL && pair->kind == WEFT__VERTEX_TRIANGLE) {
+        pair->item[1] = (uint32_t)(3 * own->skin->triangles)
+                        + (uint32_t)(grid - own->mesh->triangles->parts);
+    } else if (grid != NULL) {
+        pair->item[0] += pair->kind == WEFT__EDGES ? edges : 0;
+        pair->item[1] += pair->kind != WEFT__VERTICES ? edges : 0;
+    }
+}
+
 /* Visits a pair unless its boxes are further apart than the range or its primitives
  * have a common particle; `first` and `other`: of their particles. */
 static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const boxed *a,
@@ -161,6 +175,9 @@ static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const b
     }
     pair.item[0] = a->item, pair.item[1] = b->item;
     const weft__skin *skin = of->tree->own->skin;
+    if (skin != NULL && skin->grids) {
+        take_windows(of->tree->own, &pair);
+    }
     uint64_t key[2];
     if (skin != NULL && skin->lip_count > 0) {
         weft__pair_key(&pair, key);

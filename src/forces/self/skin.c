@@ -47,16 +47,18 @@ void weft__skin_draft_mesh(weft__skin_draft *to, const weft__triangles *of)
     }
 }
 
-void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
-                           const weft_cloth_def *def)
+/* A grid behind `first` points and `count` triangles; returns how many there are then.
+ * mass [kg] of a particle, or density [kg/m^2] */
+static size_t draft_grid(weft__skin_draft *to, const weft__mesh *mesh, double mass,
+                         double density, size_t first, size_t count)
 {
-    size_t count = 0;
+    const size_t begin = 3 * count;
     for (size_t i = 0; i < mesh->particles; ++i) {
         count += weft__triangles_of(mesh, i, to->corner + count);
-        to->density[i]
-            = def->density > 0.0 ? def->density : def->mass / weft__area(mesh, i);
+        to->density[first + i]
+            = density > 0.0 ? density : mass / weft__grid_area(mesh, i);
     }
-    for (size_t j = 0; j < 3 * count; ++j) {
+    for (size_t j = begin; j < 3 * count; ++j) {
         const uint32_t a = to->corner[j / 3][(j + 1) % 3],
                        b = to->corner[j / 3][(j + 2) % 3];
         double x[2][3], d[3];
@@ -67,8 +69,31 @@ void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
         }
         to->side[j / 3][j % 3] = weft__dot(d, d);
     }
+    for (size_t j = begin; j < 3 * count; ++j) {
+        to->corner[j / 3][j % 3] += (uint32_t)first;
+    }
+    return count;
+}
+
+void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
+                           const weft_cloth_def *def)
+{
+    const size_t count = draft_grid(to, mesh, def->mass, def->density, 0, 0);
     to->chain = count == 0 ? weft__shortest_edge(mesh) : 0.0;
     to->rows = mesh->rows, to->cols = mesh->cols;
+}
+
+void weft__skin_draft_parts(weft__skin_draft *to, const weft__triangles *of)
+{
+    size_t count = of->count;
+    weft__skin_draft_mesh(to, of);
+    for (size_t k = 0; k < of->part_count; ++k) {
+        const weft__part *part = &of->parts[k];
+        if (part->grid.rows > 0) {
+            count = draft_grid(to, &part->grid, part->mass, part->density, part->first,
+                               count);
+        }
+    }
 }
 
 /* ---- tables ---------------------------------------------------------------------- */
@@ -258,11 +283,11 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
 #define ARRAYS(X)                                                                      \
     X(edge, sides)                                                                     \
     X(edge_area, sides)                                                                \
-    X(square, sides)                                                                   \
-    X(edge_window, sides)                                                              \
+    X(square, twice *sides)                                                            \
+    X(edge_window, twice *sides)                                                       \
     X(triangle, triangles)                                                             \
     X(triangle_area, triangles)                                                        \
-    X(triangle_window, 3 * triangles)                                                  \
+    X(triangle_window, 3 * twice * triangles)                                          \
     X(edge_first, points + 1)                                                          \
     X(triangle_first, points + 1)                                                      \
     X(area, points)                                                                    \
@@ -274,7 +299,8 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
 {
     const size_t points = of->points, triangles = of->triangles;
     const size_t sides = 3 * triangles + (of->chain > 0.0 ? of->particles : 0);
-    const size_t tiles = (points - 1) / tile_width(points) + 1;
+    const size_t tiles = (points - 1) / tile_width(points) + 1,
+                 twice = of->grids ? 2 : 1;
     weft__skin *to = weft__zeroed(memory, 1, sizeof *to);
     side *list = weft__alloc(memory, sides, sizeof *list);
     uint32_t *work = weft__alloc(memory, points, sizeof *work);
@@ -292,6 +318,7 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
     if (made) {
         to->points = points, to->particles = of->particles, to->triangles = triangles;
         to->notch_width = INFINITY;
+        to->grids = of->grids;
         memcpy(to->density, of->density, points * sizeof *to->density);
         add_triangles(of, work, to);
         add_edges(of, list, list_sides(of, list), to);
@@ -325,7 +352,8 @@ void weft__skin_destroy(weft__skin *of, const weft_allocator *memory)
 size_t weft__skin_bytes(const weft__skin *of)
 {
     const size_t points = of->points, triangles = of->triangles, sides = of->edges;
-    const size_t tiles = (points - 1) / tile_width(points) + 1;
+    const size_t tiles = (points - 1) / tile_width(points) + 1,
+                 twice = of->grids ? 2 : 1;
 #define BYTES(array, number) +(number) * sizeof *of->array
     return sizeof *of + of->lip_count * sizeof *of->lips
            + (of->order != NULL ? points * sizeof *of->order : 0) ARRAYS(BYTES);

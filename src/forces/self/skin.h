@@ -18,7 +18,11 @@ typedef struct weft__skin {
     /* [m^2] at rest, each as large as that of a point on a regular mesh: a third of a
      * point's triangles, all of an edge's, twice a triangle's */
     double *area, *edge_area, *triangle_area;
-    double *density;         /* [kg/m^2] of a point */
+    double *density; /* [kg/m^2] of a point */
+    /* With `grids`, pairs of a grid among several cloths with itself have its windows:
+     * of edge e as of edge edges + e, of all triangles of part k as of triangle
+     * 3 triangles + k. */
+    bool grids;
     double *square;          /* [m^2] of an edge at rest */
     double *edge_window;     /* 1 / x0 of its ends */
     double *triangle_window; /* of corner k of triangle t: [k triangles + t] */
@@ -47,6 +51,7 @@ typedef struct weft__skin_draft {
     double thickness;  /* [m] */
     double chain;      /* [m] between particles of a grid without triangles; 0 */
     size_t rows, cols; /* of a grid */
+    bool grids;        /* as of a skin */
 } weft__skin_draft;
 
 /* Room for so many; false: no memory. */
@@ -54,8 +59,10 @@ bool weft__skin_draft_create(weft__skin_draft *out, size_t points, size_t triang
                              const weft_allocator *memory);
 void weft__skin_draft_destroy(weft__skin_draft *of, const weft_allocator *memory);
 
-/* Write the triangles of a cloth, first of all. density: [kg/m^2] of a grid's def */
+/* Write the triangles of a cloth, first of all: those of a mesh, and of all its parts,
+ * or of a grid of a definition. */
 void weft__skin_draft_mesh(weft__skin_draft *to, const weft__triangles *of);
+void weft__skin_draft_parts(weft__skin_draft *to, const weft__triangles *of);
 void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
                            const weft_cloth_def *def);
 

@@ -66,8 +66,7 @@ static void pull_of(const weft__springs *own, size_t i, const weft__ways *in,
 /* A state as it is. */
 static weft__ways state_of(const weft__springs *own, const double *y)
 {
-    return (
-        weft__ways){ .y = y, .stride = own->mesh->particles, .down = own->mesh->cols };
+    return (weft__ways){ .y = y, .stride = own->mesh->stride, .down = own->mesh->cols };
 }
 
 /* ---- for weft__force ------------------------------------------------------------- */
@@ -92,7 +91,7 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
     const weft__ways in = state_of(of, at->y);
-    const size_t n = mesh->particles, last = weft__block(mesh, end);
+    const size_t n = mesh->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
         double springs[3];

@@ -130,7 +130,7 @@ static inline void weft__spring_difference(const weft__mesh *mesh,
                                            const weft__spring *spring, const double *a,
                                            double difference[3])
 {
-    const size_t n = mesh->particles, p = spring->p, q = spring->q;
+    const size_t n = mesh->stride, p = spring->p, q = spring->q;
     difference[0] = a[q] - a[p];
     difference[1] = a[n + q] - a[n + p];
     difference[2] = a[2 * n + q] - a[2 * n + p];

@@ -514,7 +514,7 @@ int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state
     sweep self;
     (void)unit;
     const unsigned all
-        = start(&self, of, body, at->y, of->mesh->particles, of->mesh->cols);
+        = start(&self, of, body, at->y, of->mesh->stride, of->mesh->cols);
     self.dydt = dydt;
     if (of->group_count == 0) {
         return sum(bare(&self, weft__block(of->mesh, first),

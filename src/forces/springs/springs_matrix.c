@@ -123,7 +123,7 @@ double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
     for (weft__walk walk = weft__row_springs(of, at->y, b); weft__each_spring(&walk);
          ++to) {
         *bad += 0.0
-                * spring_planes(of->mesh, &walk.spring, at->y + 3 * of->mesh->particles,
+                * spring_planes(of->mesh, &walk.spring, at->y + 3 * of->mesh->stride,
                                 to, all);
     }
     return to;
@@ -147,7 +147,7 @@ static double square_rates(const weft__springs *own, const weft__group *group,
                            const double *p, size_t count)
 {
     enum { SUMS = 8 };
-    const size_t n = own->mesh->particles;
+    const size_t n = own->mesh->stride;
     const double *q = p + group->stride;
     double sums[SUMS] = { 0.0 }, total = 0.0;
     size_t c = 0;

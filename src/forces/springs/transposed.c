@@ -10,7 +10,7 @@ static void turn_back(const weft__springs *own, const weft__spring *at,
 {
     double dl[3], w[3];
     weft__spring_difference(own->mesh, at, of->along, dl);
-    weft__spring_difference(own->mesh, at, of->y + 3 * own->mesh->particles, w);
+    weft__spring_difference(own->mesh, at, of->y + 3 * own->mesh->stride, w);
     const double k = weft__spring_stiffness(at), c = weft__spring_damping(at);
     const double rate = weft__dot(w, at->d), along = weft__dot(dl, at->d);
     const double inverse = 1.0 / (at->square + DBL_MIN), length = sqrt(at->square);
@@ -30,7 +30,7 @@ static void transposed_tile(const weft__springs *own, size_t g, size_t first,
                             size_t count, const weft__state *at, double *out,
                             weft__by_numbers *to)
 {
-    const size_t n = own->mesh->particles;
+    const size_t n = own->mesh->stride;
     const bool damped = own->groups[g].damping != 0.0;
     double by[6], sum[2], sums[2][WEFT__SUMS] = { { 0.0 } }, total[2] = { 0.0, 0.0 };
     for (size_t c = 0; c < 2 * count; ++c) {

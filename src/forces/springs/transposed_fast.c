@@ -64,7 +64,7 @@ static void run(const weft__springs *own, size_t g, size_t first, size_t count,
                 const weft__state *at, double *out, weft__by_numbers *by)
 {
     const weft__group *of = &own->groups[g];
-    const size_t n = own->mesh->particles;
+    const size_t n = own->mesh->stride;
     const double *p = at->y + first, *l = at->along + first;
     const double *const ends[4] = { p, p + of->stride, l, l + of->stride };
     tile all;

@@ -133,7 +133,7 @@ static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
 static inline point sail_force(const weft__wind *of, const double *y,
                                const uint32_t corner[3])
 {
-    const sail now = sail_of(of->mesh->particles, corner, y, of->velocity);
+    const sail now = sail_of(of->mesh->stride, corner, y, of->velocity);
     const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
     return scaled(dot(now.normal, now.flow) * inverse, now.normal);
 }
@@ -143,7 +143,7 @@ static point sail_slope(const weft__wind *of, const weft__state *at,
                         const uint32_t corner[3])
 {
     static const double none[3];
-    const size_t n = of->mesh->particles;
+    const size_t n = of->mesh->stride;
     const sail now = sail_of(n, corner, at->y, of->velocity);
     const sail by = sail_of(n, corner, at->along, none);
     const point turn = plus(cross(by.a, now.b), cross(now.a, by.b));
@@ -192,7 +192,7 @@ static double add_sails(const weft__wind *of, const double *y, size_t b,
 {
     const weft__mesh *mesh = of->mesh;
     const weft__triangles *tri = mesh->triangles;
-    const size_t n = mesh->particles, first = weft__block(mesh, b);
+    const size_t n = mesh->stride, first = weft__block(mesh, b);
     const size_t end = weft__block(mesh, b + 1), begin = triangle_from(tri, first);
     point sum[WEFT__MESH_BLOCK];
     double bad = 0.0;
@@ -240,7 +240,7 @@ static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
     }
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t *corner = tri->corner[tri->around[j]];
-        const point normal = sail_of(mesh->particles, corner, y, none).normal;
+        const point normal = sail_of(mesh->stride, corner, y, none).normal;
         sum += sqrt(dot(normal, normal)) / 6.0;
     }
     return sum;
@@ -260,7 +260,7 @@ static void neighbours(const weft__mesh *mesh, size_t i, size_t to[4])
 static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a,
                      point *b)
 {
-    const size_t n = mesh->particles;
+    const size_t n = mesh->stride;
     size_t at[4];
     neighbours(mesh, i, at);
     *a = minus(at_particle(x, n, at[0]), at_particle(x, n, at[1]));
@@ -270,7 +270,7 @@ static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a
 /* The wind against particle i. */
 static point flow_at(const weft__wind *of, const double *y, size_t i)
 {
-    const size_t n = of->mesh->particles;
+    const size_t n = of->mesh->stride;
     return minus(at_particle(of->velocity, 1, 0), at_particle(y + 3 * n, n, i));
 }
 
@@ -292,7 +292,7 @@ static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
 static point grid_slope(const weft__wind *of, const weft__state *at, size_t i)
 {
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles;
+    const size_t n = mesh->stride;
     point a, b, da, db;
     tangents(mesh, at->y, i, &a, &b);
     tangents(mesh, at->along, i, &da, &db);
@@ -319,7 +319,7 @@ int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
 {
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles, last = weft__block(mesh, end);
+    const size_t n = mesh->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
         const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
@@ -343,7 +343,7 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
                   size_t first, size_t end)
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
-    const size_t n = of->mesh->particles, last = weft__block(of->mesh, end);
+    const size_t n = of->mesh->stride, last = weft__block(of->mesh, end);
     double bad = 0.0;
     (void)unit;
     for (size_t i = weft__block(of->mesh, first); of->drag != 0.0 && i < last; ++i) {
@@ -378,7 +378,7 @@ static void add_edges(double *out, size_t n, const size_t at[4], point a, point 
 
 static void transposed_sails(const weft__wind *of, const weft__state *at, double *out)
 {
-    const size_t n = of->mesh->particles;
+    const size_t n = of->mesh->stride;
     for (size_t t = 0; t < of->mesh->triangles->count; ++t) {
         const uint32_t *corner = of->mesh->triangles->corner[t];
         const sail now = sail_of(n, corner, at->y, of->velocity);
@@ -401,7 +401,7 @@ static void transposed(const void *own, const weft__state *at, double *out,
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles;
+    const size_t n = mesh->stride;
     (void)by;
     if (of->drag != 0.0 && mesh->triangles != NULL) {
         transposed_sails(of, at, out);
@@ -423,7 +423,7 @@ static void transposed(const void *own, const weft__state *at, double *out,
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
-    const size_t n = of->mesh->particles, end = weft__block(of->mesh, b + 1);
+    const size_t n = of->mesh->stride, end = weft__block(of->mesh, b + 1);
     for (size_t i = weft__block(of->mesh, b); of->drag != 0.0 && i < end; ++i) {
         if (of->mesh->pin[i] == 0) {
             sum->power[WEFT_POWER_WIND]

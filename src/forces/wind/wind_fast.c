@@ -29,7 +29,7 @@ INLINE vec3 acceleration(const weft__wind *of, const patch *at)
 INLINE vec add(const weft__wind *of, const patch *at, size_t i, size_t count,
                double *dvdt)
 {
-    const size_t n = of->mesh->particles;
+    const size_t n = of->mesh->stride;
     const vec3 more = acceleration(of, at);
     double *to = dvdt + i;
     vec3 sums = more;
@@ -50,7 +50,7 @@ static vec add_rim(const weft__wind *of, const double *y, size_t r, size_t c,
                    size_t count, double inner, double *dvdt)
 {
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles, cols = mesh->cols;
+    const size_t n = mesh->stride, cols = mesh->cols;
     const size_t up = r > 0 ? cols : 0, down = r + 1 < mesh->rows ? cols : 0;
     const double rim = weft__area(mesh, r * cols);
     patch at;
@@ -71,7 +71,7 @@ static vec add_rim(const weft__wind *of, const double *y, size_t r, size_t c,
 static vec add_row(const weft__wind *of, const double *y, size_t r, double *dvdt)
 {
     const weft__mesh *mesh = of->mesh;
-    const size_t n = mesh->particles, cols = mesh->cols;
+    const size_t n = mesh->stride, cols = mesh->cols;
     const size_t up = r > 0 ? cols : 0, down = r + 1 < mesh->rows ? cols : 0;
     const double inner = weft__area(mesh, r * cols + (cols > 2 ? 1 : 0));
     const vec area = splat(inner);
