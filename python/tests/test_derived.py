@@ -171,3 +171,32 @@ def test_a_wind_that_is_set_is_that_of_a_scene(scene):
     assert changed.measure().hash == blown.measure().hash
     changed.set_wind(None)
     assert (changed.rhs(0, y) == weft.load(scene).rhs(0, y)).all()
+
+
+@pytest.mark.parametrize("scale", ["log", "none"])
+def test_sensitivity_of_free_fall_by_gravity_is_exact(scene, scale):
+    del scene["cloth"]["pins"]
+    scene["forces"] = {"gravity": [0, -G, 0]}
+    sim = weft.load(scene, {"sensitivity": {"of": ["forces.gravity.1"], "scale": scale}})
+    sim.advance(0.25)
+    x, v = sim.sensitivity["forces.gravity.1"] / (-G if scale == "log" else 1.0)
+    assert abs(x - [0, 0.25 ** 2 / 2, 0]).max() < 1e-12 and abs(v - [0, 0.25, 0]).max() < 1e-12
+    assert (pickle.loads(pickle.dumps(sim)).sensitivity["forces.gravity.1"][0] == sim.sensitivity["forces.gravity.1"][0]).all()
+    sim.restart()
+    assert abs(sim.sensitivity["forces.gravity.1"]).max() > 0
+
+
+def test_sensitivity_is_that_of_the_runs_file(scene, tmp_path):
+    key = "cloth.springs.stretch.stiffness"
+    sets = {"sensitivity": {"of": [key]}, "run.duration": 0.2, "run.fps": 5}
+    sim, run = weft.load(scene, sets), weft.run(scene, tmp_path / "run", sets)
+    sim.advance(0.2)
+    rows = np.genfromtxt(tmp_path / "run" / "sensitivity.csv", delimiter=",", skip_header=1, usecols=range(3, 9))
+    assert run.result["status"] == "done"
+    assert (np.hstack(sim.sensitivity[key]) == rows).all()
+
+
+def test_without_a_key_there_is_no_sensitivity_and_arrays_of_triangles_have_none(scene):
+    assert weft.load(scene).sensitivity == {}
+    with pytest.raises(TypeError, match="meshes are files"):
+        weft.load({**scene, "cloth": disc("chord")}, {"sensitivity": {"of": ["forces.gravity.1"]}})

@@ -9,7 +9,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.callbacks import as_particles
-from weft.library import Array, check, read_scene, real, registry, registry_lock
+from weft.library import Array, check, read_scene, real, scene_twins
 from weft.mesh import has_bodies, has_mesh
 from weft.simulation import Scene, _form
 
@@ -60,10 +60,7 @@ def _read(file: Any, content: Any, sets: list[Any], keys: Sequence[str]) -> tupl
     """A scene, and the cloths with less and more of up to 16 numbers."""
     of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
     scene, _ = read_scene(file, content, [*sets, of])
-    out, err = ffi.new("weft_scene_twins **"), ffi.new("weft_error *")
-    with registry_lock:
-        check(lib.weftpy_twins(registry(), scene, out, err), err)
-    return scene, ffi.gc(out[0], lib.weft_scene_twins_destroy)
+    return scene, scene_twins(scene)
 
 
 def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),

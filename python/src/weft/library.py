@@ -382,3 +382,11 @@ def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> 
         raise SceneError("\n".join([t for _, t in items] + rest), [d for d, _ in items])
     check(status, err)
     return ffi.gc(out[0], lib.weft_scene_destroy), [t for _, t in items]
+
+
+def scene_twins(scene: Any) -> Any:
+    """The cloths with less and more of each number by which a scene is differentiated."""
+    out, err = ffi.new("weft_scene_twins **"), ffi.new("weft_error *")
+    with registry_lock:
+        check(lib.weftpy_twins(registry(), scene, out, err), err)
+    return ffi.gc(out[0], lib.weft_scene_twins_destroy)

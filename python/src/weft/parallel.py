@@ -84,7 +84,7 @@ class Batch:
 
     def _member(self, i: int) -> Sim:
         sim, own = Sim.__new__(Sim), {**self._model._given, "threads": 1}
-        for name in ("_name", "_bodies", "_meshed", "_scene", "_cloth"):
+        for name in ("_name", "_bodies", "_meshed", "_scene", "_cloth", "_twins"):
             setattr(sim, name, getattr(self._model, name))
         if self._added is not None:
             added = ffi.new("weftpy_added *", {"count": self._added[i].size, "force": ffi.from_buffer("double[]", self._added[i])})

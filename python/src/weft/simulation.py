@@ -17,7 +17,7 @@ from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
-                          numbers_of, pair, read_scene, real, settings, spring, status_text, text, yaml_text)
+                          numbers_of, pair, read_scene, real, scene_twins, settings, spring, status_text, text, yaml_text)
 from weft.mesh import ClothsScene, MeshScene, has_bodies, has_mesh, mesh_scene, own_bodies, with_bodies
 
 Scene = Union[PathLike, Mapping[str, Any]]
@@ -207,7 +207,11 @@ class Sim:
         made, _alive = (lib.weft_scene_cloth(self._scene), None) if self._meshed is None else \
             self._meshed.definition(self._scene)
         check(lib.weft_cloth_create(made, cloth, err), err)
-        self._cloth = ffi.gc(cloth[0], lib.weft_cloth_destroy)
+        self._cloth, self._twins = ffi.gc(cloth[0], lib.weft_cloth_destroy), ffi.NULL
+        if lib.weft_scene_sensitivities(self._scene).count > 0:
+            if self._meshed is not None:
+                raise TypeError("sensitivity needs a scene whose meshes are files: Mesh.write() makes one")
+            self._twins = scene_twins(self._scene)
         self._begin(own)
 
     def _begin(self, own: dict[str, Any]) -> None:
@@ -220,6 +224,7 @@ class Sim:
         definition.config.threads = own.get("threads", definition.config.threads)
         definition.limit = lib.weft_scene_limit(self._scene)[0]
         definition.ledger = lib.weft_scene_record(self._scene).ledger
+        definition.sensitivity = lib.weft_scene_twins_def(self._twins) if self._twins else ffi.NULL
         definition.log = lib.weftpy_log_of()
         self._definition = definition
         definition.dense = own["dense"]
@@ -231,7 +236,7 @@ class Sim:
         for name in hooks:  # no comprehension: it would be a level of the stack
             self._kept.append(self._hook(name, "weft_%s_fn *" % name, own[name]))
         check(lib.weft_sim_create(definition, sim, err), err)
-        self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth))
+        self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth, self._twins))
         self._present = lib.weft_sim_cloth(self._sim)
         self._index_of = self.index
         self._free: Optional[Array] = None  # 1 / mass [1/kg], 0 of pinned particles
@@ -555,6 +560,25 @@ class Sim:
     @velocities.setter
     def velocities(self, xyz: Any) -> None:
         self.set_state(velocities=xyz)
+
+    @property
+    def sensitivity(self) -> dict[str, Array]:
+        """The derivatives of positions and velocities by the numbers of the scene's `sensitivity` (docs/gradients.md): by
+        key, as its `scale` says, an array (2, N, 3), a copy.
+
+        >>> sim = weft.load(scene, {"sensitivity": {"of": ["forces.gravity.1"], "scale": "none"}})
+        >>> sim.advance(0.1)
+        >>> sim.sensitivity["forces.gravity.1"].shape
+        (2, 80, 3)
+        """
+        of, found = lib.weft_scene_sensitivities(self._scene), {}
+        n = self.particles
+        with self._exclusion.read():
+            for j in range(of.count):
+                unit = 1.0 if of.relative else of.values[j] or 1.0
+                s = np.frombuffer(ffi.buffer(lib.weft_sim_sensitivity(self._sim, j), 48 * n)) / unit
+                found[text(of.keys[j])] = np.stack([self._triples_of(s[:3 * n]), self._triples_of(s[3 * n:])])
+        return found
 
     @property
     def grid(self) -> Array:
