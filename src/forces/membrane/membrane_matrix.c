@@ -201,7 +201,7 @@ bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memo
             made = take_links(own, memory, p, both[0], seen, &room)
                    && take_links(own, memory, p, both[1], seen, &room);
         }
-        if (made) {
+        if (made && own->link_first[p + 1] > first) {
             qsort(own->link + first, own->link_first[p + 1] - first, sizeof *own->link,
                   weft__ascending);
         }
