@@ -171,8 +171,11 @@ bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
                       .flat = &flat,
                       .memory = memory,
                       .range = 2.0 * thickness * (1.0 - ROUNDOFF) };
-    if (weft__skin_draft_create(&draft, of->places, of->count, memory)) {
+    /* the draft is of particles before it is of places, which grids do not have */
+    const size_t room = of->places > mesh->particles ? of->places : mesh->particles;
+    if (weft__skin_draft_create(&draft, room, of->count, memory)) {
         weft__skin_draft_mesh(&draft, of);
+        draft.points = draft.particles = of->places;
         memcpy(draft.corner, of->place, of->count * sizeof *draft.corner);
         draft.thickness = thickness;
         flat.skin = weft__skin_create(&draft, memory);
