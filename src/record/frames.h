@@ -88,6 +88,8 @@ static inline void record_face(const record_faces *of, size_t f, size_t corners[
 
 /* ---- the frames ---- */
 
+enum { RECORD_KEY = 128 }; /* room for a key of a number, as names of sets have it */
+
 typedef struct record_frames {
     record_faces faces;
     size_t count, planned;           /* planned: frames that the file has room for */
@@ -98,6 +100,8 @@ typedef struct record_frames {
                                         record.every is not 1 */
     const double *rest;              /* [m] rest positions: x y z of each */
     const uint8_t *pinned;           /* 0 or 1 for each particle; NULL: not recorded */
+    size_t slopes;                   /* sensitivities, by their keys, in this order */
+    char keys[WEFT_SENSITIVITIES][RECORD_KEY];
 } record_frames;
 
 /* Opens DIR/run.vtkhdf, up to its last committed frame. Errors: WEFT_IO names the file
@@ -113,3 +117,6 @@ weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz
  * springs at each particle, N doubles. WEFT_UNSUPPORTED: not recorded. */
 weft_status record_frames_field(record_frames *frames, weft_record_field field,
                                 size_t i, double *values, weft_error *err);
+/* [m] s of the positions by keys[j], 3 N doubles likewise. */
+weft_status record_frames_slope(record_frames *frames, size_t j, size_t i,
+                                double *values, weft_error *err);

@@ -252,7 +252,10 @@ static void write_obstacles(FILE *stream, const char *directory)
     const weft_contact_def *contact
         = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
     write_numbers(stream, "thickness", &contact->thickness, 1);
-    fprintf(stream, ",\"self\":%s,\"obstacles\":[", contact->self ? "true" : "false");
+    fprintf(stream, ",\"self\":%s,\"relative\":%s,\"obstacles\":[",
+            contact->self ? "true" : "false",
+            scene == NULL || weft_scene_sensitivities(scene)->relative ? "true"
+                                                                       : "false");
     for (size_t k = 0; k < contact->shape_count; ++k) {
         fputs(comma(k), stream);
         write_shape(stream, &contact->shapes[k]);
@@ -375,6 +378,12 @@ void player_page_describe(const player_page *self)
         if (self->present[f]) {
             fprintf(stream, "%s\"%s\"", comma(written++), player_fields[f].name);
         }
+    }
+    for (size_t j = 0; j < self->slopes; ++j) {
+        fputs(comma(written++), stream);
+        fputs("\"s_", stream);
+        page_characters(stream, self->runs[0].frames->keys[j]);
+        fputs("\"", stream);
     }
     fputs("],\"times\":[", stream);
     for (size_t i = 0; i < self->shown; ++i) {

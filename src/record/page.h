@@ -90,7 +90,8 @@ typedef struct player_page {
     size_t stride, shown_rows, shown_cols;
     size_t count, *particles; /* shown, of triangles all; their indices */
     bool present[PLAYER_FIELDS];
-    size_t planes;          /* x, y, z and the fields that are present */
+    size_t slopes;          /* sensitivities */
+    size_t planes;          /* x, y, z, the fields that are present, the slopes */
     double *field, *values; /* 3 N as read, one plane as shown */
     unsigned char *block;
     FILE *stream; /* of the page */

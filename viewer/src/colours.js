@@ -98,7 +98,9 @@ const closely = (thickness) => ({
 /** What the page offers, by name; `read(run, frame, out)` has the numbers. */
 export function quantities(page) {
     const all = page.runs.flatMap((run) => fitted(page, run.blocks, run.calm));
-    const units = { strain: ['%', 100], speed: ['m/s', 1] };
+    const units = Object.fromEntries(page.fields.filter((name) => name.startsWith('s_'))
+        .map((name) => [name, [page.runs.every((run) => run.relative) ? 'm' : 'm per unit', 1]]));
+    Object.assign(units, { strain: ['%', 100], speed: ['m/s', 1] });
     const list = page.fields.filter((name) => units[name]).map((name) => {
         const plane = 3 + page.fields.indexOf(name);
         const most = highest(page, all, plane);

@@ -657,6 +657,18 @@ test('shapes are drawn where they are in a frame', async () => {
     }
 });
 
+test('a sensitivity colours the cloth by its length', async () => {
+    const { page, said } = await open(browser, at('sensed/run.html'), 'colour=s_forces.gravity.1&threads=0');
+    assert.deepEqual(said, []);
+    assert.deepEqual(await page.evaluate(() => weft.page.fields.slice(2)), ['s_cloth.springs.stretch.stiffness', 's_forces.gravity.1']);
+    assert.equal(await page.textContent('#legend-title'), 's_forces.gravity.1 [m]');
+    const wanted = readFileSync(at('sensed/sensitivity.csv'), 'utf8').trim().split('\n')
+        .filter((line) => line.startsWith('forces.gravity.1,')).map((line) => Math.hypot(...line.split(',').slice(3, 6).map(Number)));
+    const { values, range } = await plane(page, 0, 6);
+    assert.equal(values.length, wanted.length);
+    values.forEach((v, i) => assert.ok(Math.abs(v - wanted[i]) <= (range[1] - range[0]) / 65535 + 1e-6, `${i}: ${v} ${wanted[i]}`));
+});
+
 test('several cloths have a colour and a name each, which the pointer finds', async () => {
     const { page, said } = await open(browser, at('cloths/run.html'), 'frame=0&threads=0');
     assert.match(await page.textContent('#summary'), /12 vertices, 8 triangles in 2 cloths/);
