@@ -410,7 +410,9 @@ START_TEST(short_memory_is_told_and_crashes_nothing)
 {
     int told = 0, done = 0, code = 0;
     for (int kilobytes = 20000; kilobytes < 200000 && done < 3;
-         kilobytes += code == 99 ? 1000 : 250) {
+         kilobytes += code == 99 ? 1000
+                      : told > 0 ? 250
+                                 : 50) {
         code = shell("ulimit -v %d; (" WEFT " --version) >/dev/null 2>&1 || exit "
                      "99; " WEFT " run " OUT "/small.yaml --out " OUT
                      "/v --force --quiet 2>&1",
