@@ -171,6 +171,9 @@ bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
                       .flat = &flat,
                       .memory = memory,
                       .range = 2.0 * thickness * (1.0 - ROUNDOFF) };
+    if (of->count == 0) {
+        return true;
+    }
     /* the draft is of particles before it is of places, which grids do not have */
     const size_t room = of->places > mesh->particles ? of->places : mesh->particles;
     if (weft__skin_draft_create(&draft, room, of->count, memory)) {
