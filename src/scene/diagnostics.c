@@ -30,7 +30,7 @@ static void write_place(const weft__report *report, weft__mark at, char *out,
 
 weft__words weft__place_text(const weft__report *report, weft__mark at)
 {
-    weft__words out;
+    weft__words out = { "" };
     write_place(report, at, out.text, sizeof out.text);
     return out;
 }

@@ -215,7 +215,7 @@ INLINE vec3 emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
 {
     const vec3 v = load3(p + 3 * n, n);
     const vec3 net = minus(force, scaled(self->drag, v));
-    if (!PRODUCT || to != NULL) {
+    if (to != NULL) {
         const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
         store_rates(self, v, a, rim, count, to, m);
     }
@@ -270,7 +270,8 @@ INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_
                   size_t at, unsigned has, bool emits, carry *left, const law *laws,
                   const edge *rim, size_t count, vec3 net);
 #else
-#define along(self, s, of, ...) ((void)(of))
+#define along(self, s, of, r, c, at, has, emits, left, laws, rim, count, net)          \
+    ((void)(of), (void)(net))
 #endif
 
 /* 1: yes, 0: no */
@@ -398,9 +399,11 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
  * loads of the next blocks in every row if dydt is that little ahead of y. */
 static bool stores_delay_loads(const sweep *self)
 {
+    if (PRODUCT || (8 * self->n + 256) % 4096 >= 512) {
+        return false;
+    }
     const size_t ahead = ((uintptr_t)self->dydt - (uintptr_t)self->y) % 4096;
-    return !PRODUCT && (8 * self->n + 256) % 4096 < 512 && ahead < 256
-           && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
+    return ahead < 256 && (ahead > 0 || (uintptr_t)self->y % 64 != 0);
 }
 
 /* The laws of a group in lanes from column c on: half along the rim. */
