@@ -252,15 +252,14 @@ static void write_obstacles(FILE *stream, const char *directory)
     const weft_contact_def *contact
         = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
     write_numbers(stream, "thickness", &contact->thickness, 1);
-    fprintf(stream, ",\"self\":%s,\"relative\":%s,\"obstacles\":[",
-            contact->self ? "true" : "false",
-            scene == NULL || weft_scene_sensitivities(scene)->relative ? "true"
-                                                                       : "false");
+    fprintf(stream, ",\"self\":%s,\"obstacles\":[", contact->self ? "true" : "false");
     for (size_t k = 0; k < contact->shape_count; ++k) {
         fputs(comma(k), stream);
         write_shape(stream, &contact->shapes[k]);
     }
-    fputc(']', stream);
+    fprintf(stream, "],\"relative\":%s",
+            scene == NULL || weft_scene_sensitivities(scene)->relative ? "true"
+                                                                       : "false");
     weft_scene_destroy(scene);
 }
 
