@@ -208,6 +208,12 @@ INLINE void store_rates(sweep *self, vec3 v, vec3 a, const edge *rim, size_t cou
     store3_some(to + 3 * m, m, a, count);
 }
 
+/* to + i; of products NULL: the state itself is not wanted. */
+INLINE double *from(double *to, size_t i)
+{
+    return PRODUCT && to == NULL ? NULL : to + i;
+}
+
 /* x' and v' of the block at p, which is that of particle i, to planes m apart. Returns
  * its force. */
 INLINE vec3 emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
@@ -215,7 +221,7 @@ INLINE vec3 emit(sweep *self, const double *p, size_t n, size_t i, vec3 force,
 {
     const vec3 v = load3(p + 3 * n, n);
     const vec3 net = minus(force, scaled(self->drag, v));
-    if (to != NULL) {
+    if (!PRODUCT || to != NULL) {
         const vec3 a = plus(self->gravity, scaled(load(self->inverse_mass + i), net));
         store_rates(self, v, a, rim, count, to, m);
     }
@@ -285,8 +291,8 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
                     carry *left, double *to, size_t m)
 {
     double copy[6][3][EDGE];
-    spring s[WEFT_GROUPS];
     for (size_t c = self->inner, e = 0; c < self->cols; c += LANES, ++e) {
+        spring s[WEFT_GROUPS];
         const size_t i = r * self->cols + c, b = e * LANES;
         const size_t count = self->cols - c < LANES ? self->cols - c : LANES;
         const place of = place_at(self, self->y, r, c, copy);
@@ -294,8 +300,7 @@ INLINE void row_end(sweep *self, size_t r, size_t at, unsigned has, bool emits,
         const law *laws = self->by[on_rim(self, r)][END + e];
         vec3 force = block(self, s, laws, of.p, of.n, of.down, at + b, has, left, rim);
         if (emits) {
-            force = emit(self, of.p, of.n, i, force, rim, count,
-                         to != NULL ? to + b : NULL, m);
+            force = emit(self, of.p, of.n, i, force, rim, count, from(to, b), m);
         }
         along(self, s, &of, r, c, at + b, has, emits, left, laws, rim, count, force);
     }
@@ -310,33 +315,33 @@ INLINE size_t streams(const sweep *self)
 INLINE void row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
                 bool emits)
 {
-    const size_t n = self->n, cols = self->cols, i = r * self->down + first;
+    const size_t n = self->n, cols = self->cols;
+    const size_t down = PRODUCT ? self->down : cols, i = r * down + first;
     const size_t m = self->detour ? SPAN : n;
-    double *const to = self->detour         ? self->aside
-                       : self->dydt != NULL ? self->dydt + i
-                                            : NULL;
+    double *const to = self->detour ? self->aside : from(self->dydt, i);
     const double *p = self->y + i;
-    spring s[WEFT_GROUPS];
     const ptrdiff_t count = (ptrdiff_t)(end - first);
     const law *const *by = self->by[on_rim(self, r)];
     const law *laws = by[first == 0 ? FIRST : INNER];
     carry left[STREAMS];
-    memset(left, 0, streams(self) * sizeof *left);
+    for (size_t k = 0; k < streams(self); ++k) {
+        left[k] = (carry){ 0 };
+    }
     for (ptrdiff_t j = first > 0 ? -LANES : 0; j < count; j += LANES) {
+        spring s[WEFT_GROUPS];
         const size_t at = (size_t)(LANES + j), b = r * cols + first + (size_t)j;
-        vec3 force = block(self, s, laws, p + j, n, self->down, at, has, left, NULL);
+        vec3 force = block(self, s, laws, p + j, n, down, at, has, left, NULL);
         if (emits && j >= 0) {
-            force = emit(self, p + j, n, b, force, NULL, LANES,
-                         to != NULL ? to + j : NULL, m);
+            force = emit(self, p + j, n, b, force, NULL, LANES, from(to, (size_t)j), m);
         }
-        const place of = { p + j, n, self->down };
+        const place of = { p + j, n, down };
         along(self, s, &of, r, first + (size_t)j, at, has, emits && j >= 0, left, laws,
               NULL, LANES, force);
         laws = by[INNER];
     }
     if (end == self->inner) {
         row_end(self, r, LANES + (size_t)count, has, emits, left,
-                to != NULL ? to + count : NULL, m);
+                from(to, (size_t)count), m);
     }
     if (emits && self->detour) {
         leave_aside(self, i, (end == self->inner ? cols : end) - first);
