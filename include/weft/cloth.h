@@ -526,8 +526,8 @@ WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
 
 /* Writes the transposed product J^T w to out[6 N], the derivative of w.f by the state:
  * for every v, v.(J^T w) is w.(J v), but for roundoff. Planes, forces and return value
- * as above, or -1: no memory. On the calling thread alone; it costs some two
- * weft_cloth_rhs. */
+ * as above, or -1: no memory, or a grid among several cloths, of which it is not known.
+ * On the calling thread alone; it costs some two weft_cloth_rhs. */
 WEFT_API int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
                                                     const double *y, const double *w,
                                                     double *out);
