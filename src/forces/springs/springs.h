@@ -77,6 +77,11 @@ struct weft__springs {
 /* The transposed product takes the springs of a row by tiles, the ends p of all before
  * the ends q, and sums every eighth of them. */
 enum { WEFT__TILE = 256, WEFT__SUMS = 8 };
+typedef void weft__tile_fn(const weft__springs *own, size_t g, size_t first,
+                           size_t count, const weft__state *at, double *out,
+                           weft__by_numbers *by);
+void weft__transposed_tiles(const weft__springs *own, weft__tile_fn *tile,
+                            const weft__state *at, double *out, weft__by_numbers *by);
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;

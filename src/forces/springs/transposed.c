@@ -52,19 +52,24 @@ static void transposed_tile(const weft__springs *own, size_t g, size_t first,
     to->damping[g] -= total[1];
 }
 
-void weft__transposed_loops(const void *own, const weft__state *at, double *out,
-                            weft__by_numbers *by)
+void weft__transposed_tiles(const weft__springs *own, weft__tile_fn *tile,
+                            const weft__state *at, double *out, weft__by_numbers *by)
 {
-    const weft__springs *of = own;
-    const weft__mesh *mesh = of->mesh;
-    for (size_t i = 0; i < mesh->rows * of->group_count; ++i) {
-        const size_t r = i / of->group_count, g = i % of->group_count;
-        const weft__group *group = &of->groups[g];
+    const weft__mesh *mesh = own->mesh;
+    for (size_t i = 0; i < mesh->rows * own->group_count; ++i) {
+        const size_t r = i / own->group_count, g = i % own->group_count;
+        const weft__group *group = &own->groups[g];
         for (size_t c = group->first_col; r < group->end_row && c < group->end_col;
              c += WEFT__TILE) {
             const size_t rest = group->end_col - c;
-            transposed_tile(of, g, r * mesh->cols + c,
-                            rest < WEFT__TILE ? rest : WEFT__TILE, at, out, by);
+            tile(own, g, r * mesh->cols + c, rest < WEFT__TILE ? rest : WEFT__TILE, at,
+                 out, by);
         }
     }
+}
+
+void weft__transposed_loops(const void *own, const weft__state *at, double *out,
+                            weft__by_numbers *by)
+{
+    weft__transposed_tiles(own, transposed_tile, at, out, by);
 }

@@ -86,16 +86,5 @@ static void run(const weft__springs *own, size_t g, size_t first, size_t count,
 void NAME(transposed, LEVEL)(const void *own, const weft__state *at, double *out,
                              weft__by_numbers *by)
 {
-    const weft__springs *of = own;
-    const weft__mesh *mesh = of->mesh;
-    for (size_t i = 0; i < mesh->rows * of->group_count; ++i) {
-        const size_t r = i / of->group_count, g = i % of->group_count;
-        const weft__group *group = &of->groups[g];
-        for (size_t c = group->first_col; r < group->end_row && c < group->end_col;
-             c += WEFT__TILE) {
-            const size_t rest = group->end_col - c;
-            run(of, g, r * mesh->cols + c, rest < WEFT__TILE ? rest : WEFT__TILE, at,
-                out, by);
-        }
-    }
+    weft__transposed_tiles(own, run, at, out, by);
 }
