@@ -96,20 +96,15 @@ static int record_rates(double t, const double *y, double *dydt, void *ctx)
 static weft_status make_sim(adjoint *of, weft_error *err)
 {
     weft_sim_def def;
-    weft_status status
-        = WEFT__DEF_READ(weft_sim_def, &def, of->def->sim, WEFT__DEF_MOST, err);
+    TRY(WEFT__DEF_READ(weft_sim_def, &def, of->def->sim, WEFT__DEF_MOST, err));
     def.sensitivity = NULL;
-    status = status == WEFT_OK ? weft_sim_create(&def, &of->sim, err) : status;
-    if (status != WEFT_OK) {
-        return status;
-    }
+    TRY(weft_sim_create(&def, &of->sim, err));
     const char *why = weft__sensitivity_refusal(of->sim);
-    why = why == NULL
-                  && (of->sim->forces.self != NULL || of->sim->forces.bodies != NULL)
-              ? "contact of the cloth with itself or a mesh, whose transposed product "
-                "is "
-                "not known"
-              : why;
+    if (why == NULL
+        && (of->sim->forces.self != NULL || of->sim->forces.bodies != NULL)) {
+        why = "contact of the cloth with itself or a mesh, whose transposed product is "
+              "not known";
+    }
     if (why != NULL) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no gradient with %s", why);
     }
@@ -117,10 +112,8 @@ static weft_status make_sim(adjoint *of, weft_error *err)
     const weft_ode ode = { dim_of(of), record_rates, of };
     method->destroy(of->sim->stepper);
     of->sim->stepper = NULL;
-    status = method->create(method, &ode, &of->sim->config, &of->sim->stepper, err);
-    return status == WEFT_OK
-               ? weft__stages_find(method, &of->sim->config, of->table, err)
-               : status;
+    TRY(method->create(method, &ode, &of->sim->config, &of->sim->stepper, err));
+    return weft__stages_find(method, &of->sim->config, of->table, err);
 }
 
 static weft_status make_room(adjoint *of, weft_error *err)
@@ -487,6 +480,21 @@ static void finish(adjoint *of, double *by_start)
     }
 }
 
+static weft_status differentiate(adjoint *of, double *by_start, weft_error *err)
+{
+    of->table = weft__alloc(&of->memory, 1, sizeof *of->table);
+    if (of->table == NULL) {
+        return no_memory(err);
+    }
+    TRY(make_sim(of, err));
+    TRY(make_room(of, err));
+    TRY(make_slopes(of, err));
+    TRY(record(of, err));
+    TRY(go_back(of, err));
+    finish(of, by_start);
+    return WEFT_OK;
+}
+
 weft_status weft_gradient(const weft_gradient_def *given, double *value,
                           double *by_number, double *by_start, weft_error *err)
 {
@@ -502,16 +510,8 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
                    .memory = weft_allocator_or_malloc(def.sim->allocator),
                    .value = value,
                    .by_number = by_number };
-    of.table = weft__alloc(&of.memory, 1, sizeof *of.table);
-    status = of.table == NULL ? no_memory(err) : make_sim(&of, err);
-    status = status == WEFT_OK ? make_room(&of, err) : status;
-    status = status == WEFT_OK ? make_slopes(&of, err) : status;
-    status = status == WEFT_OK ? record(&of, err) : status;
     *value = 0.0;
-    status = status == WEFT_OK ? go_back(&of, err) : status;
-    if (status == WEFT_OK) {
-        finish(&of, by_start);
-    }
+    status = differentiate(&of, by_start, err);
     for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {
         weft__slope_free(&of.slopes[j], &of.memory);
     }
