@@ -37,6 +37,8 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
            : def->event != NULL ? "an event, whose time depends on the numbers too"
            : def->ledger        ? "an energy ledger"
            : def->dense         ? "`dense`: there are none within a step"
+           : def->cloth->grid_count > 0
+               ? "grids among several cloths, whose derivatives are not known"
            : def->cloth->untangle > 0.0
                ? "a start that is untangled, which has no derivative"
            : (flags & (uint32_t)WEFT_STEPPER_MULTISTEP) != 0
