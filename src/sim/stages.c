@@ -142,7 +142,7 @@ static void find_needed(weft__stages *of)
     }
 }
 
-static bool read(const unit_model *of, weft__stages *first, weft__stages *out)
+static bool find_sums(const unit_model *of, weft__stages *first, weft__stages *out)
 {
     const size_t before = of->ends[0], count = of->ends[1] - before;
     first->count = out->count = count;
@@ -173,7 +173,7 @@ weft_status weft__stages_find(const weft_stepper_type *method,
               ? take_steps(method, config, of, err)
               : weft_error_set(err, WEFT_NO_MEMORY, "no memory for stages");
     *out = (weft__stages){ 0 };
-    if (status == WEFT_STOPPED || (status == WEFT_OK && !read(of, first, out))) {
+    if (status == WEFT_STOPPED || (status == WEFT_OK && !find_sums(of, first, out))) {
         status = weft_error_set(err, WEFT_UNSUPPORTED,
                                 "method '%.40s' is no sum of the rates of its stages, "
                                 "which a gradient goes back through",
