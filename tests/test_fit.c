@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft fit: numbers that are found again from tracks made with them, what data tell of
- * them, and data that it refuses. */
+/* weft fit: numbers that are found again from tracks and outlines made with them, what
+ * data tell of them, and data that it refuses. */
 #include "shell.h"
 
 #include <math.h>
@@ -38,6 +38,25 @@ static const char panel_obj[]
     = "v 0 0 0\nv .5 0 0\nv 0 .5 0\nv .5 .5 0\nvt 0 0\nvt .5 0\nvt 0 .5\nvt .5 .5\n"
       "f 1/1 2/2 4/4\nf 1/1 4/4 3/3\n";
 
+/* A square that drapes over a support, which is not in its middle. */
+static const char drape[]
+    = "weft: 1\n"
+      "name: drape\n"
+      "cloth:\n"
+      "  grid: {rows: 9, cols: 9, spacing: 0.03, origin: [-0.12, 0, -0.12], right: "
+      "[1, 0, 0], down: [0, 0, 1]}\n"
+      "  density: 0.2\n"
+      "  springs:\n"
+      "    stretch: {stiffness: 80, damping: 1.0e-3}\n"
+      "    shear: {stiffness: 30, damping: 1.0e-3}\n"
+      "    bend: {stiffness: 4, damping: 1.0e-3}\n"
+      "  pins: [{rows: [2, 6], cols: [2, 5]}]\n"
+      "forces: {damping: 2.0e-3}\n"
+      "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 5.0e-4}\n"
+      "run: {duration: 1.2, fps: 5}\n"
+      "record: {final: true}\n";
+
+#define BEND    "cloth.springs.bend.stiffness"
 #define STRETCH "cloth.springs.stretch.stiffness"
 #define SHEAR   "cloth.springs.shear.stiffness"
 
@@ -60,6 +79,7 @@ static void begin(void)
     write_file(OUT "/sheet.yaml", sheet);
     write_file(OUT "/panel.yaml", panel);
     write_file(OUT "/panel.obj", panel_obj);
+    write_file(OUT "/drape.yaml", drape);
     follow("sheet", "time,row,col,x,y,z", "1-5");
     follow("panel", "time,vertex,x,y,z", "1-4");
 }
@@ -158,6 +178,63 @@ START_TEST(what_the_data_cannot_tell_is_named)
 }
 END_TEST
 
+/* The rim of the drape from above, x to the right and z down, in a CSV file of each
+ * form: each radius wrong by normal noise of this standard deviation [m]. */
+static void outline(double noise)
+{
+    expect(
+        shell("cd " OUT
+              " && ../weft run drape.yaml --out drape --force --quiet && for f in "
+              "x,y angle,radius; do awk -F, -v f=$f -v noise=%g 'function u() { seed "
+              "= seed * 16807 %% 2147483647; return seed / 2147483647 } BEGIN { seed "
+              "= 7; OFMT = \"%%.17g\"; print f } NR > 1 && ($1 %% 8 == 0 || $2 %% 8 "
+              "== 0) { r = sqrt($3^2 + $5^2); R = r + noise * sqrt(-2 * log(u())) * "
+              "cos(6.283185307 * u()); if (f == \"x,y\") print $3 * R / r \",\" (-$5 "
+              "* R / r); else print atan2(-$5, $3) * 57.29577951308232 \",\" R }' "
+              "CONVFMT=%%.17g drape/final.csv >$f.csv; done",
+              noise),
+        0);
+}
+
+START_TEST(bending_is_found_from_an_exact_outline)
+{
+    outline(0.0);
+    fit(0, "drape.yaml x,y.csv --over " BEND " --set " BEND "=10 --out found");
+    ck_found(BEND, 4.0, 1e-6);
+    ck_assert_double_le(number_of("chi2", NULL), 1e-6);
+    ck_assert_double_eq(number_of("coordinates", NULL), 32.0);
+    ck_assert_ptr_nonnull(strstr(read_file(OUT "/found/fit.svg"), "<title>Outline"));
+}
+END_TEST
+
+/* From a factor of 3 off; of both forms alike. */
+START_TEST(bending_is_found_from_an_outline_with_noise)
+{
+    outline(1e-3);
+    fit(0, "drape.yaml x,y.csv --over " BEND " --set " BEND "=12 --out found");
+    const double value = number_of(BEND, "value");
+    const double error = number_of(BEND, "standard_error");
+    ck_assert_double_le(error, 0.3);
+    ck_assert_double_le(fabs(value - 4.0), 3.0 * error);
+    ck_assert_double_gt(fabs(value - 4.0), 1e-3);
+    fit(0, "drape.yaml angle,radius.csv --over " BEND " --set " BEND
+           "=1.33 --out found --force");
+    ck_found(BEND, value, 1e-6);
+}
+END_TEST
+
+START_TEST(a_shadow_elsewhere_is_told)
+{
+    outline(0.0);
+    fit(1, "drape.yaml x,y.csv --over " BEND
+           " --set cloth.grid.origin=[0.1,0,0.1] --out found");
+    says("the shadow is not around the origin");
+    fit(4,
+        "drape.yaml x,y.csv --over " BEND " --set forces.gravity=[0,0,0] --out found");
+    says("the cloth has no weight");
+}
+END_TEST
+
 /* From where the first step leads out of the range of a stable step. */
 START_TEST(numbers_without_a_run_are_left_again)
 {
@@ -181,6 +258,19 @@ static const struct {
     { "time,row,col,x,y,z\n0.1,1,-1,0,0,0\n", "data.csv:2: the grid has no such", 4 },
     { "time,row,col,x,y,z\n-1,1,1,0,0,0\n", "data.csv:2: time must be", 4 },
     { "time,row,col,x,y,z\n0.1,1,1,0,nan,0\n", "data.csv:2: x, y and z must be", 4 },
+    { "angle,y\n", "or of an outline angle,radius or x,y", 4 },
+    { "angle,radius\n0,1\nx,y\n", "data.csv:3: angle must be -180 to 360", 4 },
+    { "angle,radius\n0,1\n361,1\n", "data.csv:3: angle must be -180 to 360", 4 },
+    { "angle,radius\n0,1\n90,nan\n", "data.csv:3: angle must be -180 to 360", 4 },
+    { "angle,radius\n0,1\n90,0\n", "data.csv:3: angle must be -180 to 360", 4 },
+    { "angle,radius\n0,1\n90\n", "data.csv:3: 2 cells must be here: angle,radius", 4 },
+    { "x,y\n1,0\n1,inf\n", "data.csv:3: x and y must be", 4 },
+    { "x,y\n0,0\n", "data.csv:2: x and y must be numbers [m], not both 0", 4 },
+    { "x,y\n1,0\n", "data.csv:2: the outline is open", 4 },
+    { "angle,radius\n0,1\n90,1\n180,1\n269,1\n", "data.csv:5: the outline is open", 4 },
+    { "angle,radius\n0,1\n90,1\n180,1\n270,1\n360,1\n",
+      "data.csv:6: a second point at 0 degrees; the first is on line 2", 4 },
+    { "angle,radius\n", "0 coordinates for 1 numbers", 4 },
 };
 
 START_TEST(data_that_are_wrong_are_refused_at_their_line)
@@ -226,6 +316,9 @@ Suite *fit_suite(void)
     tcase_add_test(tcase, the_fitted_scene_runs_as_the_one_that_made_the_tracks);
     tcase_add_test(tcase, the_standard_error_is_that_of_the_sensitivities);
     tcase_add_test(tcase, what_the_data_cannot_tell_is_named);
+    tcase_add_test(tcase, bending_is_found_from_an_exact_outline);
+    tcase_add_test(tcase, bending_is_found_from_an_outline_with_noise);
+    tcase_add_test(tcase, a_shadow_elsewhere_is_told);
     tcase_add_test(tcase, numbers_without_a_run_are_left_again);
     tcase_add_loop_test(tcase, data_that_are_wrong_are_refused_at_their_line, 0,
                         sizeof mistakes / sizeof mistakes[0]);

@@ -687,6 +687,7 @@ START_TEST(gradient_is_that_of_forward_mode)
         "stepper={plugin: gsl, method: rkf45, rtol: 1e-5, atol: 1e-5}",
         "stepper={plugin: gsl, method: rk8pd, rtol: 1e-5, atol: 1e-5}",
         "stepper={plugin: arkode, method: dormand_prince, rtol: 1e-5, atol: 1e-5}",
+        "stepper={plugin: gsl, method: gear2, rtol: 1e-5, atol: 1e-5}",
     };
     (void)check_gradient(SHEET ALL_NUMBERS, steppers[_i]);
 }
@@ -744,6 +745,9 @@ START_TEST(gradient_of_a_fall_is_exact)
     def.times = falling, def.frames = 2;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
     ck_assert_ptr_nonnull(strstr(err.message, "times[1] = 0.4 s"));
+    def.times = times;
+    ck_assert_int_eq(weft_gradient(&def, &value, NULL, NULL, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(strstr(err.message, "by_number"));
     def.objective = NULL;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
     def.objective = height, def.frames = 0;
@@ -929,7 +933,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, scale_is_that_of_the_results_alone);
     tcase_add_loop_test(
         tests, product_is_the_derivative_of_the_right_hand_side_by_a_number, 0, 4);
-    tcase_add_loop_test(tests, gradient_is_that_of_forward_mode, 0, 7);
+    tcase_add_loop_test(tests, gradient_is_that_of_forward_mode, 0, 8);
     tcase_add_test(tests, gradient_of_a_mesh_is_that_of_forward_mode);
     tcase_add_test(tests, gradient_of_a_fall_is_exact);
     tcase_add_test(tests, gradient_goes_through_steps_that_were_taken_back);

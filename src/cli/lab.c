@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/shadow.h"
+#include "weft/elementary.h"
 
 #define GRAVITY 9.81  /* [m/s^2] */
 #define INNER   0.09  /* [m] radius of the support of the drape test */
@@ -26,38 +28,7 @@ typedef struct specimen {
 
 /* ---- drape ---- */
 
-enum { SIDE = 608 };               /* cells of the raster, each way */
-static const double cell = 0.5e-3; /* [m] */
-
-/* Paints the triangle on the raster, from above. */
-static void paint(unsigned char *raster, const specimen *self, const uint32_t corner[3])
-{
-    double p[3][2], low = INFINITY, high = -INFINITY;
-    for (size_t k = 0; k < 3; ++k) {
-        p[k][0] = (self->x[3 * corner[k]] + OUTER) / cell + 4.0;
-        p[k][1] = (self->x[3 * corner[k] + 2] + OUTER) / cell + 4.0;
-        low = fmin(low, p[k][1]);
-        high = fmax(high, p[k][1]);
-    }
-    const size_t end = (size_t)ceil(fmin(fmax(high + 0.5, 0.0), (double)SIDE));
-    for (size_t row = (size_t)fmax(0.0, ceil(low - 0.5)); row < end; ++row) {
-        const double y = (double)row + 0.5;
-        double left = (double)SIDE, right = 0.0;
-        for (size_t k = 0; k < 3; ++k) {
-            const double *a = p[k], *b = p[(k + 1) % 3];
-            if ((a[1] <= y) != (b[1] <= y)) {
-                const double at = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
-                left = fmin(left, at);
-                right = fmax(right, at);
-            }
-        }
-        right = fmin(right, (double)SIDE);
-        for (size_t c = (size_t)fmax(0.0, ceil(left - 0.5)); (double)c + 0.5 <= right;
-             ++c) {
-            raster[row * SIDE + c] = 1;
-        }
-    }
-}
+enum { DIRECTIONS = 2880 };
 
 /* Maxima of the radius along the rim, the first `count` vertices, each of which stands
  * out by a twentieth of the radius' range. */
@@ -87,72 +58,59 @@ static size_t count_nodes(const specimen *self, size_t count)
     return nodes;
 }
 
-/* The shadow that is measured, row by row, and the rims of the disc and the support. */
-static weft_status draw(const specimen *self, const unsigned char *raster,
+/* The outline of the shadow, and the rims of the disc and the support [mm]. */
+static weft_status draw(const specimen *self, const double (*outline)[2],
                         const char *title, weft_error *err)
 {
     record_file file;
     TRY(record_file_open(&file, NULL, self->picture, err));
-    FILE *const to = file.stream;
-    fprintf(
-        to,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\">\n"
-        "<title>%s</title>\n<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n"
-        "<path stroke=\"#9db8d9\" shape-rendering=\"crispEdges\" d=\"",
-        SIDE, SIDE, title);
-    for (size_t row = 0; row < SIDE; ++row) {
-        const unsigned char *at = raster + row * SIDE, *const end = at + SIDE;
-        while ((at = memchr(at, 1, (size_t)(end - at))) != NULL) {
-            const unsigned char *gap = memchr(at, 0, (size_t)(end - at));
-            gap = gap == NULL ? end : gap;
-            fprintf(to, "M%td %zu.5h%td", at - (end - SIDE), row, gap - at);
-            at = gap;
-        }
+    fprintf(file.stream,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-152 -152 304 304\">\n"
+            "<title>%s</title>\n<rect x=\"-152\" y=\"-152\" width=\"304\" "
+            "height=\"304\" fill=\"white\"/>\n<path fill=\"#9db8d9\" d=\"",
+            title);
+    for (size_t i = 0; i < DIRECTIONS; ++i) {
+        fprintf(file.stream, "%c%.2f %.2f", i == 0 ? 'M' : 'L', 1e3 * outline[i][0],
+                -1e3 * outline[i][1]);
     }
-    fprintf(
-        to,
-        "\"/>\n<g fill=\"none\" stroke=\"#333\" stroke-width=\"2\">"
-        "<circle cx=\"%d\" cy=\"%d\" r=\"%g\"/>"
-        "<circle cx=\"%d\" cy=\"%d\" r=\"%g\" stroke-dasharray=\"6\"/></g>\n</svg>\n",
-        SIDE / 2, SIDE / 2, INNER / cell, SIDE / 2, SIDE / 2, OUTER / cell);
+    fprintf(file.stream,
+            "Z\"/>\n<g fill=\"none\" stroke=\"#333\"><circle r=\"%g\"/>"
+            "<circle r=\"%g\" stroke-dasharray=\"3\"/></g>\n</svg>\n",
+            1e3 * INNER, 1e3 * OUTER);
     return record_file_commit(&file, err);
 }
 
 static weft_status report_drape(const specimen *self, weft_error *err)
 {
-    const size_t triangles = weft_cloth_triangles(self->cloth, NULL);
-    uint32_t *corners = malloc(3 * triangles * sizeof *corners);
-    unsigned char *raster = calloc((size_t)SIDE * SIDE, 1);
-    size_t rim = 0, painted = 0;
-    if (corners == NULL || raster == NULL) {
-        free(corners);
-        free(raster);
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the drape");
+    static const double down[3] = { 0.0, -GRAVITY, 0.0 };
+    double outline[DIRECTIONS][2], squares = 0.0;
+    size_t rim = 0;
+    shadow of;
+    TRY(shadow_init(&of, self->cloth, down, err));
+    for (size_t i = 0; i < DIRECTIONS; ++i) {
+        shadow_point at = { .radius = 0.0 };
+        double *to = outline[i];
+        weft_sincos_turns(1.0 / DIRECTIONS, (double)i, &to[1], &to[0]);
+        (void)shadow_at(&of, self->x, to, &at);
+        to[0] *= at.radius, to[1] *= at.radius;
+        squares += at.radius * at.radius;
     }
-    (void)weft_cloth_triangles(self->cloth, corners);
-    for (size_t t = 0; t < triangles; ++t) {
-        paint(raster, self, &corners[3 * t]);
-    }
-    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
-        painted += raster[i];
-    }
+    free(of.ends);
     while (rim < self->count
            && hypot(self->start[3 * rim], self->start[3 * rim + 2]) > 0.999 * OUTER) {
         ++rim;
     }
-    const double inner = pi * INNER * INNER, area = (double)painted * cell * cell;
     char title[64];
     (void)snprintf(title, sizeof title, "coefficient %.1f %%, %zu nodes",
-                   100.0 * (area - inner) / (pi * OUTER * OUTER - inner),
+                   100.0 * (squares / DIRECTIONS - INNER * INNER)
+                       / (OUTER * OUTER - INNER * INNER),
                    count_nodes(self, rim));
     print_item("drape", "%s", title);
-    const weft_status status = draw(self, raster, title, err);
+    const weft_status status = draw(self, (const double(*)[2])outline, title, err);
     if (status == WEFT_OK) {
         print_item("picture", "%s: the shadow, the support and the disc before",
                    self->picture);
     }
-    free(corners);
-    free(raster);
     return status;
 }
 

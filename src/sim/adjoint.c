@@ -37,7 +37,6 @@ typedef struct adjoint {
     double *rates[WEFT__STAGES + 1], *by_state[WEFT__STAGES + 2];
     double *vectors, *w, *carried; /* 6 N each; carried: by the next step's rate 0 */
     double *room[3];               /* 6 N, 6 N, 9 N */
-    bool copies;                   /* the rates of this step, to rates[0] */
     double *value, *by_number;
 } adjoint;
 
@@ -55,16 +54,17 @@ static weft_status no_memory(weft_error *err)
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a gradient");
 }
 
-static weft_status check(const weft_gradient_def *def, weft_error *err)
+static weft_status check(const weft_gradient_def *def, const double *by_number,
+                         weft_error *err)
 {
     double before = 0.0;
     if (def->sim == NULL || def->objective == NULL
-        || (def->count > 0 && def->numbers == NULL)
+        || (def->count > 0 && (def->numbers == NULL || by_number == NULL))
         || (def->frames > 0 && def->times == NULL)) {
         return weft_error_set(
             err, WEFT_INVALID,
-            "a gradient needs a sim, an objective, and as many numbers "
-            "and times as it says: one is NULL");
+            "a gradient needs a sim, an objective, as many numbers and times as it "
+            "says, and by_number for these numbers: one is NULL");
     }
     for (size_t i = 0; i < def->frames; ++i) {
         if (!(def->times[i] >= before) || !isfinite(def->times[i])) {
@@ -82,17 +82,6 @@ static size_t dim_of(const adjoint *of)
     return weft_cloth_dim(of->sim->cloth);
 }
 
-static int record_rates(double t, const double *y, double *dydt, void *ctx)
-{
-    adjoint *of = ctx;
-    const int failed = weft__sim_rhs(t, y, dydt, of->sim);
-    if (of->copies) {
-        memcpy(of->rates[0], dydt, dim_of(of) * sizeof *dydt);
-    }
-    return failed;
-}
-
-/* A simulation whose stepper calls record_rates. */
 static weft_status make_sim(adjoint *of, weft_error *err)
 {
     weft_sim_def def;
@@ -108,12 +97,7 @@ static weft_status make_sim(adjoint *of, weft_error *err)
     if (why != NULL) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no gradient with %s", why);
     }
-    const weft_stepper_type *method = of->sim->def.method;
-    const weft_ode ode = { dim_of(of), record_rates, of };
-    method->destroy(of->sim->stepper);
-    of->sim->stepper = NULL;
-    TRY(method->create(method, &ode, &of->sim->config, &of->sim->stepper, err));
-    return weft__stages_find(method, &of->sim->config, of->table, err);
+    return weft__stages_find(of->sim->def.method, &of->sim->config, of->table, err);
 }
 
 static weft_status make_room(adjoint *of, weft_error *err)
@@ -215,7 +199,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
     if (of->count % of->every == 0 && leave_checkpoint(of, err) != WEFT_OK) {
         return WEFT_NO_MEMORY;
     }
-    of->copies = (of->count + 1) % of->every == 0;
+    sim->rates = (of->count + 1) % of->every == 0 ? of->rates[0] : NULL;
     of->steps[of->count] = (recorded_step){ .t = sim->t };
     const weft_status status = weft_sim_step(sim, t_end, err);
     of->steps[of->count].restarts = of->count == 0 || sim->vetoed > taken_back;
@@ -233,7 +217,7 @@ static weft_status record(adjoint *of, weft_error *err)
         }
         of->frame[i] = of->count;
     }
-    of->copies = false;
+    of->sim->rates = NULL;
     return status;
 }
 
@@ -503,7 +487,7 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
     if (status != WEFT_OK
         || WEFT__DEF_READ(weft_gradient_def, &def, given, WEFT__DEF_MOST, err)
                != WEFT_OK
-        || check(&def, err) != WEFT_OK) {
+        || check(&def, by_number, err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     adjoint of = { .def = &def,

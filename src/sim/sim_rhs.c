@@ -63,6 +63,9 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
         return -1;
     }
     int failed = weft__forces_rhs(&sim->forces, t, y, dydt);
+    if (sim->rates != NULL) {
+        memcpy(sim->rates, dydt, dim * sizeof *dydt);
+    }
     if (weft__sim_checks(sim)) {
         note_breach(sim, t, y, failed);
     }

@@ -68,6 +68,7 @@ struct weft_sim {
     double *masses;           /* [kg] N, 0 of the pinned; then their drags [kg/s] */
     weft__limit limit;
     double *added;      /* [N] 3 N, filled by the definition's `force` */
+    double *rates;      /* 6 N, each rate that was computed; NULL: nobody needs them */
     unsigned callbacks; /* calls of the embedder under way, but those of weft_play */
     unsigned playing;   /* calls of a weft_play under way */
     weft_allocator memory;

@@ -241,8 +241,9 @@ class Fit(NamedTuple):
 def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], out: PathLike,
         overrides: Optional[Mapping[str, Any]] = None, *, sigma: float = 1e-3, force: bool = False) -> Fit:
     """Finds the numbers of a scene, keys `over`, with which its particles follow `data`, as `weft fit` does: a CSV file or a
-    table with the columns time, row and col (of a mesh vertex), x, y and z, where NaN is missing. `sigma` [m]: the
-    standard deviation of a coordinate.
+    table with the columns time, row and col (of a mesh vertex), x, y and z, where NaN is missing; or the outline of its
+    shadow at the end, with the columns angle and radius [degrees, m] or x and y [m]. `sigma` [m]: the standard deviation
+    of a coordinate, or of a radius.
 
     >>> _ = (tmp / "track.csv").write_text("time,row,col,x,y,z\\n0.05,7,5,,-0.709810,\\n")
     >>> found = weft.fit(scene, tmp / "track.csv", ["forces.gravity.1"], tmp / "fit", force=True)

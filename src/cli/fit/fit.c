@@ -49,6 +49,24 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
     return open_scene(given.operands[0], &given, scene, NULL);
 }
 
+/* What the cloth has where a point was seen, of positions; or, of the outline, of
+ * those if j is 0, and then of their slopes. */
+static void look(const fit *self, fit_point *point, size_t j, double x[3])
+{
+    shadow_point *at = &point->edge;
+    if (self->shadow.ends == NULL) {
+        memcpy(x, self->room + 3 * point->particle, 3 * sizeof *x);
+    } else if (j == 0) {
+        x[0] = shadow_at(&self->shadow, self->room, point->direction, at) ? at->radius
+                                                                          : NAN;
+    } else {
+        x[0] = at->of != NULL ? 0.0 : NAN;
+        for (size_t k = 0; at->of != NULL && k < 6; ++k) {
+            x[0] += at->slope[k / 3][k % 3] * self->room[3 * at->of[k / 3] + k % 3];
+        }
+    }
+}
+
 /* What points [from, to), whose time it is, have to the part j of the results: 0 the
  * residuals, then the slopes. Returns the row behind them. */
 static size_t compare_points(fit *self, size_t from, size_t to, size_t j, size_t row)
@@ -56,7 +74,8 @@ static size_t compare_points(fit *self, size_t from, size_t to, size_t j, size_t
     double *results = j == 0 ? self->residuals : self->slopes + (j - 1) * self->rows;
     for (size_t i = from; i < to; ++i) {
         fit_point *point = &self->points[i];
-        const double *x = self->room + 3 * point->particle;
+        double x[3] = { 0.0 };
+        look(self, point, j, x);
         for (size_t k = 0; k < 3; ++k) {
             if (j == 0) {
                 point->fitted[k] = x[k];
@@ -106,7 +125,13 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
     weft_cloth_destroy(cloth);
     weft_scene_twins_destroy(twins);
     for (size_t i = 0; status == WEFT_OK && i < self->rows * self->numbers; ++i) {
-        if (!isfinite(self->slopes[i])) {
+        const fit_point *point = &self->points[i % self->rows];
+        if (self->shadow.ends != NULL && point->edge.of == NULL) {
+            status = weft_error_set(err, WEFT_SOLVER,
+                                    "the shadow is not around the origin: there is "
+                                    "none at %g degrees",
+                                    point->angle);
+        } else if (!isfinite(self->slopes[i])) {
             status = weft_error_set(err, WEFT_SOLVER, "the sensitivities overflow");
         }
     }
@@ -385,6 +410,7 @@ static int fit_verb(const arguments *given)
     }
     weft_scene_destroy(self->scene);
     free(self->points);
+    free(self->shadow.ends);
     free(self->room);
     free(self->sets);
     free(self);
@@ -397,14 +423,17 @@ const verb verb_fit = {
     .help
     = "usage: weft fit SCENE.yaml DATA.csv --over KEY,KEY [OPTIONS]\n\n"
       "Finds the values of numbers of a scene with which its particles come nearest to "
-      "where they were seen, by Levenberg and Marquardt's method (MINPACK) with the "
+      "where they were seen, or its shadow to an outline, by Levenberg and Marquardt's "
+      "method (MINPACK) with the "
       "scene's `sensitivity` by the logarithms of the numbers: first over an eighth "
       "of the data's time, then over a quarter, half and all of it. The scene's values "
       "are the "
       "start; a factor of 3 off is near enough for most.\n\n"
       "DATA.csv has a point a line, time,row,col,x,y,z or of a mesh "
       "time,vertex,x,y,z [s, m], in any order and at any times; what is empty is "
-      "missing.\n\n"
+      "missing. With the header angle,radius [degrees, m] or x,y [m] it is the outline "
+      "of the cloth at the end of the run, seen from above along gravity, about the "
+      "scene's origin; angles turn left from the x axis.\n\n"
       "Writes fit.yaml (values, standard errors, their correlation, chi2, and which "
       "directions the data do not tell), fitted.yaml (the scene with the values) and "
       "fit.svg to SCENE-fit.\n\n"

@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* fit.h -- weft fit: the numbers of a scene with which its particles follow measured
- * tracks. The sum of squares of (x - data) / sigma is minimised over the logarithms of
- * the numbers by Levenberg and Marquardt's method (MINPACK's lmder), whose Jacobian is
- * the scene's `sensitivity`; first over an eighth of the data's time, then over a
- * quarter, half and all of it, because from afar the whole has other minima
- * (docs/gradients.md). */
+ * tracks, or its shadow at the end has a measured outline. The sum of squares of
+ * (x - data) / sigma is minimised over the logarithms of the numbers by Levenberg and
+ * Marquardt's method (MINPACK's lmder), whose Jacobian is the scene's `sensitivity`;
+ * first over an eighth of the data's time, then over a quarter, half and all of it,
+ * because from afar the whole has other minima (docs/gradients.md). */
 #pragma once
 
 #include "cli/cli.h"
+#include "cli/shadow.h"
 #include "weft/elementary.h"
 
-/* Where a particle was seen; NaN: a coordinate that is missing. */
+/* Where a particle was seen, NaN: a coordinate that is missing; or how far from the
+ * origin the outline, which is x[0] alone. */
 typedef struct fit_point {
-    double time;            /* [s] */
+    double time, angle;     /* [s]; of an outline [degrees], from 0 to 360 */
     size_t particle, line;  /* of positions; of the file */
     double x[3], fitted[3]; /* [m] */
+    double direction[2];    /* of the angle: cosine and sine */
+    shadow_point edge;      /* of the cloth, which is there */
 } fit_point;
 
 typedef struct fit {
@@ -25,7 +29,8 @@ typedef struct fit {
     char differentiate[1024], values[WEFT_SENSITIVITIES][128];
     double sigma; /* [m] */
 
-    fit_point *points; /* by time */
+    shadow shadow;     /* of an outline; else it has no ends */
+    fit_point *points; /* by time and angle */
     size_t point_count, coordinates;
     size_t now, rows; /* how many of the points are compared, and coordinates */
 
@@ -43,7 +48,7 @@ typedef struct fit {
         covariance[WEFT_SENSITIVITIES][WEFT_SENSITIVITIES]; /* of the logarithms */
 } fit;
 
-/* fit_data.c: DATA.csv. WEFT_IO with its line. */
+/* fit_data.c: DATA.csv, or an outline. WEFT_IO with its line. */
 weft_status fit_read(fit *self, const char *file, weft_error *err);
 
 /* fit_write.c: fit.yaml, fit.svg, and the numbers to stdout. */

@@ -1,18 +1,33 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* fit_data.c -- tracks of particles, a point a line: time,row,col,x,y,z or, of a mesh,
- * time,vertex,x,y,z. A coordinate that is empty is missing. */
+/* fit_data.c -- tracks of particles, one point per line: time,row,col,x,y,z or, of a
+ * mesh, time,vertex,x,y,z, whose empty coordinates are missing; or an outline:
+ * angle,radius or x,y. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cli/fit/fit.h"
 
+#define DEGREES 57.295779513082321 /* per rad */
+#define WIDEST  90.0 /* [degrees] from one point of an outline to the next */
+
 enum { MOST_CELLS = 6 };
+
+typedef enum kind { OF_GRID, OF_MESH, BY_ANGLE, IN_PLANE, KINDS } kind;
+
+static const struct {
+    const char *header;
+    size_t cells;
+} kinds[KINDS] = { { "time,row,col,x,y,z", 6 },
+                   { "time,vertex,x,y,z", 5 },
+                   { "angle,radius", 2 },
+                   { "x,y", 2 } };
 
 typedef struct table {
     const char *file;
     FILE *stream;
     char line[512];
+    kind kind;
     size_t number, cells;
     char *cell[MOST_CELLS];
     size_t *particle_of, names; /* of a vertex' number; SIZE_MAX: none */
@@ -23,7 +38,7 @@ static weft_status wrong(const table *of, const char *why, weft_error *err)
     return weft_error_set(err, WEFT_IO, "%.200s:%zu: %s", of->file, of->number, why);
 }
 
-/* Splits the next line that is not blank; WEFT_STOPPED: there is none. */
+/* The next line that is not blank; WEFT_STOPPED: there is none. */
 static weft_status next_line(table *of, weft_error *err)
 {
     do {
@@ -36,6 +51,11 @@ static weft_status next_line(table *of, weft_error *err)
         }
         of->line[strcspn(of->line, "\r\n")] = '\0';
     } while (of->line[strspn(of->line, " \t")] == '\0');
+    return WEFT_OK;
+}
+
+static weft_status split_line(table *of, weft_error *err)
+{
     of->cells = 0;
     for (char *at = of->line; at != NULL; ++of->cells) {
         if (of->cells < MOST_CELLS) {
@@ -46,27 +66,28 @@ static weft_status next_line(table *of, weft_error *err)
             *at++ = '\0';
         }
     }
-    return WEFT_OK;
+    char text[48];
+    (void)snprintf(text, sizeof text, "%zu cells must be here: %s",
+                   kinds[of->kind].cells, kinds[of->kind].header);
+    return of->cells == kinds[of->kind].cells ? WEFT_OK : wrong(of, text, err);
 }
 
-static weft_status read_header(table *of, size_t cols, weft_error *err)
+static weft_status read_header(table *of, kind tracks, weft_error *err)
 {
-    static const char *const grid[] = { "time", "row", "col", "x", "y", "z" };
-    static const char *const mesh[] = { "time", "vertex", "x", "y", "z" };
-    const char *const *names = cols > 0 ? grid : mesh;
-    const size_t count = cols > 0 ? 6 : 5;
     const weft_status status = next_line(of, err);
-    bool same = status == WEFT_OK && of->cells == count;
-    for (size_t i = 0; same && i < count; ++i) {
-        same = strcmp(of->cell[i], names[i]) == 0;
+    if (status == WEFT_OK) {
+        of->kind = tracks;
+        while (of->kind < KINDS && strcmp(of->line, kinds[of->kind].header) != 0) {
+            of->kind = of->kind == OF_GRID ? BY_ANGLE : of->kind + 1;
+        }
     }
-    return same ? WEFT_OK
-           : status != WEFT_OK && status != WEFT_STOPPED
-               ? status
-               : wrong(of,
-                       cols > 0 ? "the first line must be time,row,col,x,y,z"
-                                : "the first line must be time,vertex,x,y,z",
-                       err);
+    char text[128];
+    (void)snprintf(text, sizeof text,
+                   "the first line must be %s, or of an outline angle,radius or x,y",
+                   kinds[tracks].header);
+    return status == WEFT_OK && of->kind < KINDS         ? WEFT_OK
+           : status == WEFT_OK || status == WEFT_STOPPED ? wrong(of, text, err)
+                                                         : status;
 }
 
 /* By the names that files have of vertices. */
@@ -108,12 +129,8 @@ static weft_status find_particle(const table *of, const weft_cloth *cloth, size_
 static weft_status read_point(fit *self, const table *of, const weft_cloth *cloth,
                               weft_error *err)
 {
-    const size_t first = weft_cloth_cols(cloth) > 0 ? 3 : 2;
+    const size_t first = kinds[of->kind].cells - 3;
     fit_point *point = &self->points[self->point_count];
-    if (of->cells != first + 3) {
-        return wrong(of, first == 3 ? "6 cells must be here" : "5 cells must be here",
-                     err);
-    }
     *point = (fit_point){ .time = option_real(of->cell[0]), .line = of->number };
     if (!(point->time >= 0.0 && isfinite(point->time))) {
         return wrong(of, "time must be a number of at least 0 s", err);
@@ -131,16 +148,46 @@ static weft_status read_point(fit *self, const table *of, const weft_cloth *clot
     return WEFT_OK;
 }
 
+/* A point of an outline. */
+static weft_status read_direction(fit *self, const table *of, weft_error *err)
+{
+    const double a = option_real(of->cell[0]), b = option_real(of->cell[1]);
+    const double radius = of->kind == BY_ANGLE ? b : hypot(a, b);
+    fit_point *point = &self->points[self->point_count];
+    if (!(radius > 0.0 && isfinite(radius))
+        || (of->kind == BY_ANGLE && !(a >= -180.0 && a <= 360.0))) {
+        return wrong(of,
+                     of->kind == BY_ANGLE
+                         ? "angle must be -180 to 360 degrees, radius above 0 m"
+                         : "x and y must be numbers [m], not both 0",
+                     err);
+    }
+    *point = (fit_point){ .time = weft_scene_run(self->scene)->duration,
+                          .line = of->number,
+                          .x = { radius, NAN, NAN } };
+    point->angle
+        = fmod(360.0 + (of->kind == BY_ANGLE ? a : atan2(b, a) * DEGREES), 360.0);
+    if (of->kind == BY_ANGLE) {
+        weft_sincos_turns(1.0 / 360.0, a, &point->direction[1], &point->direction[0]);
+    } else {
+        point->direction[0] = a / radius, point->direction[1] = b / radius;
+    }
+    ++self->coordinates;
+    ++self->point_count;
+    return WEFT_OK;
+}
+
 static weft_status read_points(fit *self, table *of, const weft_cloth *cloth,
                                weft_error *err)
 {
     size_t capacity = 0;
-    TRY(read_header(of, weft_cloth_cols(cloth), err));
-    if (weft_cloth_cols(cloth) == 0) {
+    TRY(read_header(of, weft_cloth_cols(cloth) > 0 ? OF_GRID : OF_MESH, err));
+    if (of->kind == OF_MESH) {
         TRY(name_vertices(of, cloth, err));
     }
     for (weft_status status; (status = next_line(of, err)) != WEFT_STOPPED;) {
         TRY(status);
+        TRY(split_line(of, err));
         if (self->point_count == capacity) {
             capacity = capacity == 0 ? 256 : 2 * capacity;
             fit_point *grown = realloc(self->points, capacity * sizeof *grown);
@@ -149,7 +196,8 @@ static weft_status read_points(fit *self, table *of, const weft_cloth *cloth,
             }
             self->points = grown;
         }
-        TRY(read_point(self, of, cloth, err));
+        TRY(of->kind < BY_ANGLE ? read_point(self, of, cloth, err)
+                                : read_direction(self, of, err));
     }
     return WEFT_OK;
 }
@@ -157,8 +205,37 @@ static weft_status read_points(fit *self, table *of, const weft_cloth *cloth,
 static int by_time(const void *a, const void *b)
 {
     const fit_point *x = a, *y = b;
-    return x->time != y->time ? (x->time > y->time ? 1 : -1)
-                              : (x->line > y->line) - (x->line < y->line);
+    const double later = x->time != y->time ? x->time - y->time : x->angle - y->angle;
+    return later != 0.0 ? (later > 0.0 ? 1 : -1)
+                        : (x->line > y->line) - (x->line < y->line);
+}
+
+/* It goes around the origin, and has one point per angle. */
+static weft_status check_outline(fit *self, table *of, const weft_cloth *cloth,
+                                 weft_error *err)
+{
+    TRY(shadow_init(&self->shadow, cloth, weft_scene_cloth(self->scene)->gravity, err));
+    for (size_t i = 0; i < self->point_count; ++i) {
+        const bool last = i + 1 == self->point_count;
+        const fit_point *at = &self->points[i], *next = &self->points[last ? 0 : i + 1];
+        const double gap = next->angle - at->angle + (last ? 360.0 : 0.0);
+        char text[128];
+        of->number = gap == 0.0 ? next->line : at->line;
+        if (gap == 0.0) {
+            (void)snprintf(text, sizeof text,
+                           "a second point at %g degrees; the first is on line %zu",
+                           at->angle, at->line);
+        } else {
+            (void)snprintf(text, sizeof text,
+                           "the outline is open: the next point after %g degrees is "
+                           "%g degrees away",
+                           at->angle, gap);
+        }
+        if (!(gap > 0.0 && gap <= WIDEST)) {
+            return wrong(of, text, err);
+        }
+    }
+    return WEFT_OK;
 }
 
 weft_status fit_read(fit *self, const char *file, weft_error *err)
@@ -175,12 +252,15 @@ weft_status fit_read(fit *self, const char *file, weft_error *err)
         self->particles = weft_cloth_particles(cloth);
         status = read_points(self, &of, cloth, err);
     }
+    if (self->point_count > 0) {
+        qsort(self->points, self->point_count, sizeof *self->points, by_time);
+    }
+    if (status == WEFT_OK && of.kind >= BY_ANGLE) {
+        status = check_outline(self, &of, cloth, err);
+    }
     if (status == WEFT_OK && self->coordinates < self->numbers) {
         status = weft_error_set(err, WEFT_IO, "%.200s: %zu coordinates for %zu numbers",
                                 file, self->coordinates, self->numbers);
-    }
-    if (self->point_count > 0) {
-        qsort(self->points, self->point_count, sizeof *self->points, by_time);
     }
     weft_cloth_destroy(cloth);
     free(of.particle_of);

@@ -136,17 +136,47 @@ static void draw_panel(const fit *self, FILE *to, size_t k)
     fputs("\"/></g>\n", to);
 }
 
+/* Seen from above, the origin a cross. */
+static void draw_outline(const fit *self, FILE *to)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < self->point_count; ++i) {
+        most = fmax(most, fmax(self->points[i].x[0], self->points[i].fitted[0]));
+    }
+    const double scale = (WIDE / 2 - EDGE) / most;
+    fprintf(to,
+            "<g transform=\"translate(%d %d)\"><path stroke=\"#999\" "
+            "d=\"M-9 0H9M0-9V9\"/>\n<text x=\"%d\" y=\"%d\">farthest: %.4g m</text>\n",
+            WIDE / 2, WIDE / 2, 8 - WIDE / 2, WIDE / 2 - 8, most);
+    for (size_t part = 0; part < 2; ++part) {
+        fprintf(to, "<path fill=\"none\" stroke-linecap=\"round\" %s d=\"",
+                part == 0 ? "stroke=\"#b5532a\""
+                          : "stroke=\"#1f4e79\" stroke-width=\"3\"");
+        for (size_t i = 0; i < self->point_count; ++i) {
+            const fit_point *at = &self->points[i];
+            const double r = scale * (part == 0 ? at->fitted[0] : at->x[0]);
+            fprintf(to, "%c%.1f %.1f%s", part == 0 && i > 0 ? 'L' : 'M',
+                    r * at->direction[0], -r * at->direction[1], part == 0 ? "" : "h0");
+        }
+        fputs(part == 0 ? "Z\"/>\n" : "\"/></g>\n", to);
+    }
+}
+
 static weft_status draw(const fit *self, const char *directory, weft_error *err)
 {
+    const bool outline = self->shadow.ends != NULL;
     record_file file;
     TRY(record_file_open(&file, directory, "fit.svg", err));
     fprintf(file.stream,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" "
-            "font-family=\"sans-serif\" font-size=\"12\">\n<title>Tracks: data (dots) "
+            "font-family=\"sans-serif\" font-size=\"12\">\n<title>%s: data (dots) "
             "and the fitted cloth (lines)</title>\n<rect width=\"100%%\" "
             "height=\"100%%\" fill=\"white\"/>\n",
-            WIDE, 3 * HIGH);
-    for (size_t k = 0; k < 3; ++k) {
+            WIDE, outline ? WIDE : 3 * HIGH, outline ? "Outline" : "Tracks");
+    if (outline) {
+        draw_outline(self, file.stream);
+    }
+    for (size_t k = 0; !outline && k < 3; ++k) {
         draw_panel(self, file.stream, k);
     }
     fputs("</svg>\n", file.stream);
