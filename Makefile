@@ -143,7 +143,7 @@ EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/we
             $(if $(HAVE_CXX),$(BUILD)/examples/sail) \
             $(patsubst examples/%.c,$(BUILD)/examples/%.so,$(wildcard examples/weft-*.c))
 
-.PHONY: all check check-run check-slow check-reuse check-view check-python check-notebooks viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
+.PHONY: all check check-run check-slow check-reuse check-view check-python check-notebooks check-fit viewer pictures verify bench demo demo-run deps docs lint format asan tsan guard \
         fuzz fuzz-corpus coverage static check-determinism check-libm clang-syntax check-self check-steppers check-sundials7 check-aarch64 check-compilers check-elsewhere nightly \
         valgrind symbols clean help
 .DELETE_ON_ERROR:
@@ -442,6 +442,10 @@ check-python: all
 check-notebooks: all
 	@tools/check-python $(BUILD) tests/test_notebooks.py
 
+# How often weft fit finds the truth: 120 fits with noise, a quarter of an hour of a processor.
+check-fit: all
+	@TEST_LONG=1 tools/check-python $(BUILD) tests/test_fit.py
+
 # The page that weft view fills: needs node and npm, and its result is committed.
 viewer:
 	@tools/viewer-packages
@@ -610,6 +614,7 @@ nightly: all
 	$(MAKE) verify
 	$(MAKE) check-determinism WHOLE=1
 	$(MAKE) check-validation WHOLE=1
+	$(MAKE) check-fit
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-self SECONDS=3600
 	TEST_LONG=1 $(MAKE) check-libm
@@ -639,7 +644,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-slow | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] | check-slow | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

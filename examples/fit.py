@@ -7,7 +7,9 @@
     python fit.py --repeats 100      # from 18 % off, with other noise each time: how often is it within 3 standard errors?"""
 import argparse
 import csv
+import os
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +40,8 @@ def tracks(folder: Path):
 def fit(folder: Path, seen, seed: int, factor: float):
     """Of noise and of a start that a seed chooses, the start `factor` off: in standard errors, how far from the truth."""
     chance = np.random.default_rng(seed)
+    folder = folder / str(seed)
+    folder.mkdir()
     with open(folder / "tracks.csv", "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["time", "row", "col", "x", "y", "z"])
@@ -45,6 +49,12 @@ def fit(folder: Path, seen, seed: int, factor: float):
     start = {key: value * factor ** chance.choice([-1, 1]) for key, value in TRUE.items()}
     found = weft.fit(SHEET, folder / "tracks.csv", list(TRUE), folder / "fit", start, sigma=1e-3, force=True)
     return found, start, [(found.values[key] - TRUE[key]) / found.errors[key] for key in TRUE]
+
+
+def repeat(folder: Path, seen, repeats: int, factor: float):
+    """Of as many fits: in standard errors, how far each number is from the truth."""
+    with ThreadPoolExecutor(os.cpu_count()) as threads:  # each waits for a process
+        return np.array(list(threads.map(lambda seed: fit(folder, seen, seed, factor)[2], range(1, 1 + repeats))))
 
 
 def main() -> None:
@@ -62,7 +72,7 @@ def main() -> None:
                                                                           start[key], TRUE[key]))
             print("chi2 %.0f of %d coordinates, %d runs" % (found.chi2, found.coordinates, found.runs))
             return
-        all_of = np.array([fit(folder, seen, 1 + k, given.factor)[2] for k in range(given.repeats)])
+        all_of = repeat(folder, seen, given.repeats, given.factor)
         print("within 1, 2, 3 standard errors: %s; all numbers within 3: %d of %d; root mean square %s" % (
             [round(float((abs(all_of) < k).mean()), 3) for k in (1, 2, 3)], (abs(all_of) < 3).all(axis=1).sum(), len(all_of),
             np.sqrt((all_of ** 2).mean(axis=0)).round(2)))
