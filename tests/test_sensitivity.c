@@ -913,6 +913,38 @@ START_TEST(wrong_numbers_are_refused)
 }
 END_TEST
 
+/* Neither less nor more of them makes a cloth. */
+START_TEST(numbers_that_cannot_change_alone_are_named)
+{
+    static const char *const keys[][2] = {
+        { "cloth.grid.right.0", "not perpendicular" },
+        { "contact.shapes.0.spin.0", "spins about its normal only" },
+    };
+    for (size_t i = 0; i < 2; ++i) {
+        char set[80];
+        const char *const sets[] = { set };
+        weft_error err = { 0 };
+        weft_scene_twins *twins = NULL;
+        (void)snprintf(set, sizeof set, "sensitivity={of: [%s], scale: none}",
+                       keys[i][0]);
+        weft_scene_def def = scene_of_text(
+            "cloth:\n"
+            "  grid: {rows: 2, cols: 2, spacing: 1, right: [1, 0.1, 0], down: [0.1, "
+            "-1, 0]}\n"
+            "  density: 1\n"
+            "contact: {shapes: [{shape: plane, at: [0, -9, 0], normal: [0, 1, 0], "
+            "spin: [0, 2, 0]}]}\n" RK4 "run: {duration: 1}\n");
+        def.find_plugin = find_linked, def.sets = sets, def.set_count = 1;
+        weft_scene *scene = good_scene(&def);
+        ck_assert_int_ne(weft_scene_twins_create(scene, &def, &twins, &err), WEFT_OK);
+        ck_assert_ptr_null(twins);
+        ck_assert_ptr_nonnull(strstr(err.message, keys[i][0]));
+        ck_assert_ptr_nonnull(strstr(err.message, keys[i][1]));
+        weft_scene_destroy(scene);
+    }
+}
+END_TEST
+
 TEST_SUITE(sensitivity)
 {
     Suite *suite = suite_create("sensitivity");
@@ -940,6 +972,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, a_run_leaves_its_derivatives);
     tcase_add_test(tests, what_has_no_derivative_is_refused);
     tcase_add_test(tests, wrong_numbers_are_refused);
+    tcase_add_test(tests, numbers_that_cannot_change_alone_are_named);
     suite_add_tcase(suite, tests);
     return suite;
 }

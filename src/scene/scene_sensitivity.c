@@ -266,11 +266,12 @@ static weft_status make_pair(weft_scene_twins *of, const weft_scene *scene,
     const char *key = scene->sensitivity.keys[i];
     const double p = scene->sensitivity.values[i], u = p != 0.0 ? p : 1.0;
     double at[2] = { p - STEP * u, p + STEP * u };
-    weft_status status = WEFT_OK;
+    weft_status status = WEFT_OK, outside = WEFT_OK;
     for (size_t side = 0; status == WEFT_OK && side < 2; ++side) {
         twin *one = &of->of[i][side];
         status = load_twin(scene, def, i, at[side], one, err);
         if (status == WEFT_BAD_SCENE || status == WEFT_INVALID) { /* out of range */
+            outside = status;
             weft_scene_destroy(one->scene);
             *one = (twin){ NULL, NULL };
             at[side] = p;
@@ -279,7 +280,7 @@ static weft_status make_pair(weft_scene_twins *of, const weft_scene *scene,
     }
     of->numbers[i] = (weft_number_of_cloth){ key, of->of[i][0].cloth,
                                              of->of[i][1].cloth, (at[1] - at[0]) / u };
-    return status;
+    return status == WEFT_OK && at[0] == at[1] ? outside : status;
 }
 
 weft_status weft_scene_twins_create(const weft_scene *scene, const weft_scene_def *def,

@@ -143,7 +143,7 @@ static void draw_outline(const fit *self, FILE *to)
     for (size_t i = 0; i < self->point_count; ++i) {
         most = fmax(most, fmax(self->points[i].x[0], self->points[i].fitted[0]));
     }
-    const double scale = (WIDE / 2 - EDGE) / most;
+    const double scale = (0.5 * WIDE - EDGE) / most;
     fprintf(to,
             "<g transform=\"translate(%d %d)\"><path stroke=\"#999\" "
             "d=\"M-9 0H9M0-9V9\"/>\n<text x=\"%d\" y=\"%d\">farthest: %.4g m</text>\n",
