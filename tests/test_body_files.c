@@ -90,8 +90,9 @@ START_TEST(mistakes_have_their_place)
 }
 END_TEST
 
-/* Through all keys, at rest at both ends, with the law of a path. */
-START_TEST(key_frames_follow_the_law_of_paths)
+/* Through all keys, whose second differences are -2: those of the second derivative
+ * times h^2 / 6 are -0.4 at both inner keys. */
+START_TEST(key_frames_follow_natural_cubic_splines)
 {
     for (int key = 1; key <= 4; ++key) {
         char name[32], text[160];
@@ -105,13 +106,37 @@ START_TEST(key_frames_follow_the_law_of_paths)
     const weft_shape *shape = weft_scene_cloth(scene)->contact.shapes;
     double x[9];
     static const double at[][2]
-        = { { -1, -1 },      { 0, -1 },    { 0.1, -4 }, { 0.2, -9 },
-            { 0.15, -6.25 }, { 0.3, -16 }, { 9, -16 } };
+        = { { -1, -1 },  { 0, -1 },        { 0.05, -2.35 }, { 0.1, -4 }, { 0.15, -6.2 },
+            { 0.2, -9 }, { 0.25, -12.35 }, { 0.3, -16 },    { 9, -16 } };
     for (size_t i = 0; i < sizeof at / sizeof at[0]; ++i) {
         weft_shape_vertices(shape, at[i][0], x);
         ck_assert_double_eq_tol(x[0], at[i][1], 1e-12);
     }
     weft_scene_destroy(scene);
+}
+END_TEST
+
+/* Though keys far away are left out: no jump at a key, and what is straight stays so.
+ */
+START_TEST(splines_of_many_key_frames_are_continuous)
+{
+    enum { KEYS = 80 };
+    static const uint32_t corners[3] = { 0, 1, 2 };
+    double places[KEYS][9] = { { 0.0 } }, x[9], y[9];
+    for (int k = 0; k < KEYS; ++k) {
+        places[k][0] = k * k % 7, places[k][3] = k, places[k][7] = 1.0;
+    }
+    const weft_body body = { 3, 1, KEYS, places[0], corners, 8.0 };
+    weft_shape shape = weft_shape_default(WEFT_MESH);
+    shape.body = &body;
+    for (int k = 1; k < KEYS; ++k) {
+        weft_shape_vertices(&shape, k / 8.0 - 1e-12, x);
+        weft_shape_vertices(&shape, k / 8.0, y);
+        ck_assert_double_eq_tol(x[0], y[0], 1e-8);
+        ck_assert_double_eq_tol(y[0], places[k][0], 1e-14);
+        weft_shape_vertices(&shape, (k - 0.75) / 8.0, y);
+        ck_assert_double_eq_tol(y[3], k - 0.75, 1e-8);
+    }
 }
 END_TEST
 
@@ -178,7 +203,8 @@ TEST_SUITE(body_files)
     tcase_set_timeout(tcase, 60.0);
     tcase_add_test(tcase, v_and_f_alone_are_read);
     tcase_add_test(tcase, mistakes_have_their_place);
-    tcase_add_test(tcase, key_frames_follow_the_law_of_paths);
+    tcase_add_test(tcase, key_frames_follow_natural_cubic_splines);
+    tcase_add_test(tcase, splines_of_many_key_frames_are_continuous);
     tcase_add_test(tcase, key_frames_divide_quadrilaterals_as_the_first);
     tcase_add_test(tcase, a_run_can_be_repeated_from_its_results);
     suite_add_tcase(suite, tcase);

@@ -112,7 +112,7 @@ typedef struct weft_turn {
 
 /* Triangles of a shape, open or closed, in any orientation; docs/contact.md. With
  * several keys its vertices move: key i has their places at time i / fps, in between
- * they follow the law of a weft_track, after the last they rest. Arrays are copied by
+ * they follow natural cubic splines, after the last they rest. Arrays are copied by
  * weft_cloth_create. Fixed for ever. */
 typedef struct weft_body {
     size_t vertices, triangles, keys; /* >= 3, >= 1, >= 1 */

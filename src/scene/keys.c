@@ -486,8 +486,8 @@ static const weft__key shape_keys[] = {
       .meaning = "mesh: one unit of the file" },
     { "fps", WEFT__NUMBER, .of = MESH, RANGE(.strict = true), .unit = "1/s",
       .absent = "no key frames", AT(weft__shape_item, fps),
-      .meaning = "mesh: key frames a second; between them it moves smoothly, after the "
-                 "last it rests" },
+      .meaning = "mesh: key frames a second; in between it follows natural cubic "
+                 "splines, after the last it rests" },
     { "friction", WEFT__NUMBER, RANGE(.least = 0.0), .absent = "contact.friction",
       AT(weft_shape, friction), .meaning = "coefficient of friction of this shape" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, velocity),

@@ -185,11 +185,14 @@ size_t weft__bodies_vertices(const weft__contact *of)
 
 /* ---- motion ---------------------------------------------------------------------- */
 
-/* The law of a track is linear in its rows: the shares that keys first, first + 1, ...
- * have at a time in places and in velocities [1/s]. */
+/* A natural cubic spline is linear in its keys: the shares that keys first, first + 1,
+ * ... have at a time in places and in velocities [1/s]. Those further away than
+ * KEYS_BESIDE, whose shares are below 1e-9, are left out. */
+enum { KEYS_BESIDE = 16, KEYS_MOST = 2 * KEYS_BESIDE };
+
 typedef struct keys {
     size_t first, count;
-    double share[4], rate[4];
+    double share[KEYS_MOST], rate[KEYS_MOST];
 } keys;
 
 static double key_time(const weft_body *of, size_t i)
@@ -205,27 +208,41 @@ static size_t key_before(const weft_body *of, double t)
     return i + (key_time(of, i + 1) <= t);
 }
 
-/* By tracks of the keys about t, which have two of the shares as vectors. */
+/* Adds to shares a X_i + b X_(i+1), and what c X''_i + d X''_(i+1), times h^2 / 6, are
+ * of all keys: X''_(j-1) + 4 X''_j + X''_(j+1) = 6 / h^2 times the second
+ * difference at j, 0 at both ends. The matrix is symmetric, so that the solution for c
+ * and d has the share of each second difference. */
+static void add_shares(size_t i, size_t count, const double of[4], double *share)
+{
+    double pivot[KEYS_MOST] = { 0.0 }, part[KEYS_MOST] = { 0.0 };
+    share[i] += of[0], share[i + 1] += of[1];
+    for (size_t j = 1; j + 1 < count; ++j) {
+        const double wanted = j == i ? of[2] : j == i + 1 ? of[3] : 0.0;
+        pivot[j] = 1.0 / (4.0 - pivot[j - 1]);
+        part[j] = pivot[j] * (wanted - part[j - 1]);
+    }
+    for (size_t j = count - 2; j > 0; --j) {
+        part[j] -= pivot[j] * part[j + 1];
+        share[j - 1] += part[j], share[j] -= 2.0 * part[j], share[j + 1] += part[j];
+    }
+}
+
 static keys keys_at(const weft_body *of, double t)
 {
-    if (of->keys == 1 || !(t > 0.0 && t < key_time(of, of->keys - 1))) {
+    if (of->keys == 1 || !(t >= 0.0 && t < key_time(of, of->keys - 1))) {
         const size_t key = of->keys > 1 && t > 0.0 ? of->keys - 1 : 0;
         return (keys){ .first = key, .count = 1, .share[0] = 1.0 };
     }
-    const size_t i = key_before(of, t), first = i > 0 ? i - 1 : 0;
-    keys out
-        = { .first = first, .count = (i + 3 < of->keys ? i + 3 : of->keys) - first };
-    for (size_t half = 0; half < 4; half += 2) {
-        double rows[4 * WEFT__TRACK_WIDTH] = { 0.0 }, value[3][3];
-        for (size_t k = 0; k < out.count; ++k) {
-            rows[WEFT__TRACK_WIDTH * k] = key_time(of, first + k);
-            rows[WEFT__TRACK_WIDTH * k + 1 + k % 2] = k / 2 == half / 2;
-        }
-        weft__track_at(&(weft_track){ rows, out.count }, t, value);
-        for (size_t k = 0; k < 2; ++k) {
-            out.share[half + k] = value[0][k], out.rate[half + k] = value[1][k];
-        }
-    }
+    const size_t i = key_before(of, t);
+    keys out = { .first = i + 1 > KEYS_BESIDE ? i + 1 - KEYS_BESIDE : 0 };
+    const size_t end = i + 1 + KEYS_BESIDE < of->keys ? i + 1 + KEYS_BESIDE : of->keys;
+    out.count = end - out.first;
+    const double s = (t - key_time(of, i)) * of->fps, r = 1.0 - s;
+    const double place[4] = { r, s, r * (r * r - 1.0), s * (s * s - 1.0) };
+    const double rate[4] = { -of->fps, of->fps, of->fps * (1.0 - 3.0 * r * r),
+                             of->fps * (3.0 * s * s - 1.0) };
+    add_shares(i - out.first, out.count, place, out.share);
+    add_shares(i - out.first, out.count, rate, out.rate);
     return out;
 }
 
