@@ -4,9 +4,10 @@
 
     python3 mannequin.py > mannequin.obj
     python3 mannequin.py walk-%02d.obj
+    python3 mannequin.py dressed-body.obj
 
 scenes/poncho.yaml has the first result. The second are coarser ones, key frames of a walk towards +z on the spot, KEYS to a
-second, for scenes/walk.yaml."""
+second, for scenes/walk.yaml. The third is slim and has its arms out, for the clothes of scenes/dressed.yaml."""
 import math
 import sys
 
@@ -22,6 +23,18 @@ PARTS = [
     ((0.300, 0.900, 0), (0.040, 0.170, 0.040), 10, "forearm"),
     ((0.090, 0.640, 0), (0.085, 0.270, 0.090), 0, "thigh"),
     ((0.090, 0.250, 0), (0.060, 0.250, 0.065), 0, "shin"),
+]
+ARMS_OUT = [
+    ((0, 1.76, 0), (0.075, 0.115, 0.090), 0, None),
+    ((0, 1.53, 0.003), (0.036, 0.150, 0.036), 0, None),
+    ((0, 1.26, 0), (0.128, 0.170, 0.056), 0, None),
+    ((0.105, 1.405, 0), (0.095, 0.045, 0.042), -6, None),
+    ((0, 1.06, 0), (0.115, 0.180, 0.054), 0, None),
+    ((0, 0.852, 0), (0.122, 0.115, 0.112), 0, None),
+    ((0.290, 1.420, 0), (0.160, 0.033, 0.033), 2, None),
+    ((0.530, 1.430, 0), (0.150, 0.027, 0.027), 2, None),
+    ((0.065, 0.600, 0), (0.058, 0.240, 0.060), 0, None),
+    ((0.065, 0.250, 0), (0.045, 0.250, 0.048), 0, None),
 ]
 RINGS, SIDES = 16, 24
 JOINTS = {"thigh": [("hip", 0.86)], "shin": [("knee", 0.47), ("hip", 0.86)],  # and their heights [m]
@@ -65,10 +78,10 @@ def ellipsoid(centre, half, turn, rings, sides):
     return placed, faces
 
 
-def write(out, digits, rings=RINGS, sides=SIDES, time=0.0):
+def write(out, digits, rings=RINGS, sides=SIDES, time=0.0, parts=PARTS):
     first = 1
     print("# made by examples/mannequin.py", file=out)
-    for centre, half, turn, limb in PARTS:
+    for centre, half, turn, limb in parts:
         for side in (1, -1) if centre[0] != 0 else (1,):
             points, faces = ellipsoid((side * centre[0], *centre[1:]), half, side * turn, rings, sides)
             for point in pose(points, limb, bend(time, side)):
@@ -79,6 +92,9 @@ def write(out, digits, rings=RINGS, sides=SIDES, time=0.0):
 
 if len(sys.argv) < 2:
     write(sys.stdout, 5)
+elif "%" not in sys.argv[1]:
+    with open(sys.argv[1], "w") as body:
+        write(body, 4, 10, 14, parts=ARMS_OUT)
 else:
     for key in range(round(WALK * KEYS) + 1):
         with open(sys.argv[1] % key, "w") as frame:

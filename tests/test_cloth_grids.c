@@ -169,6 +169,25 @@ START_TEST(a_grid_has_the_forces_that_it_has_alone_bit_for_bit)
 }
 END_TEST
 
+START_TEST(grids_alone_need_no_array_of_triangles)
+{
+    static double y[6 * GRID], z[6 * GRID];
+    const weft_cloth_def grid = grid_of(ROWS, COLS), *grids[] = { &grid };
+    const weft_cloth_part part = { "flag", 0, GRID, { 0.0 } };
+    weft_mesh_def mesh = weft_mesh_def_default();
+    weft_cloth_def def = grid;
+    mesh.vertices = GRID;
+    mesh.parts = &part, mesh.part_count = 1, mesh.grids = grids;
+    def.mesh = &mesh;
+    weft_cloth *alone = test_cloth(&grid), *among = test_cloth(&def);
+    weft_cloth_start(alone, y);
+    weft_cloth_start(among, z);
+    ck_assert_mem_eq(y, z, sizeof y);
+    weft_cloth_destroy(alone);
+    weft_cloth_destroy(among);
+}
+END_TEST
+
 /* Energies, powers and the bound of modes: those of others are 0 or lower. */
 START_TEST(a_grid_has_the_energy_the_powers_and_the_stiffness_that_it_has_alone)
 {
@@ -437,6 +456,7 @@ TEST_SUITE(cloth_grids)
     TCase *all = tcase_create("all");
     tcase_set_timeout(all, 120.0);
     tcase_add_test(all, a_grid_has_the_forces_that_it_has_alone_bit_for_bit);
+    tcase_add_test(all, grids_alone_need_no_array_of_triangles);
     tcase_add_test(
         all, a_grid_has_the_energy_the_powers_and_the_stiffness_that_it_has_alone);
     tcase_add_test(all, a_grid_touches_itself_as_it_does_alone);

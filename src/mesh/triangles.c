@@ -306,7 +306,7 @@ static void order_particles(weft__work *at)
     }
     set_keys(at);
     sort_by_keys(at->key, &at->order, &at->other, n);
-    if (tied(at)) {
+    if (at->def->triangles > 0 && tied(at)) { /* grids alone may have no start */
         break_ties(at);
     }
     for (size_t i = 0; at->def->part_count > 1 && i < n; ++i) {
