@@ -530,6 +530,7 @@ typedef struct evaluation {
     weft__self_list *list;
     weft__self_law law;
     const double *y;
+    weft__pushes *room; /* for those of any bin in turn, by one thread; or NULL */
     atomic_bool bad;
 } evaluation;
 
@@ -558,55 +559,73 @@ static void find_close(weft__self_chunk *of, double more)
     }
 }
 
+static size_t push_bin(evaluation *all, weft__self_chunk *in, weft__pair_kind kind,
+                       weft__pushes *out)
+{
+    const weft__self *own = all->law.own;
+    const weft__self_bin *at = &in->bins[kind];
+    double bad = 0.0;
+    const size_t count
+        = own->pushes(&all->law, kind, own->between ? &at->before.near : &at->now.near,
+                      own->between ? in->before.spans : in->now.spans, in->now.count,
+                      all->y, out, &bad);
+    if (bad != 0.0) {
+        atomic_store(&all->bad, true);
+    }
+    return count;
+}
+
 static void evaluate_part(void *ctx, size_t part)
 {
     evaluation *all = ctx;
     weft__self_chunk *in = &all->list->chunks[part];
-    double bad = 0.0;
-    const bool close = all->law.own->between;
-    if (close) { /* piles of cloth make their lists anew too often for it to pay */
+    if (all->law.own->between) { /* piles make their lists too often for it to pay */
         find_close(in, CLOSE * all->list->skin);
     }
-    for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
+    for (size_t kind = 0; kind < WEFT__KINDS && all->room == NULL; ++kind) {
         weft__self_bin *at = &in->bins[kind];
-        at->pushing = all->law.own->pushes(&all->law, (weft__pair_kind)kind,
-                                           close ? &at->before.near : &at->now.near,
-                                           close ? in->before.spans : in->now.spans,
-                                           in->now.count, all->y, at->pushes, &bad);
-    }
-    if (bad != 0.0) {
-        atomic_store(&all->bad, true);
+        at->pushing = push_bin(all, in, (weft__pair_kind)kind, at->pushes);
     }
 }
 
-/* Fills the pushes of a list that is ready; returns whether there can be any. */
-static bool evaluate(evaluation *all)
+/* Of the chunk that has the most room. */
+static weft__pushes *widest(const weft__self_list *list)
 {
-    if (all->list->group_count == 0) {
-        return false;
+    const weft__self_chunk *out = &list->chunks[0];
+    for (size_t i = 1; i < list->chunk_count; ++i) {
+        out = list->chunks[i].room > out->room ? &list->chunks[i] : out;
     }
-    all->law = weft__self_law_of(all->list->own);
-    weft__pool_run(all->list->pool, evaluate_part, all, all->list->chunk_count);
-    return true;
+    return out->bins[0].pushes;
 }
 
-/* In the order of weft__each_pair. By one thread: the pushes of others come from their
- * caches, and two that each add half of them took longer. */
+/* In the order of weft__each_pair. One thread calls `each` with a bin as soon as it is
+ * filled, in a room that stays in its cache; of several one does so when all are
+ * filled: two that each add half of them took longer. */
 int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
                          void *ctx)
 {
-    evaluation all = { .list = list, .y = y };
+    const bool alone = weft__pool_threads(list->pool) == 1;
     const readiness is = prepare(list, y);
+    evaluation all = { .list = list,
+                       .law = weft__self_law_of(list->own),
+                       .y = y,
+                       .room = alone ? widest(list) : NULL };
     if (is != READY) {
         return is == NOT_FINITE ? 1
                                 : weft__self_each(list->own, list->knots, y, each, ctx);
     }
-    const bool any = evaluate(&all);
-    for (size_t kind = 0; kind < WEFT__KINDS && any; ++kind) {
-        for (size_t i = 0; i < list->chunk_count; ++i) {
-            const weft__self_bin *in = &list->chunks[i].bins[kind];
-            each(ctx, (weft__pair_kind)kind, in->pushes, in->pushing);
+    if (list->group_count > 0) {
+        weft__pool_run(list->pool, evaluate_part, &all, list->chunk_count);
+    }
+    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count && list->group_count > 0;
+         ++j) {
+        const weft__pair_kind kind = (weft__pair_kind)(j / list->chunk_count);
+        weft__self_chunk *in = &list->chunks[j % list->chunk_count];
+        weft__self_bin *at = &in->bins[kind];
+        if (alone) {
+            at->pushing = push_bin(&all, in, kind, all.room);
         }
+        each(ctx, kind, alone ? all.room : at->pushes, at->pushing);
     }
     return atomic_load(&all.bad) ? 1 : 0;
 }
