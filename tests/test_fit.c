@@ -34,6 +34,22 @@ static const char panel[]
       "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
       "run: {duration: 0.5, fps: 20}\n";
 
+/* Two of them, one above the other. */
+static const char pair[]
+    = "weft: 1\n"
+      "name: pair\n"
+      "cloths:\n"
+      "  - name: low\n"
+      "    mesh: {file: panel.obj}\n"
+      "    fabric: {density: 0.2, stretch: [100, 60], shear: 20, damping: 1.0e-3}\n"
+      "    pins: [{vertices: [0]}]\n"
+      "  - name: high\n"
+      "    mesh: {file: panel.obj, at: [0, 0, 1]}\n"
+      "    fabric: {density: 0.2, stretch: [80, 90], shear: 20, damping: 1.0e-3}\n"
+      "    pins: [{vertices: [1]}]\n"
+      "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-3}\n"
+      "run: {duration: 0.5, fps: 20}\n";
+
 static const char panel_obj[]
     = "v 0 0 0\nv .5 0 0\nv 0 .5 0\nv .5 .5 0\nvt 0 0\nvt .5 0\nvt 0 .5\nvt .5 .5\n"
       "f 1/1 2/2 4/4\nf 1/1 4/4 3/3\n";
@@ -82,6 +98,8 @@ static void begin(void)
     write_file(OUT "/drape.yaml", drape);
     follow("sheet", "time,row,col,x,y,z", "1-5");
     follow("panel", "time,vertex,x,y,z", "1-4");
+    write_file(OUT "/pair.yaml", pair);
+    follow("pair", "time,cloth,vertex,x,y,z", "1-5");
 }
 
 static void forget(void)
@@ -134,6 +152,22 @@ START_TEST(of_a_mesh_numbers_are_found_where_data_are_missing)
     ck_found("cloth.fabric.stretch.1", 60.0, 1e-6);
     ck_assert_double_eq_tol(number_of("forces.gravity.1", "value"), -9.81, 1e-6);
     ck_assert_double_eq(number_of("coordinates", NULL), 117.0);
+}
+END_TEST
+
+START_TEST(of_several_cloths_each_has_its_numbers)
+{
+    fit(0, "pair.yaml pair.csv --over cloths.0.fabric.stretch.1,"
+           "cloths.1.fabric.stretch.1 --set cloths.0.fabric.stretch=[100,150] --set "
+           "cloths.1.fabric.stretch=[80,60] --out found");
+    ck_found("cloths.0.fabric.stretch.1", 60.0, 1e-6);
+    ck_found("cloths.1.fabric.stretch.1", 90.0, 1e-6);
+    write_file(OUT "/data.csv", "time,cloth,vertex,x,y,z\n0.1,middle,0,0,0,0\n");
+    fit(4, "pair.yaml data.csv --over cloths.0.fabric.shear --out none");
+    says("data.csv:2: the scene has no such cloth");
+    write_file(OUT "/data.csv", "time,cloth,vertex,x,y,z\n0.1,high,4,0,0,0\n");
+    fit(4, "pair.yaml data.csv --over cloths.0.fabric.shear --out none");
+    says("data.csv:2: the mesh has no such vertex");
 }
 END_TEST
 
@@ -313,6 +347,7 @@ Suite *fit_suite(void)
     tcase_set_timeout(tcase, 120);
     tcase_add_test(tcase, numbers_are_found_from_exact_tracks);
     tcase_add_test(tcase, of_a_mesh_numbers_are_found_where_data_are_missing);
+    tcase_add_test(tcase, of_several_cloths_each_has_its_numbers);
     tcase_add_test(tcase, the_fitted_scene_runs_as_the_one_that_made_the_tracks);
     tcase_add_test(tcase, the_standard_error_is_that_of_the_sensitivities);
     tcase_add_test(tcase, what_the_data_cannot_tell_is_named);

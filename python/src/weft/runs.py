@@ -241,7 +241,7 @@ class Fit(NamedTuple):
 def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], out: PathLike,
         overrides: Optional[Mapping[str, Any]] = None, *, sigma: float = 1e-3, force: bool = False) -> Fit:
     """Finds the numbers of a scene, keys `over`, with which its particles follow `data`, as `weft fit` does: a CSV file or a
-    table with the columns time, row and col (of a mesh vertex), x, y and z, where NaN is missing; or the outline of its
+    table with the columns time, row and col (of a mesh vertex, of several cloths cloth and vertex), x, y and z, where NaN is missing; or the outline of its
     shadow at the end, with the columns angle and radius [degrees, m] or x and y [m]. `sigma` [m]: the standard deviation
     of a coordinate, or of a radius.
 

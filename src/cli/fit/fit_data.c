@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* fit_data.c -- tracks of particles, one point per line: time,row,col,x,y,z or, of a
- * mesh, time,vertex,x,y,z, whose empty coordinates are missing; or an outline:
- * angle,radius or x,y. */
+/* fit_data.c -- tracks of particles, one point per line, whose empty coordinates are
+ * missing, or an outline: `kinds` has the headers. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,13 +12,14 @@
 
 enum { MOST_CELLS = 6 };
 
-typedef enum kind { OF_GRID, OF_MESH, BY_ANGLE, IN_PLANE, KINDS } kind;
+typedef enum kind { OF_GRID, OF_MESH, OF_CLOTHS, BY_ANGLE, IN_PLANE, KINDS } kind;
 
 static const struct {
     const char *header;
     size_t cells;
 } kinds[KINDS] = { { "time,row,col,x,y,z", 6 },
                    { "time,vertex,x,y,z", 5 },
+                   { "time,cloth,vertex,x,y,z", 6 },
                    { "angle,radius", 2 },
                    { "x,y", 2 } };
 
@@ -30,7 +30,6 @@ typedef struct table {
     kind kind;
     size_t number, cells;
     char *cell[MOST_CELLS];
-    size_t *particle_of, names; /* of a vertex' number; SIZE_MAX: none */
 } table;
 
 static weft_status wrong(const table *of, const char *why, weft_error *err)
@@ -78,7 +77,7 @@ static weft_status read_header(table *of, kind tracks, weft_error *err)
     if (status == WEFT_OK) {
         of->kind = tracks;
         while (of->kind < KINDS && strcmp(of->line, kinds[of->kind].header) != 0) {
-            of->kind = of->kind == OF_GRID ? BY_ANGLE : of->kind + 1;
+            of->kind = of->kind < BY_ANGLE ? BY_ANGLE : of->kind + 1;
         }
     }
     char text[128];
@@ -90,40 +89,36 @@ static weft_status read_header(table *of, kind tracks, weft_error *err)
                                                          : status;
 }
 
-/* By the names that files have of vertices. */
-static weft_status name_vertices(table *of, const weft_cloth *cloth, weft_error *err)
-{
-    const size_t n = weft_cloth_particles(cloth);
-    for (size_t i = 0; i < n; ++i) {
-        const size_t name = weft_cloth_name(cloth, i);
-        of->names = name < of->names ? of->names : name + 1;
-    }
-    of->particle_of = malloc(of->names * sizeof *of->particle_of);
-    if (of->particle_of == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the data");
-    }
-    memset(of->particle_of, 0xff, of->names * sizeof *of->particle_of);
-    for (size_t i = 0; i < n; ++i) {
-        of->particle_of[weft_cloth_name(cloth, i)] = i;
-    }
-    return WEFT_OK;
-}
-
+/* The names of vertices ascend, those of each cloth from 0: none is below its place. */
 static weft_status find_particle(const table *of, const weft_cloth *cloth, size_t *out,
                                  weft_error *err)
 {
     const size_t rows = weft_cloth_rows(cloth), cols = weft_cloth_cols(cloth);
-    size_t at, col = 0;
-    const bool is = option_count(of->cell[1], '\0', &at)
-                    && (cols == 0 || option_count(of->cell[2], '\0', &col));
-    if (cols > 0) {
+    const size_t part
+        = of->kind == OF_CLOTHS ? weft_cloth_part_find(cloth, of->cell[1]) : SIZE_MAX;
+    size_t at = 0, col = 0, first = 0, i = weft_cloth_particles(cloth) - 1;
+    if (of->kind == OF_CLOTHS && part == SIZE_MAX) {
+        return wrong(of, "the scene has no such cloth", err);
+    }
+    const bool is = option_count(of->cell[part == SIZE_MAX ? 1 : 2], '\0', &at)
+                    && (of->kind != OF_GRID || option_count(of->cell[2], '\0', &col));
+    if (of->kind == OF_GRID) {
         *out = at * cols + col;
         return is && at < rows && col < cols
                    ? WEFT_OK
                    : wrong(of, "the grid has no such row and col", err);
     }
-    *out = is && at < of->names ? of->particle_of[at] : SIZE_MAX;
-    return *out != SIZE_MAX ? WEFT_OK : wrong(of, "the mesh has no such vertex", err);
+    if (part != SIZE_MAX) {
+        first = weft_cloth_part_at(cloth, part).first;
+        i = weft_cloth_part_at(cloth, part).count - 1;
+    }
+    for (i = at < i ? at : i; i > 0 && weft_cloth_name(cloth, first + i) > at;) {
+        --i;
+    }
+    *out = first + i;
+    return is && weft_cloth_name(cloth, *out) == at
+               ? WEFT_OK
+               : wrong(of, "the mesh has no such vertex", err);
 }
 
 static weft_status read_point(fit *self, const table *of, const weft_cloth *cloth,
@@ -181,10 +176,11 @@ static weft_status read_points(fit *self, table *of, const weft_cloth *cloth,
                                weft_error *err)
 {
     size_t capacity = 0;
-    TRY(read_header(of, weft_cloth_cols(cloth) > 0 ? OF_GRID : OF_MESH, err));
-    if (of->kind == OF_MESH) {
-        TRY(name_vertices(of, cloth, err));
-    }
+    TRY(read_header(of,
+                    weft_cloth_cols(cloth) > 0    ? OF_GRID
+                    : weft_cloth_parts(cloth) > 0 ? OF_CLOTHS
+                                                  : OF_MESH,
+                    err));
     for (weft_status status; (status = next_line(of, err)) != WEFT_STOPPED;) {
         TRY(status);
         TRY(split_line(of, err));
@@ -263,7 +259,6 @@ weft_status fit_read(fit *self, const char *file, weft_error *err)
                                 file, self->coordinates, self->numbers);
     }
     weft_cloth_destroy(cloth);
-    free(of.particle_of);
     (void)fclose(of.stream);
     return status;
 }
