@@ -171,6 +171,26 @@ START_TEST(of_several_cloths_each_has_its_numbers)
 }
 END_TEST
 
+/* The preset's bending is the start; only its warp is fitted. */
+START_TEST(numbers_of_a_preset_are_fitted)
+{
+    write_file(OUT "/strip.yaml",
+               "weft: 1\ncloth:\n  grid: {rows: 8, cols: 1, spacing: 0.03, right: [0, "
+               "0, 1], down: [1, 0, 0]}\n  fabric: {preset: royal-target}\n  pins: "
+               "[{rows: [0, 1], cols: all}]\nforces: {damping: 3.0e-3}\nstepper: "
+               "{plugin: verlet, method: velocity_verlet, fixed_step: 1.0e-4}\nrun: "
+               "{duration: 0.5, fps: 20}\n");
+    expect(shell("cd " OUT " && ../weft run strip.yaml --out strip --force --quiet "
+                 "--set record.final=true --set cloth.fabric.bend=[6.0e-5,31.3e-6] && "
+                 "awk -F, 'NR == 1 { print \"time,\" $1 \",\" $2 \",x,y,z\" } NR > 1 { "
+                 "print \"0.5,\" $1 \",\" $2 \",\" $3 \",\" $4 \",\" $5 }' "
+                 "strip/final.csv >strip.csv"),
+           0);
+    fit(0, "strip.yaml strip.csv --over cloth.fabric.bend.0 --out found");
+    ck_found("cloth.fabric.bend.0", 6e-5, 1e-5);
+}
+END_TEST
+
 START_TEST(the_fitted_scene_runs_as_the_one_that_made_the_tracks)
 {
     fit(0, "sheet.yaml sheet.csv --over " STRETCH " --set " STRETCH "=60 --out found");
@@ -348,6 +368,7 @@ Suite *fit_suite(void)
     tcase_add_test(tcase, numbers_are_found_from_exact_tracks);
     tcase_add_test(tcase, of_a_mesh_numbers_are_found_where_data_are_missing);
     tcase_add_test(tcase, of_several_cloths_each_has_its_numbers);
+    tcase_add_test(tcase, numbers_of_a_preset_are_fitted);
     tcase_add_test(tcase, the_fitted_scene_runs_as_the_one_that_made_the_tracks);
     tcase_add_test(tcase, the_standard_error_is_that_of_the_sensitivities);
     tcase_add_test(tcase, what_the_data_cannot_tell_is_named);

@@ -913,6 +913,22 @@ START_TEST(wrong_numbers_are_refused)
 }
 END_TEST
 
+START_TEST(a_preset_has_numbers)
+{
+    const weft_fabric *denim = weft_fabric_find("11oz-black-denim");
+    end of = begin("cloth:\n  grid: {rows: 2, cols: 2, spacing: 0.1}\n"
+                   "  fabric: {preset: 11oz-black-denim, shear: 70}\n" RK4
+                   "run: {duration: 1}\nsensitivity: {of: [cloth.fabric.bend.1, "
+                   "cloth.fabric.density, cloth.fabric.shear]}\n",
+                   NULL, 0);
+    const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of.scene);
+    ck_assert(numbers->values[0] == denim->bend[1]);
+    ck_assert(numbers->values[1] == denim->density);
+    ck_assert(numbers->values[2] == 70.0);
+    finish(&of);
+}
+END_TEST
+
 /* Neither less nor more of them makes a cloth. */
 START_TEST(numbers_that_cannot_change_alone_are_named)
 {
@@ -972,6 +988,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, a_run_leaves_its_derivatives);
     tcase_add_test(tests, what_has_no_derivative_is_refused);
     tcase_add_test(tests, wrong_numbers_are_refused);
+    tcase_add_test(tests, a_preset_has_numbers);
     tcase_add_test(tests, numbers_that_cannot_change_alone_are_named);
     suite_add_tcase(suite, tests);
     return suite;

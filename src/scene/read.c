@@ -314,17 +314,15 @@ void weft__read_value(weft__reader *reader, const weft__key *key,
 
 /* A plain value needs no parser, which would take most of the time of reading a scene.
  */
-const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
+const weft__node *weft__fallback_node(weft__tree *tree, const char *text,
                                       weft__node *plain)
 {
-    const weft__source source
-        = { .file = "", .text = key->fallback, .length = strlen(key->fallback) };
+    const weft__source source = { .file = "", .text = text, .length = strlen(text) };
     const weft__node *node = plain;
     *plain = (weft__node){ .style = YAML_PLAIN_SCALAR_STYLE,
-                           .text = key->fallback,
+                           .text = text,
                            .count = source.length };
-    return key->fallback[0] != '[' || weft__tree_parse(tree, &source, 0, &node) ? node
-                                                                                : NULL;
+    return text[0] != '[' || weft__tree_parse(tree, &source, 0, &node) ? node : NULL;
 }
 
 /* ---- mappings --------------------------------------------------------------- */
@@ -464,7 +462,8 @@ static void read_key(weft__reader *reader, weft__match *match, size_t i, void *b
                  match->title, key->name, weft__unit_text(key).text, key->meaning);
     } else if (key->fallback != NULL) {
         weft__node plain;
-        const weft__node *node = weft__fallback_node(reader->tree, key, &plain);
+        const weft__node *node
+            = weft__fallback_node(reader->tree, key->fallback, &plain);
         if (node != NULL) {
             weft__read_value(reader, key, node, base);
         }

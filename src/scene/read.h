@@ -251,8 +251,8 @@ void weft__read_section(weft__reader *reader, const weft__section *section,
 void weft__read_value(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *base);
 
-/* The default of a key that has one, in *plain or of the tree; NULL: no memory. */
-const weft__node *weft__fallback_node(weft__tree *tree, const weft__key *key,
+/* The text of a default as a value, in *plain or of the tree; NULL: no memory. */
+const weft__node *weft__fallback_node(weft__tree *tree, const char *text,
                                       weft__node *plain);
 
 /* A key by its name, which must be one of the section's. */

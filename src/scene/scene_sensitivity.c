@@ -39,9 +39,29 @@ typedef struct led_to {
     const weft__key *key;   /* its entry of the table; NULL: none */
     const weft__node *node; /* NULL: there is no such value */
     weft__node plain;
-    size_t by_default; /* the first bytes of the path have a default, which it is of */
+    const char *text;  /* a default, or what a preset has, */
+    size_t by_default; /* of the first bytes of the path */
     weft__guess guess; /* for the first part that is no key */
 } led_to;
+
+/* What a key has that is not in its mapping; NULL: nothing. */
+static const char *text_of(const weft__reader *reader, const weft__key *key,
+                           const weft__node *mapping)
+{
+    const weft__node *name = mapping != NULL ? weft__value_of(mapping, "preset") : NULL;
+    const char *called = name != NULL ? weft__text_of(name) : NULL;
+    const weft_fabric *preset = called != NULL ? weft_fabric_find(called) : NULL;
+    if (preset == NULL || !is_smooth(key)) {
+        return key->fallback;
+    }
+    const double *of = (const void *)((const char *)preset + weft__offset_of(key));
+    const bool pair = key->kind == WEFT__PAIR;
+    char text[64];
+    const int length
+        = weft_text_format(text, sizeof text, pair ? "[%.17g, %.17g]" : "%.17g", of[0],
+                           pair ? of[1] : 0.0);
+    return weft__tree_text(reader->tree, text, (size_t)length);
+}
 
 static void find_value(const weft__reader *reader, const char *path, led_to *of)
 {
@@ -60,9 +80,13 @@ static void find_value(const weft__reader *reader, const char *path, led_to *of)
             lost = lost || of->key == NULL;
             section = of->key != NULL && of->key->section != NULL ? of->key->section
                                                                   : section;
+            const weft__node *mapping = node;
             node = node != NULL ? weft__value_of(node, name) : NULL;
-            if (node == NULL && of->key != NULL && of->key->fallback != NULL) {
-                node = weft__fallback_node(reader->tree, of->key, &of->plain);
+            of->text = node == NULL && of->key != NULL
+                           ? text_of(reader, of->key, mapping)
+                           : NULL;
+            if (of->text != NULL) {
+                node = weft__fallback_node(reader->tree, of->text, &of->plain);
                 of->by_default = (size_t)(at - path);
             }
         } else {
@@ -130,8 +154,8 @@ void weft__read_keys(weft__reader *reader, const weft__key *key, const weft__nod
         of->keys[i] = weft__tree_text(reader->tree, path, strlen(path));
         if (fault == NULL && at.by_default > 0) {
             char set[KEY_LENGTH + 64];
-            const int length = weft_text_format(
-                set, sizeof set, "%.*s=%s", (int)at.by_default, path, at.key->fallback);
+            const int length = weft_text_format(set, sizeof set, "%.*s=%s",
+                                                (int)at.by_default, path, at.text);
             of->before[i] = weft__tree_text(reader->tree, set, (size_t)length);
         }
     }
