@@ -814,6 +814,27 @@ START_TEST(a_run_leaves_its_derivatives)
 }
 END_TEST
 
+/* A step is longer than what the cloth may move before it is past the sphere. */
+START_TEST(many_steps_taken_back_are_warned_of)
+{
+    static const char scene[]
+        = "cloth: {grid: {rows: 3, cols: 3, spacing: 0.1, down: [0, 1, 0]}, density: "
+          "0.2, velocity: [0, 0, -3], springs: {stretch: {stiffness: 20}}}\n"
+          "contact: {thickness: 2.0e-3, shapes: [{shape: sphere, at: [0.1, 0.1, -0.3], "
+          "radius: 0.2}]}\n"
+          "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 4.0e-3}\n"
+          "run: {duration: 0.1}\n"
+          "sensitivity: {of: [cloth.density]}\n";
+    FILE *file = fopen(BUILD_DIR "/tests/hit.yaml", "w");
+    ck_assert(file != NULL && fputs(scene, file) >= 0 && fclose(file) == 0);
+    expect(shell(WEFT " run " BUILD_DIR "/tests/hit.yaml --force --out " BUILD_DIR
+                      "/tests/hit.run 2>&1 | tr '\n' ' ' | tr -s ' '"),
+           0);
+    ck_assert_ptr_nonnull(
+        strstr(output, "warning: contact took back more than half of the steps"));
+}
+END_TEST
+
 /* ---- refusals ----------------------------------------------------------------------
  */
 
@@ -986,6 +1007,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, gradient_of_a_fall_is_exact);
     tcase_add_test(tests, gradient_goes_through_steps_that_were_taken_back);
     tcase_add_test(tests, a_run_leaves_its_derivatives);
+    tcase_add_test(tests, many_steps_taken_back_are_warned_of);
     tcase_add_test(tests, what_has_no_derivative_is_refused);
     tcase_add_test(tests, wrong_numbers_are_refused);
     tcase_add_test(tests, a_preset_has_numbers);
