@@ -376,7 +376,7 @@ $(BUILD)/bench/%: $(BUILD)/bench/%.o $(BUILD)/libweft.a $(PLUGIN_SO)
 	    $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
 # Where the time goes: these are called through the bench.
-$(BUILD)/bench/self: private LDFLAGS += $(foreach f,self_list_add self_sum self_chunk_begin path_clear,-Xlinker --wrap=weft__$(f))
+$(BUILD)/bench/self: private LDFLAGS += $(foreach f,self_list_each self_sum self_chunk_begin path_clear,-Xlinker --wrap=weft__$(f))
 
 $(BUILD)/bench/mpi: $(MPI_SO)
 

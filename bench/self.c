@@ -89,14 +89,15 @@ static void drift(const weft__self *own, const double *from, const double *to,
 }
 
 /* The linker has these called by the library (Makefile). */
-int __real_weft__self_list_add(weft__self_list *list, const weft__state *at,
-                               double *to);
-int __wrap_weft__self_list_add(weft__self_list *list, const weft__state *at,
-                               double *to);
-int __wrap_weft__self_list_add(weft__self_list *list, const weft__state *at, double *to)
+int __real_weft__self_list_each(weft__self_list *list, const double *y,
+                                weft__self_pass *pass);
+int __wrap_weft__self_list_each(weft__self_list *list, const double *y,
+                                weft__self_pass *pass);
+int __wrap_weft__self_list_each(weft__self_list *list, const double *y,
+                                weft__self_pass *pass)
 {
     const sig_atomic_t outer = enter(LIST);
-    const int failed = __real_weft__self_list_add(list, at, to);
+    const int failed = __real_weft__self_list_each(list, y, pass);
     current = outer;
     return failed;
 }

@@ -6,6 +6,7 @@
 #include "bodies.h"
 #include "cloth/model.h"
 #include "forces/self/self_list.h"
+#include "products.h"
 #include "random.h"
 #include "sim/forces.h"
 
@@ -151,6 +152,20 @@ START_TEST(loads_are_the_forces_that_the_cloth_feels)
     for (size_t j = 0; j < 3; ++j) {
         ck_assert_double_eq_tol(sum[j], 0.0, 1e-12 * fabs(f[1]) + 1e-12);
     }
+}
+END_TEST
+
+/* Of bodies that rest and move, rough. */
+START_TEST(products_are_those_of_pairs_with_bodies)
+{
+    double y[6 * N];
+    put(plate(4, 0.07, 0.07))->velocity[0] = 0.2;
+    put(icosphere(1, 0.05))->at[1] = -0.053;
+    shapes[1].friction = 0.9;
+    def.contact.damping = 0.3, def.contact.slip = 0.3;
+    lay(y, (uint64_t)_i + 5);
+    ck_assert_uint_gt(weft_cloth_touching(cloth, 0.0, y), 0);
+    expect_products(cloth, 0.0, y, 1e-7, (uint64_t)_i + 1);
 }
 END_TEST
 
@@ -538,6 +553,7 @@ TEST_SUITE(bodies)
     tcase_set_timeout(time, 300.0);
     tcase_add_loop_test(state, forces_are_slopes_of_the_energy, 0, 4);
     tcase_add_test(state, loads_are_the_forces_that_the_cloth_feels);
+    tcase_add_loop_test(state, products_are_those_of_pairs_with_bodies, 0, 3);
     tcase_add_test(state, a_pinned_cloth_feels_no_body);
     tcase_add_test(state, cloth_that_passes_through_a_body_is_named);
     tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);

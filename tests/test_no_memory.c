@@ -9,6 +9,7 @@
  * arkode and cvode, whose vectors allocate on behalf of N_VClone. */
 #include <string.h>
 
+#include "bodies.h"
 #include "conformance/oscillators.h"
 #include "failing_malloc.h"
 
@@ -400,6 +401,53 @@ START_TEST(a_step_allocates_nothing)
 }
 END_TEST
 
+/* A strip before a plate, whose lower end is lifted to the upper one, so that it
+ * touches both; its derivatives by the thickness, which both kinds of contact have. */
+START_TEST(a_step_with_sensitivities_of_contact_allocates_nothing)
+{
+    static const weft_pin pins[]
+        = { { .rows = { 0, 0 }, .cols = { 0, -1 } },
+            { .rows = { 11, 11 }, .cols = { 0, -1 }, .velocity = { 0.04, 0.0, 0.6 } } };
+    body_mesh *wall = plate(2, 0.5, 1.0);
+    weft_shape shape = body_shape(wall);
+    weft_cloth_def def = weft_cloth_def_default();
+    weft_sim_def run = weft_sim_def_default();
+    weft_cloth *cloths[3];
+    weft_sim *sim = NULL;
+    def.rows = 12, def.cols = 3, def.pins = pins, def.pin_count = 2;
+    def.spacing[0] = def.spacing[1] = 0.05;
+    def.down[1] = 0.0, def.down[2] = -1.0;
+    def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 200.0, 0.02 };
+    def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 100.0, 0.01 };
+    shape.at[1] = -0.012;
+    def.contact.self = true, def.contact.shapes = &shape, def.contact.shape_count = 1;
+    for (size_t i = 0; i < 3; ++i) {
+        def.contact.thickness = 0.02 * (1.0 + 1e-6 * ((double)i - 1.0));
+        ck_assert_int_eq(weft_cloth_create(&def, &cloths[i], NULL), WEFT_OK);
+    }
+    const weft_number_of_cloth number = { "thickness", cloths[0], cloths[2], 2e-6 };
+    const weft_sensitivity_def by = { 1, &number, true };
+    run.cloth = cloths[1], run.sensitivity = &by;
+    run.method = test_method_named("verlet/velocity_verlet");
+    run.config.fixed_step = 2e-4;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, NULL), WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(sim, 0.23, NULL), WEFT_OK);
+    const weft_measures now = weft_sim_measure(sim);
+    ck_assert_uint_gt(now.touching, 0);
+    ck_assert_uint_gt(now.self_touching, 0);
+    arm(0, false);
+    (void)weft_sim_advance(sim, 0.24, NULL);
+    armed = false;
+    ck_assert_double_eq(weft_sim_time(sim), 0.24);
+    ck_assert_msg(calls == 0, "%ld allocations", calls);
+    weft_sim_destroy(sim);
+    for (size_t i = 0; i < 3; ++i) {
+        weft_cloth_destroy(cloths[i]);
+    }
+    free(wall);
+}
+END_TEST
+
 /* ---- plugins --------------------------------------------------------------------- */
 
 static weft_status register_all(const void *ctx, weft_error *err)
@@ -452,6 +500,7 @@ int main(void)
     tcase_add_loop_test(tcase, every_method_survives_a_heap_of_any_size, 0,
                         COUNTS_ALL * (int)test_method_count());
     tcase_add_loop_test(tcase, a_step_allocates_nothing, 0, (int)test_method_count());
+    tcase_add_test(tcase, a_step_with_sensitivities_of_contact_allocates_nothing);
     tcase_add_test(tcase, a_registry_survives_every_failing_allocation);
     tcase_add_test(tcase, stability_survives_every_failing_allocation);
     suite_add_tcase(suite, tcase);

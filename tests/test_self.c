@@ -5,6 +5,7 @@
 
 #include "cloth/model.h"
 #include "forces/self/self.h"
+#include "products.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -144,6 +145,24 @@ START_TEST(a_chain_has_particles_and_edges)
     ck_assert_uint_gt(of.count[WEFT__EDGES], 0);
     ck_assert_uint_eq(of.count[WEFT__VERTEX_TRIANGLE], 0);
     expect_slopes_of_energy();
+}
+END_TEST
+
+/* Both laws of friction, and none; some particles are pinned. */
+START_TEST(products_are_those_of_all_kinds_of_pairs)
+{
+    const weft_pin pin = { .rows = { 0, 0 }, .cols = { 0, 2 } };
+    def.contact.law = _i % 3 == 1 ? WEFT_FRICTION_COULOMB : WEFT_FRICTION_SMOOTH;
+    def.contact.friction = _i % 3 == 2 ? 0.0 : 0.4;
+    def.contact.damping = _i % 3 == 2 ? 0.0 : 0.3;
+    def.contact.slip = 0.3;
+    def.pins = &pin, def.pin_count = 1;
+    fold((uint64_t)_i + 1);
+    const kinds of = kinds_now();
+    for (size_t k = 0; k < 4; ++k) {
+        ck_assert_uint_gt(of.count[k], 0);
+    }
+    expect_products(cloth, 0.0, y, 2e-7, (uint64_t)_i + 3);
 }
 END_TEST
 
@@ -510,6 +529,7 @@ TEST_SUITE(self)
     tcase_add_checked_fixture(search, setup, teardown);
     tcase_add_loop_test(state, forces_are_slopes_of_the_energy, 0, 10);
     tcase_add_loop_test(state, a_chain_has_particles_and_edges, 0, 5);
+    tcase_add_loop_test(state, products_are_those_of_all_kinds_of_pairs, 0, 9);
     tcase_add_test(state, without_friction_momentum_and_angular_momentum_are_kept);
     tcase_add_loop_test(state, powers_balance_the_energy, 0, 2);
     tcase_add_test(state, rhs_has_the_forces_by_mass);

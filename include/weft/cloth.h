@@ -514,12 +514,11 @@ WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
  * for free particles and 0 for pinned ones, whose motion does not depend on the state.
- * F is all forces but contact of the cloth with itself and with meshes: springs,
- * bending, drag, wind, contact and friction of other shapes. Exact; a spring of
- * length 0, where F has no derivative, adds nothing. y, dy and out are planes as a
- * state, and out must not overlap the others. Returns 0, or 1 as weft_cloth_rhs.
- * Allocates nothing; the bits are the same on every machine. It costs two
- * weft_cloth_rhs on a cloth without shapes or wind. */
+ * F is all forces. Exact; a spring of length 0, where F has no derivative, adds
+ * nothing. y, dy and out are planes as a state, and out must not overlap the others.
+ * Returns 0, 1 as weft_cloth_rhs, or -1: no memory for the points of a shape of
+ * triangles. Allocates nothing else; the bits are the same on every machine. It costs
+ * two weft_cloth_rhs on a cloth without shapes or wind. */
 WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
                                          const double *y, const double *dy,
                                          double *out);

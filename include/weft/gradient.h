@@ -41,8 +41,8 @@ WEFT_DEFAULT(weft_gradient_def)
  *
  * Errors: those of weft_sim_create and of a run; WEFT_INVALID, a definition with NULL,
  * times that do not ascend, numbers whose cloths differ in more; WEFT_UNSUPPORTED, what
- * sensitivities refuse, contact of the cloth with itself or a mesh, a method that is no
- * sum of the rates of its stages; WEFT_STOPPED, the objective; WEFT_NOT_FINITE. */
+ * sensitivities refuse, a method that is no sum of the rates of its stages;
+ * WEFT_STOPPED, the objective; WEFT_NOT_FINITE. */
 WEFT_API weft_status weft_gradient(const weft_gradient_def *def, double *value,
                                    double *by_number, double *by_start,
                                    weft_error *err);

@@ -49,6 +49,24 @@ def test_every_column_of_the_jacobian_is_a_product(scene, kind):
     assert np.allclose(J @ dy, sim.jacobian_product(sim.time, sim.state, dy), rtol=1e-9, atol=1e-9 * abs(J @ dy).max())
 
 
+def test_the_jacobian_has_contact_of_the_cloth_with_itself(scene):
+    scene["cloth"]["grid"] = {"rows": 9, "cols": 3, "spacing": 0.05, "down": [0, 0, -1]}
+    scene["cloth"]["pins"] = [{"at": {"rows": 0, "cols": "all"}},
+                              {"at": {"rows": 8, "cols": "all"}, "velocity": [0.03, 0, 0.6]}]
+    scene["contact"] = {"self": True, "thickness": 0.02, "slip": 0.1}
+    scene["stepper"]["fixed_step"] = 1e-4
+    sim = weft.load(scene)
+    while sim.measure().self_touching == 0:
+        sim.step()
+    J = sim.jacobian()
+    for dy in np.random.default_rng(2).standard_normal((3, 6 * sim.particles)):
+        wanted = sim.jacobian_product(sim.time, sim.state, dy)
+        assert abs(J @ dy - wanted).max() <= 1e-12 * abs(wanted).max()
+        rates = [sim.rhs(sim.time, sim.state + h * dy) for h in (-1e-8, 1e-8)]
+        free = np.tile(~sim.pinned.ravel(), 6)
+        assert abs((rates[1] - rates[0]) / 2e-8 - wanted)[free].max() <= 1e-5 * abs(wanted).max()
+
+
 def test_implicit_euler_with_the_jacobian_is_stable_beyond_explicit_steps(scene):
     from scipy.sparse import identity
     from scipy.sparse.linalg import spsolve

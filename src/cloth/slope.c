@@ -15,7 +15,9 @@ int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double 
 {
     const weft__state at = { .t = t, .y = y, .along = dy };
     const weft__mesh *mesh = &cloth->mesh;
-    const int failed = weft__rhs_blocks(cloth, &at, out, 0, weft__blocks(mesh));
+    const int failed = weft__rhs_blocks(cloth, &at, out, 0, weft__blocks(mesh))
+                       | weft__rhs_all(cloth, NULL, &at, WEFT__ACCELERATION,
+                                       out + 3 * mesh->particles);
     for (size_t j = 0; j < mesh->pinned; ++j) {
         for (size_t k = 0; k < 6; ++k) {
             out[k * mesh->particles + mesh->pins[j]] = 0.0;
@@ -24,8 +26,8 @@ int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double 
     return failed;
 }
 
-int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
-                         const double *w, double *room, double *out,
+int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
+                         const double *y, const double *w, double *room, double *out,
                          weft__by_numbers *by)
 {
     const weft__mesh *mesh = &cloth->mesh;
@@ -58,7 +60,10 @@ int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
             force->transposed(own, &at, out, by);
         }
     }
-    return weft__all_finite(out, 6 * n) ? 0 : 1;
+    int failed = 0;
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, transposed_all,
+                          spaces != NULL ? spaces[k_] : NULL, &at, out)
+    return failed != 0 || weft__all_finite(out, 6 * n) ? failed : 1;
 }
 
 int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
@@ -67,8 +72,9 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
 {
     weft__by_numbers by;
     double *room = weft__alloc(&cloth->memory, 9 * cloth->mesh.particles, sizeof *room);
-    const int failed
-        = room == NULL ? -1 : weft__rhs_transposed(cloth, t, y, w, room, out, &by);
+    const int failed = room == NULL
+                           ? -1
+                           : weft__rhs_transposed(cloth, NULL, t, y, w, room, out, &by);
     weft__free(&cloth->memory, room);
     return failed;
 }
@@ -184,20 +190,14 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                                                     : NULL;
         of->others = of->others || (force != NULL && force->add != NULL);
     }
-    of->differs[WEFT__FORCE_self] = of->differs[WEFT__FORCE_contact];
-    of->differs[WEFT__FORCE_bodies] = of->differs[WEFT__FORCE_contact];
+    of->whole = of->differs[WEFT__FORCE_contact]
+                && (more->self.law.self || more->bodies.pairs.law.self);
     return WEFT_OK;
 }
 
 void weft__slope_free(const weft__slope *of, const weft_allocator *memory)
 {
     weft__free(memory, of->inverse_mass);
-}
-
-bool weft__slope_whole(const weft__slope *of)
-{
-    return of->differs[WEFT__FORCE_contact]
-           && (of->more->self.law.self || of->more->bodies.pairs.law.self);
 }
 
 /* ---- the derivative -------------------------------------------------------------- */
@@ -260,17 +260,17 @@ int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out
     return failed;
 }
 
-int weft__slope_all(const weft__slope *of, const weft__state *at, double *out,
-                    double *const room[2])
+int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__state *at,
+                    double *out, double *const room[2])
 {
     const size_t n = of->more->mesh.particles;
     int failed = 0;
-    for (size_t side = 0; side < 2; ++side) {
+    for (size_t side = 0; of->whole && side < 2; ++side) {
         memset(room[side] + 3 * n, 0, 3 * n * sizeof *room[side]);
-        failed |= weft__rhs_all(side == 0 ? of->less : of->more, NULL, at,
+        failed |= weft__rhs_all(side == 0 ? of->less : of->more, spaces, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
-    add_difference(of, room, out, 0, n);
+    add_difference(of, room, out, 0, of->whole ? n : 0);
     return failed;
 }
 
@@ -296,7 +296,7 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
             out[i] = 0.5 * (out[i] + rooms[0][i]);
         }
         failed |= weft__slope_blocks(&of, &at, out, rooms, 0, blocks);
-        failed |= weft__slope_whole(&of) ? weft__slope_all(&of, &at, out, rooms) : 0;
+        failed |= weft__slope_all(&of, NULL, &at, out, rooms);
         for (size_t j = 0; j < more->mesh.pinned; ++j) {
             double rate[6];
             weft__slope_pin(&of, more->mesh.pins[j], t, rate);
@@ -338,14 +338,15 @@ static bool linear_product(const weft__slope *of, const weft__springs *springs,
 }
 
 int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
-                        const weft__state *at, const double *w,
+                        void *const *spaces, const weft__state *at, const double *w,
                         const weft__by_numbers *by, double *const room[3], double *sum)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles, blocks = weft__blocks(mesh);
     const bool linear = linear_product(of, &cloth->springs, by, sum);
+    const bool differs = !linear || of->others || of->whole;
     int failed = 0;
-    if (!linear || of->others) { /* no direction, or no rate yet */
+    if (differs) { /* no direction, or no rate yet */
         memset(room[linear ? 2 : 0], 0, 6 * n * sizeof *room[0]);
     }
     if (!linear) {
@@ -354,8 +355,9 @@ int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
         failed
             = cloth->springs.products(&cloth->springs, &cloth->body, &one, 0, blocks);
     }
-    if (!linear || of->others) {
+    if (differs) {
         failed |= weft__slope_blocks(of, at, room[2], room, 0, blocks);
+        failed |= weft__slope_all(of, spaces, at, room[2], room);
         *sum += product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
     }
     for (size_t j = 0; of->pins && j < mesh->pinned; ++j) {

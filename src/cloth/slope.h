@@ -9,17 +9,18 @@
 
 #include "cloth/model.h"
 
-/* J^T w of all but the forces of the whole cloth, to out[6 N]; the derivatives of w.f
- * by numbers to *by. room: 9 N. Returns as weft__rhs_blocks. */
-int weft__rhs_transposed(const weft_cloth *cloth, double t, const double *y,
-                         const double *w, double *room, double *out,
+/* J^T w to out[6 N]; the derivatives of w.f by numbers to *by. room: 9 N; spaces as of
+ * weft__rhs_all. Returns as weft__rhs_blocks. */
+int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
+                         const double *y, const double *w, double *room, double *out,
                          weft__by_numbers *by);
 
 typedef struct weft__slope {
     const weft_cloth *less, *more;
     double scale;               /* of the difference between the two */
     bool differs[WEFT__FORCES]; /* the other forces that change, */
-    bool others;                /* of which there are any that belong to blocks */
+    bool others;                /* of which there are any that belong to blocks, */
+    bool whole;                 /* or to the whole cloth */
     bool pins;                  /* the motions change */
     weft__spring_slope springs;
     double *inverse_mass; /* of `springs` */
@@ -34,24 +35,21 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                              weft_error *err);
 void weft__slope_free(const weft__slope *of, const weft_allocator *memory);
 
-/* Whether forces of the whole cloth change. */
-bool weft__slope_whole(const weft__slope *of);
-
 /* Adds that of the other forces in blocks [first, end), but what add_all adds, to the
  * accelerations in out[6 N]. room: 6 N, twice. Returns as weft__rhs_blocks. */
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
                        double *const room[2], size_t first, size_t end);
 
-/* Adds w.(df/dp) to *sum, without the forces of the whole cloth; *by is what
- * weft__rhs_transposed has found for w. `cloth` is that of slope_init;
- * room: 6 N each. Returns as above. */
+/* Adds w.(df/dp) to *sum; *by is what weft__rhs_transposed has found for w. `cloth` and
+ * `spaces` are those of slope_init; room: 6 N each. Returns as above. */
 int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
-                        const weft__state *at, const double *w,
+                        void *const *spaces, const weft__state *at, const double *w,
                         const weft__by_numbers *by, double *const room[3], double *sum);
 
-/* Of the forces of the whole cloth. */
-int weft__slope_all(const weft__slope *of, const weft__state *at, double *out,
-                    double *const room[2]);
+/* Adds that of the forces of the whole cloth, with the pairs of `spaces`, which are
+ * those of the cloth of slope_init, or NULL. */
+int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__state *at,
+                    double *out, double *const room[2]);
 
 /* That of a pinned particle, which does not depend on the state. */
 void weft__slope_pin(const weft__slope *of, size_t i, double t, double rate[6]);

@@ -339,8 +339,11 @@ static bool find_moves(relaxation *to, bool *crosses)
         *crosses = *crosses || of->count > 0;
     }
     for (size_t k = 0; k < 2 && !*crosses; ++k) {
-        (void)weft__self_each(to->tangles[k].own, NULL, to->tangles[k].y, part_near,
-                              to);
+        weft__self_pass all = { .law = weft__self_law_of(to->tangles[k].own),
+                                .y = to->tangles[k].y,
+                                .each = part_near,
+                                .ctx = to };
+        (void)weft__self_each(&all, NULL);
     }
     return true;
 }

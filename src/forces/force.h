@@ -112,9 +112,12 @@ typedef struct weft__force {
     size_t (*ties)(const void *own, weft_tie *to);
 
     /* Of a whole cloth, after all blocks, for forces between particles of any blocks:
-     * with a workspace of a simulation (NULL: the same without one, slower). */
+     * with a workspace of a simulation (NULL: the same without one, slower), which may
+     * be that of a twin: of a cloth with other numbers, whose pairs are near enough. */
     int (*add_all)(const void *own, void *space, const weft__state *at, weft__unit unit,
                    double *to);
+    int (*transposed_all)(const void *own, void *space, const weft__state *at,
+                          double *out);
     void (*measure_all)(const void *own, void *space, const weft__state *at,
                         weft_measures *sum);
 } weft__force;

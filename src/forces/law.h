@@ -8,6 +8,8 @@
  *     NUM(a)           a double as a num
  *     AT(p)            the num at p
  *     ROOT(a)          the square root
+ *     OVER(a, b)       a / b
+ *     LESS(a, b)       a < b
  *     ANY(t)           whether a comparison holds for any
  *     CHOOSE(t, a, b)  a where t, else b
  *     MOST(a, b)       a where a > b, else b
@@ -23,10 +25,41 @@ typedef mask truth;
 #define NUM(a)          splat(a)
 #define AT(p)           load(p)
 #define ROOT(a)         root(a)
+#define OVER(a, b)      ((a) / (b))
+#define LESS(a, b)      ((a) < (b))
 #define ANY(t)          any(t)
 #define CHOOSE(t, a, b) choose(t, a, b)
 #define MOST(a, b)      most(a, b)
 #define LAW             INLINE
+#elif defined LAW_OF_SLOPES
+#include <complex.h>
+#include <math.h>
+
+typedef double _Complex num;
+typedef int truth;
+#define NUM(a)          (a)
+#define ROOT(a)         slope_root(a)
+#define OVER(a, b)      slope_over(a, b)
+#define LESS(a, b)      (creal(a) < creal(b))
+#define CHOOSE(t, a, b) ((t) ? (a) : (b))
+#define LAW             static inline
+
+static inline num slope_of(double value, double slope)
+{
+    return value + slope * _Complex_I;
+}
+
+static inline num slope_root(num a) /* of 0: its derivative is left out */
+{
+    const double root = sqrt(creal(a));
+    return slope_of(root, root > 0.0 ? 0.5 * cimag(a) / root : 0.0);
+}
+
+static inline num slope_over(num a, num b)
+{
+    const double per = 1.0 / creal(b), ratio = creal(a) * per;
+    return slope_of(ratio, (cimag(a) - ratio * cimag(b)) * per);
+}
 #else
 #include <math.h>
 
@@ -35,6 +68,8 @@ typedef int truth;
 #define NUM(a)          (a)
 #define AT(p)           (*(p))
 #define ROOT(a)         sqrt(a)
+#define OVER(a, b)      ((a) / (b))
+#define LESS(a, b)      ((a) < (b))
 #define ANY(t)          (t)
 #define CHOOSE(t, a, b) ((t) ? (a) : (b))
 #define MOST(a, b)      ((a) > (b) ? (a) : (b))

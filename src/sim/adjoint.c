@@ -89,11 +89,6 @@ static weft_status make_sim(adjoint *of, weft_error *err)
     def.sensitivity = NULL;
     TRY(weft_sim_create(&def, &of->sim, err));
     const char *why = weft__sensitivity_refusal(of->sim);
-    if (why == NULL
-        && (of->sim->forces.self != NULL || of->sim->forces.bodies != NULL)) {
-        why = "contact of the cloth with itself or a mesh, whose transposed product is "
-              "not known";
-    }
     if (why != NULL) {
         return weft_error_set(err, WEFT_UNSUPPORTED, "no gradient with %s", why);
     }
@@ -339,11 +334,13 @@ static void find_by_rate(const adjoint *of, size_t k, double h)
 static int go_through(adjoint *of, double t, const double *y, double *out)
 {
     const weft__state at = { .t = t, .y = y };
+    const weft_cloth *cloth = of->sim->cloth;
+    void *const *spaces = of->sim->forces.spaces;
     weft__by_numbers by;
     int failed
-        = weft__rhs_transposed(of->sim->cloth, t, y, of->w, of->room[0], out, &by);
+        = weft__rhs_transposed(cloth, spaces, t, y, of->w, of->room[0], out, &by);
     for (size_t j = 0; j < of->def->count; ++j) {
-        failed |= weft__slope_product(&of->slopes[j], of->sim->cloth, &at, of->w, &by,
+        failed |= weft__slope_product(&of->slopes[j], cloth, spaces, &at, of->w, &by,
                                       of->room, &of->by_number[j]);
     }
     return failed;

@@ -4,8 +4,7 @@
  *
  *     s' = J s + u df/dp
  *
- * J s is that of weft_cloth_jacobian_product. Contact of the cloth with itself and with
- * meshes, whose second derivatives are nowhere, has a central difference along s. */
+ * J s is that of weft_cloth_jacobian_product. */
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -17,11 +16,6 @@
 /* Of s for a stepper whose error control must not see it; a power of 2, so that s has
  * the same bits. */
 #define UNSEEN 0x1p-300
-
-/* Of the thickness, and of the speed where friction sets in: how far a difference along
- * s goes. Its error is the square of it by the length over which the law changes, some
- * tenth of the thickness; roundoff adds 1e-16 m by the step. */
-#define ALONG 0x1p-16
 
 /* ---- made of a definition -------------------------------------------------------- */
 
@@ -360,46 +354,6 @@ static void block_rates(void *ctx, size_t first, size_t end)
     }
 }
 
-static double largest(const double *x, size_t count)
-{
-    double most = 0.0;
-    for (size_t i = 0; i < count; ++i) {
-        most = fmax(most, fabs(x[i]));
-    }
-    return most;
-}
-
-/* Adds the part of J s that contact between triangles has. */
-static int add_contact(const job *of, const double *s, double *out)
-{
-    const weft_sim *sim = of->sim;
-    double *const *room = sim->sensitivity.room;
-    const weft_contact_def *law = &sim->cloth->contact.law;
-    const double *y = of->y;
-    const size_t dim = weft_cloth_dim(sim->cloth);
-    const double h = fmin(law->thickness / largest(s, dim / 2),
-                          law->slip / largest(s + dim / 2, dim / 2))
-                     * ALONG;
-    int failed = 0;
-    if (!(h < (double)INFINITY)) { /* s is 0 */
-        return isnan(h);
-    }
-    memset(room[0] + dim / 2, 0, dim / 2 * sizeof *y);
-    memset(room[1] + dim / 2, 0, dim / 2 * sizeof *y);
-    for (size_t side = 0; side < 2; ++side) {
-        const weft__state at = { .t = of->t, .y = room[2] };
-        for (size_t i = 0; i < dim; ++i) {
-            room[2][i] = y[i] + (side == 0 ? -h : h) * s[i];
-        }
-        failed |= weft__rhs_all(sim->cloth, sim->forces.spaces, &at, WEFT__ACCELERATION,
-                                room[side] + dim / 2);
-    }
-    for (size_t i = dim / 2; i < dim; ++i) {
-        out[i] += (room[1][i] - room[0][i]) / (2.0 * h);
-    }
-    return failed;
-}
-
 /* Contact of the whole cloth, of all numbers. */
 static int add_whole(const job *of)
 {
@@ -407,15 +361,15 @@ static int add_whole(const job *of)
     const weft__sensitivity *all = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
     const weft__state still = { .t = of->t, .y = of->y };
+    weft__state along = still;
     int failed = 0;
     for (size_t j = 1; j <= all->count; ++j) {
-        if (sim->forces.self != NULL || sim->forces.bodies != NULL) {
-            failed |= add_contact(of, of->y + j * dim, of->out + j * dim);
-        }
-        if (weft__slope_whole(&all->of[j - 1])) {
-            failed |= weft__slope_all(&all->of[j - 1], &still, of->out + j * dim,
-                                      all->room);
-        }
+        double *out = of->out + j * dim;
+        along.along = of->y + j * dim;
+        failed |= weft__rhs_all(sim->cloth, sim->forces.spaces, &along,
+                                WEFT__ACCELERATION, out + dim / 2)
+                  | weft__slope_all(&all->of[j - 1], sim->forces.spaces, &still, out,
+                                    all->room);
     }
     return failed;
 }

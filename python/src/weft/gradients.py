@@ -71,8 +71,8 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     these and by the velocities v (N, 3) [m/s]. It is called of each of `times` [s], the last one first (default: the
     frames of the scene), with the same arrays each time, which it must not change; of triangles these have the order of
     Sim.state. over: keys as overrides write them, any number of them. It costs some four runs in all, and for each
-    number other than those of springs, gravity and drag up to two more. Explicit one-step methods, without strain limit,
-    stop, or contact of the cloth with itself.
+    number other than those of springs, gravity and drag up to two more. Explicit one-step methods, without strain limit
+    or stop.
 
     >>> def height(t, x, v):
     ...     by = np.zeros(x.shape)

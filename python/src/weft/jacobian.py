@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The derivative of a cloth's right-hand side as a sparse matrix, made of products with it.
 
-Forces join only particles that are near each other in the cloth. So many columns of the matrix, of particles that have
+Forces join only particles that are near each other, in the cloth or where it touches itself. So many columns of the matrix, of particles that have
 no neighbours in common, follow from one product (A. R. Curtis, M. J. D. Powell, J. K. Reid, IMA J. Appl. Math. 13,
 1974)."""
 from __future__ import annotations
@@ -28,7 +28,7 @@ def _groups(near: Any) -> Any:
 def assemble(sim: Sim, t: float, y: Any) -> Any:
     from scipy import sparse
     n = sim.particles
-    p, q = sim._joined().astype(np.intp).T
+    p, q = np.concatenate([sim._joined(), sim._folded(y)]).astype(np.intp).T
     i = np.arange(n)
     near = sparse.coo_matrix((np.ones(2 * len(p) + n), (np.r_[p, q, i], np.r_[q, p, i])), (n, n)).tocsr()
     group, pairs = _groups(near), near.tocoo()

@@ -727,7 +727,7 @@ class Sim:
 
     def jacobian(self, t: Optional[float] = None, y: Any = None) -> Any:
         """J (6 N, 6 N), the derivative of the cloth's rhs, as scipy.sparse.csc_matrix, in the present state or at t [s]
-        in y: that of jacobian_product(), so without contact of the cloth with itself and an own force. Needs SciPy.
+        in y: that of jacobian_product(), so without an own force. Needs SciPy.
 
         >>> sim = weft.load(scene)
         >>> J, dy = sim.jacobian(), np.ones(480)
@@ -740,12 +740,27 @@ class Sim:
     def _joined(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
         """(P, 2), places in a state of particles whose forces depend on each other."""
         count, err, none = ffi.new("size_t *"), ffi.new("weft_error *"), ffi.NULL
-        ends = np.empty((lib.weft_cloth_edges(self._cloth, none), 2), dtype=np.uint32)  # of wind
-        lib.weft_cloth_edges(self._cloth, ffi.from_buffer("uint32_t[]", ends))
         check(lib.weftpy_joined(self._cloth, none, count, err), err)
         pairs = np.empty((count[0], 2), dtype=np.uint32)
         check(lib.weftpy_joined(self._cloth, ffi.from_buffer("uint32_t[]", pairs), count, err), err)
-        return np.concatenate([pairs, ends if self._index_of is None else self._index_of[ends]])
+        return np.concatenate([pairs, self._ends()])
+
+    def _ends(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
+        """(E, 2), those of the edges that wind and contact have."""
+        ends = np.empty((lib.weft_cloth_edges(self._cloth, ffi.NULL), 2), dtype=np.uint32)
+        lib.weft_cloth_edges(self._cloth, ffi.from_buffer("uint32_t[]", ends))
+        return ends if self._index_of is None else self._index_of[ends]
+
+    def _folded(self, y: Any) -> np.ndarray[Any, np.dtype[np.uint32]]:
+        """(P, 2) as _joined(), those that contact of the cloth with itself may join: nearer than its thickness and two
+        edges."""
+        contact = lib.weft_scene_cloth(self._scene).contact
+        if not contact.self:
+            return np.empty((0, 2), dtype=np.uint32)
+        from scipy.spatial import cKDTree
+        x, (p, q) = np.reshape(y, (6, -1))[:3].T, self._ends().T
+        reach = contact.thickness + 2 * np.linalg.norm(x[p] - x[q], axis=1).max()
+        return np.asarray(cKDTree(x).query_pairs(reach, output_type="ndarray"), dtype=np.uint32)
 
     def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
         """Guaranteed bounds of all modes in the present state, or in any (`anywhere`); sharpened, no longer

@@ -91,17 +91,30 @@ static weft__self_list *list_of(weft__bodies_space *space)
     return space->list;
 }
 
+/* The points of a twin of the workspace's cloth, where a step's start was. */
+static const double *points_of_twin(const weft__bodies *own, weft__bodies_space *space,
+                                    const weft__state *at)
+{
+    space->before.placed = false;
+    const double *y = spread(own, at->t, at->y, &space->before);
+    space->before.placed = false;
+    return y;
+}
+
 /* All that push, in a state that *y has meanwhile. */
 static int each(const weft__bodies *own, weft__bodies_space *space,
                 const weft__state *at, weft__pushed_fn *visit, void *ctx,
                 const double **y)
 {
     double *once;
-    *y = points_at(own, space, at, &once);
-    const int bad = space != NULL ? weft__self_list_each(list_of(space), *y, visit, ctx)
-                    : once != NULL
-                        ? weft__self_each(&own->pairs, NULL, once, visit, ctx)
-                        : -1;
+    const double *near = points_at(space != NULL ? space->own : own, space, at, &once);
+    *y = space != NULL && space->own != own ? points_of_twin(own, space, at) : near;
+    weft__self_pass all
+        = { .law = weft__self_law_of(&own->pairs), .y = *y, .each = visit, .ctx = ctx };
+    all.law.along = at->along;
+    const int bad = near == NULL    ? -1
+                    : space != NULL ? weft__self_list_each(list_of(space), near, &all)
+                                    : weft__self_each(&all, NULL);
     weft__free(&own->memory, once);
     return bad;
 }
@@ -112,8 +125,22 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
     const weft__bodies *of = own;
     weft__self_sums sums = { &of->pairs, unit, to };
     const double *y;
-    return each(of, unit == WEFT__ACCELERATION ? space : NULL, at, weft__self_sum,
-                &sums, &y);
+    return each(of, space, at, weft__self_sum, &sums, &y);
+}
+
+static int transposed_all(const void *own, void *space, const weft__state *at,
+                          double *out)
+{
+    const weft__bodies *of = own;
+    double *once;
+    const double *y = points_at(of, space, at, &once);
+    const int bad
+        = y == NULL
+              ? -1
+              : weft__self_transposed(&of->pairs, space != NULL ? list_of(space) : NULL,
+                                      y, at->along, out);
+    weft__free(&of->memory, once);
+    return bad;
 }
 
 /* ---- measures -------------------------------------------------------------------- */
@@ -472,4 +499,5 @@ const weft__force weft__bodies_force = { .name = "bodies",
                                          .multiply = multiply,
                                          .blocks = blocks,
                                          .add_all = add_all,
+                                         .transposed_all = transposed_all,
                                          .measure_all = measure_all };

@@ -11,6 +11,7 @@ LAW num law_dot(const num a[3], const num b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+#ifndef LAW_OF_SLOPES /* contact_slopes.c has those of shapes */
 /* ---- shapes ---------------------------------------------------------------------- */
 
 /* Where a particle is to a shape. */
@@ -207,6 +208,7 @@ LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num 
     const truth slow = of->h * (ROOT(square) + between) < reach;
     return outside & straight & slow;
 }
+#endif
 
 /* ---- forces ---------------------------------------------------------------------- */
 
@@ -235,7 +237,7 @@ LAW law_touch law_press(const weft_contact_def *law, num friction, num gap, num 
     const num e = half * share, z = gap * per, s = 1.0 - z;
     const num power = law_power(s, law->exponent);
     const num a = z * (p * (p - 1.0) * z + 2.0 * p * s) + 2.0 * s * s;
-    const num b = p * z + s, inverse = 1.0 / (a * z), iz = a * inverse;
+    const num b = p * z + s, inverse = OVER(1.0, a * z), iz = a * inverse;
     const num u = law->damping * speed;
     law_touch out;
     out.push = e * per * (power * s) * b * (iz * iz);
@@ -260,6 +262,8 @@ LAW num law_drag(const weft_contact_def *law, double friction, num most, num und
         return NUM(0.0);
     }
     return law->law == WEFT_FRICTION_SMOOTH
-               ? most / length
-               : most * CHOOSE(y < 1.0, (2.0 - y) * (1.0 / law->slip), 1.0 / length);
+               ? OVER(most, length)
+               : most
+                     * CHOOSE(LESS(y, 1.0), (2.0 - y) * (1.0 / law->slip),
+                              OVER(1.0, length));
 }

@@ -93,14 +93,8 @@ double weft__pair_mass(const weft__self *own, const weft__pair *pair)
     return grid != NULL ? -least : least;
 }
 
-static double share_of(const weft__self_law *law, double mass)
-{
-    return mass < 0.0 ? WEFT__GRID_SHARE : law->share;
-}
-
-/* 1 / x0 as law_weigh takes it. */
-static inline void find_windows(const weft__self_law *law, const weft__pair *pair,
-                                double window[3])
+void weft__pair_windows(const weft__self_law *law, const weft__pair *pair,
+                        double window[3])
 {
     const weft__skin *skin = law->own->skin;
     const bool triangle = pair->kind == WEFT__VERTEX_TRIANGLE;
@@ -124,6 +118,15 @@ static inline void place(const double *planes, size_t n, const weft__pair *pair,
     }
 }
 
+double weft__pair_pushes(const weft__self *own, const weft__pair *pair, const double *y)
+{
+    const weft__pair_kind kind = (weft__pair_kind)pair->kind;
+    double x[4][3] = { { 0.0 } };
+    place(y, own->points, pair, x);
+    const law_gram of = law_gram_of(kind, x);
+    return law_pushes(kind, &of, own->law.thickness) ? weft__pair_mass(own, pair) : 0.0;
+}
+
 /* The mass of a pair that pushes, its feet, weighed, and the velocities of its
  * particles; 0: it does not push. */
 static inline double meet(const weft__self_law *law, weft__pair_kind kind,
@@ -140,7 +143,7 @@ static inline double meet(const weft__self_law *law, weft__pair_kind kind,
     }
     place(y + 3 * n, n, pair, v);
     *at = law_feet_of(kind, &of);
-    find_windows(law, pair, window);
+    weft__pair_windows(law, pair, window);
     law_weigh(kind, law, weft__pair_rest(law, pair), window, at);
     return mass;
 }
@@ -157,7 +160,7 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
     if (mass == 0.0) {
         return false;
     }
-    law_push_of(kind, &law->own->law, share_of(law, mass),
+    law_push_of(kind, &law->own->law, weft__pair_share(law, mass),
                 weft__pair_friction(law->own, pair), law->own->rough, &at, fabs(mass),
                 v, &push);
     for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
@@ -199,7 +202,7 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     }
     *touch = (weft__touch){ .gap = at.d,
                             .steepness = 1.0,
-                            .share = share_of(law, mass) * at.weight };
+                            .share = weft__pair_share(law, mass) * at.weight };
     touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
     weft__touch_forces(contact, weft__pair_friction(law->own, pair), touch);
     touch->push *= fabs(mass), touch->stiffness *= fabs(mass);
@@ -208,22 +211,32 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     return true;
 }
 
-size_t weft__pushes_loops(const weft__self_law *law, weft__pair_kind kind,
-                          const weft__near *near, const weft__span *spans,
-                          size_t span_count, const double *y, weft__pushes *out,
-                          double *bad)
+static bool push_twin(const weft__self_law *law, const weft__pair *pair,
+                      const double *y, weft__pushes *out, size_t lane, double *bad)
 {
-    size_t count = 0, i = 0;
-    for (size_t at = 0; at < span_count; ++at) {
-        for (; i < spans[at].end[kind]; ++i) {
-            const weft__pair pair = weft__near_pair(kind, near, i);
-            count += !(near->waits[i] > spans[at].moved)
-                     && weft__pair_push(law, &pair, y, &out[count / WEFT__BLOCK],
-                                        count % WEFT__BLOCK, bad);
-        }
-    }
-    return count;
+    return weft__pair_pushes(law->base, pair, law->base_y) != 0.0
+           && weft__pair_push(law, pair, y, out, lane, bad);
 }
+
+#define EACH_NEAR(form, push)                                                          \
+    size_t form(const weft__self_law *law, weft__pair_kind kind,                       \
+                const weft__near *near, const weft__span *spans, size_t span_count,    \
+                const double *y, weft__pushes *out, double *bad)                       \
+    {                                                                                  \
+        size_t count = 0, i = 0;                                                       \
+        for (size_t at = 0; at < span_count; ++at) {                                   \
+            for (; i < spans[at].end[kind]; ++i) {                                     \
+                const weft__pair pair = weft__near_pair(kind, near, i);                \
+                count += !(near->waits[i] > spans[at].moved)                           \
+                         && push(law, &pair, y, &out[count / WEFT__BLOCK],             \
+                                 count % WEFT__BLOCK, bad);                            \
+            }                                                                          \
+        }                                                                              \
+        return count;                                                                  \
+    }
+EACH_NEAR(weft__pushes_loops, weft__pair_push)
+EACH_NEAR(weft__pushes_slopes, weft__pair_slope)
+EACH_NEAR(weft__pushes_twins, push_twin)
 
 double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
 {
@@ -323,19 +336,14 @@ static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *
 
 /* ---- without a list -------------------------------------------------------------- */
 
-typedef struct pass {
-    weft__self_law law;
-    const double *y;
-    weft__pushed_fn *each;
-    void *ctx;
-    double bad; /* 0 or NaN */
-} pass;
-
 static bool take_pair(void *ctx, const weft__pair *pair)
 {
-    pass *all = ctx;
+    weft__self_pass *all = ctx;
+    weft__push_fn *push = all->law.along != NULL  ? weft__pair_slope
+                          : all->law.base != NULL ? push_twin
+                                                  : weft__pair_push;
     weft__pushes one;
-    if (weft__pair_push(&all->law, pair, all->y, &one, 0, &all->bad)) {
+    if (push(&all->law, pair, all->y, &one, 0, &all->bad)) {
         all->each(all->ctx, (weft__pair_kind)pair->kind, &one, 1);
     }
     return true;
@@ -352,22 +360,33 @@ bool weft__self_seek(const weft__self *own, weft__knot *knots, const double *y,
            && weft__each_pair(&tree, own->law.thickness, visit, ctx);
 }
 
-int weft__self_each(const weft__self *own, weft__knot *knots, const double *y,
-                    weft__pushed_fn *each, void *ctx)
+int weft__self_each(weft__self_pass *pass, weft__knot *knots)
 {
-    if (!own->law.self) {
-        return 0;
-    }
-    pass all = { weft__self_law_of(own), y, each, ctx, 0.0 };
-    return weft__self_seek(own, knots, y, take_pair, &all) && all.bad == 0.0 ? 0 : 1;
+    const weft__self_law *law = &pass->law;
+    const weft__self *own = law->base != NULL ? law->base : law->own;
+    const double *y = law->base != NULL ? law->base_y : pass->y;
+    return !own->law.self
+                   || (weft__self_seek(own, knots, y, take_pair, pass)
+                       && pass->bad == 0.0)
+               ? 0
+               : 1;
+}
+
+static int each_pushed(const weft__self *own, weft__self_list *list,
+                       const weft__state *at, weft__pushed_fn *each, void *ctx)
+{
+    weft__self_pass all
+        = { .law = weft__self_law_of(own), .y = at->y, .each = each, .ctx = ctx };
+    all.law.along = at->along;
+    return list != NULL ? weft__self_list_each(list, at->y, &all)
+                        : weft__self_each(&all, NULL);
 }
 
 void weft__self_measure(const void *own, void *list, const weft__state *at,
                         weft_measures *sum)
 {
     measuring of = { own, at->y, sum };
-    (void)(list != NULL ? weft__self_list_each(list, at->y, measure_pushes, &of)
-                        : weft__self_each(own, NULL, at->y, measure_pushes, &of));
+    (void)each_pushed(own, list, at, measure_pushes, &of);
 }
 
 /* ---- its part of a cloth --------------------------------------------------------- */
@@ -533,9 +552,13 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
                    double *to)
 {
     weft__self_sums sums = { own, unit, to };
-    return space != NULL && unit == WEFT__ACCELERATION
-               ? weft__self_list_add(space, at, to)
-               : weft__self_each(own, NULL, at->y, weft__self_sum, &sums);
+    return each_pushed(own, space, at, weft__self_sum, &sums);
+}
+
+static int transposed_all(const void *own, void *space, const weft__state *at,
+                          double *out)
+{
+    return weft__self_transposed(own, space, at->y, at->along, out);
 }
 
 const weft__force weft__self_force = { .name = "self",
@@ -549,4 +572,5 @@ const weft__force weft__self_force = { .name = "self",
                                        .multiply = weft__self_multiply,
                                        .blocks = weft__self_blocks,
                                        .add_all = add_all,
+                                       .transposed_all = transposed_all,
                                        .measure_all = weft__self_measure };

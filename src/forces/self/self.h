@@ -133,9 +133,14 @@ static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
 /* What the law takes from a cloth. */
 typedef struct weft__self_law {
     const weft__self *own;
-    double share;     /* of the energy of a pair, unless its mass is negative */
-    double window;    /* of a grid: 1 / x0 of the weights */
-    double square[3]; /* [m^2] of its rest lengths: down, right, diagonal */
+    double share;        /* of the energy of a pair, unless its mass is negative */
+    double window;       /* of a grid: 1 / x0 of the weights */
+    double square[3];    /* [m^2] of its rest lengths: down, right, diagonal */
+    const double *along; /* a direction of a state of particles, the derivative along
+                            which is wanted in place of forces; or NULL */
+    const weft__self
+        *base;            /* of a twin, which has other numbers: only pairs that push */
+    const double *base_y; /* in this state count, so that any list has them; or NULL */
 } weft__self_law;
 
 weft__self_law weft__self_law_of(const weft__self *own);
@@ -146,6 +151,19 @@ weft__self_law weft__self_law_of(const weft__self *own);
 #define WEFT__GRID_SHARE 0.25 /* a particle between two layers has some four pairs */
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair);
 double weft__pair_mass(const weft__self *own, const weft__pair *pair);
+
+static inline double weft__pair_share(const weft__self_law *law, double mass)
+{
+    return mass < 0.0 ? WEFT__GRID_SHARE : law->share;
+}
+
+/* 1 / x0 as law_weigh takes it. */
+void weft__pair_windows(const weft__self_law *law, const weft__pair *pair,
+                        double window[3]);
+
+/* Its mass if it pushes, else 0. */
+double weft__pair_pushes(const weft__self *own, const weft__pair *pair,
+                         const double *y);
 
 /* Pairs of one kind, their numbers by particles. WEFT__BLOCK numbers beyond the end may
  * be read. */
@@ -189,8 +207,13 @@ typedef struct weft__pushes {
 
 /* Writes a pair to a lane; false: it does not push in state y[6 N]. The forces are NaN
  * where two are at the same place; *bad as below. */
-bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
-                     weft__pushes *out, size_t lane, double *bad);
+typedef bool weft__push_fn(const weft__self_law *law, const weft__pair *pair,
+                           const double *y, weft__pushes *out, size_t lane,
+                           double *bad);
+weft__push_fn weft__pair_push;
+
+/* self_slope.c: of the derivative of the forces alone, along law->along. */
+weft__push_fn weft__pair_slope;
 
 /* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
  * or NaN if a force is not finite. Has room for all pairs. */
@@ -208,6 +231,7 @@ typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
                             const double *y, double most, double *distances);
 
 WEFT_FORMS(weft__pushes_fn, pushes);
+weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->base */
 WEFT_FORMS(weft__waits_fn, waits);
 WEFT_FORMS(weft__drift_fn, drift);
 WEFT_FORMS(weft__range_fn, range);
@@ -263,15 +287,24 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
 bool weft__self_seek(const weft__self *own, weft__knot *knots, const double *y,
                      weft__pair_fn *visit, void *ctx);
 
-/* Calls `each` with all that push in a state, which are sought, kind by kind in the
- * order of weft__each_pair. Returns 1 if a number is not finite. Nothing without
- * law.self. With a list the same. */
 typedef void weft__pushed_fn(void *ctx, weft__pair_kind kind,
                              const weft__pushes *pushes, size_t count);
-int weft__self_each(const weft__self *own, weft__knot *knots, const double *y,
-                    weft__pushed_fn *each, void *ctx);
-int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
-                         void *ctx);
+typedef struct weft__self_pass {
+    weft__self_law law;
+    const double *y; /* of all points */
+    weft__pushed_fn *each;
+    void *ctx;
+    double bad; /* 0 or NaN */
+} weft__self_pass;
+
+/* Calls `each` with all that push in a state, which are sought, kind by kind in the
+ * order of weft__each_pair. Returns 1 if a number is not finite. Nothing without
+ * law.self. */
+int weft__self_each(weft__self_pass *pass, weft__knot *knots);
+
+/* The same with a list, which has the pairs near in its state y; the pass may be of a
+ * twin, of the same points with other numbers. */
+int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass *pass);
 
 /* A weft__pushed_fn that adds their forces to planes to[3 N]. */
 typedef struct weft__self_sums {
@@ -285,6 +318,10 @@ void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
 /* As measure_all of a weft__force; list NULL: they are sought. */
 void weft__self_measure(const void *own, void *list, const weft__state *at,
                         weft_measures *sum);
+
+/* As transposed_all of a weft__force; y: of all points. */
+int weft__self_transposed(const weft__self *own, weft__self_list *list, const double *y,
+                          const double *along, double *out);
 
 /* ---- self_bounds.c: stiffness and damping ---------------------------------------- */
 

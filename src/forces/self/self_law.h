@@ -69,6 +69,7 @@ LAW num law_v(const law_gram *of)
     return of->ee * of->fp - of->ef * of->ep;
 }
 
+#ifndef LAW_OF_SLOPES /* which those that push have alone */
 /* Whether the feet are inside and nearer than the thickness. */
 LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
 {
@@ -90,13 +91,14 @@ LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
                                              : area - u - v > 0.0;
     return inside & (u > 0.0) & (v > 0.0) & (volume * volume < near * area);
 }
+#endif
 
 /* ---- weights --------------------------------------------------------------------- */
 
 /* S(x) and its derivative; inverse: 1 / x0. */
 LAW num law_step(num x, num inverse, num *slope)
 {
-    const num part = x * inverse, y = CHOOSE(part < 1.0, part, NUM(1.0));
+    const num part = x * inverse, y = CHOOSE(LESS(part, 1.0), part, NUM(1.0));
     const num y3 = y * y * y, z = 1.0 - y;
     *slope = 140.0 * y3 * (z * z * z) * inverse;
     return y3 * y * (35.0 - y * (84.0 - y * (70.0 - 20.0 * y)));
@@ -131,7 +133,7 @@ LAW law_feet law_feet_of(weft__pair_kind kind, const law_gram *of)
     const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
     law_feet at = { .of = *of };
     if (kind != WEFT__VERTICES) {
-        at.inverse = 1.0 / (kind == WEFT__VERTEX_EDGE ? of->ee : law_area(of));
+        at.inverse = OVER(1.0, kind == WEFT__VERTEX_EDGE ? of->ee : law_area(of));
         at.u = law_u(kind, of) * at.inverse;
     }
     if (kind >= WEFT__VERTEX_TRIANGLE) {
@@ -182,9 +184,9 @@ LAW void law_lean(weft__pair_kind kind, num by_u, num by_v, num by_area, law_fee
 LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_rest,
                    const num window[3], law_feet *at)
 {
-    const num part = law->own->law.thickness / (NARROWING * at->d);
+    const num part = OVER(law->own->law.thickness, NARROWING * at->d);
     const num q2 = 1.0 + part * part, q = ROOT(q2);
-    const num narrows = part * part / (q2 * at->d); /* -d log(inverse) / dd */
+    const num narrows = OVER(part * part, q2 * at->d); /* -d log(inverse) / dd */
     num by_u, by_v, by_z, grows_u, grows_v;
     if (kind == WEFT__VERTICES) {
         at->arm[0] = NUM(1.0), at->arm[1] = NUM(-1.0);
@@ -224,6 +226,7 @@ LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_
              at);
 }
 
+#ifndef LAW_OF_SLOPES
 /* ---- distances ------------------------------------------------------------------- */
 
 LAW num law_least(num a, num b) /* of a NaN and b: b */
@@ -354,6 +357,7 @@ LAW num law_wait(weft__pair_kind kind, num x[4][3], num distance, double thickne
     }
     return law_most(far, law_least(shy, NUM(most)));
 }
+#endif
 
 /* ---- pairs ----------------------------------------------------------------------- */
 
@@ -373,13 +377,36 @@ LAW num law_slip(weft__pair_kind kind, const law_feet *at, num v[4][3], num n[3]
         for (size_t i = 1; i < weft__kind_particles(kind); ++i) {
             w[k] = w[k] + at->arm[i] * v[i][k];
         }
-        n[k] = at->r[k] / at->d;
+        n[k] = OVER(at->r[k], at->d);
     }
     const num speed = law_dot(w, n);
     for (size_t k = 0; k < 3; ++k) {
         slip[k] = w[k] - speed * n[k];
     }
     return speed;
+}
+
+/* Adds component k of what pushes the feet, and of what turns the edges by both, to the
+ * points of a pair. */
+LAW void law_spread(weft__pair_kind kind, const num arm[4], num lean, num first,
+                    num second, size_t k, num to[4][3])
+{
+    for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
+        to[i][k] = to[i][k] - arm[i] * lean;
+    }
+    if (kind == WEFT__EDGES) {
+        to[0][k] = to[0][k] + first;
+        to[1][k] = to[1][k] - first;
+        to[2][k] = to[2][k] + second;
+        to[3][k] = to[3][k] - second;
+    } else {
+        to[1][k] = to[1][k] + first;
+        to[2][k] = to[2][k] - first;
+    }
+    if (kind == WEFT__VERTEX_TRIANGLE) {
+        to[1][k] = to[1][k] + second;
+        to[3][k] = to[3][k] - second;
+    }
 }
 
 /* Of a pair that pushes, by mass M; mu: its friction, rough: that of any pair. */
@@ -405,26 +432,9 @@ LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, num shar
         for (size_t i = 0; i < count; ++i) {
             out->force[i][k] = at->arm[i] * foot;
         }
-        if (kind == WEFT__VERTICES) {
-            continue;
-        }
-        const num first = energy * at->turn[0][k], second = energy * at->turn[1][k];
-        const num lean = energy * at->lean[k];
-        for (size_t i = 0; i < count; ++i) {
-            out->force[i][k] = out->force[i][k] - at->arm[i] * lean;
-        }
-        if (kind == WEFT__EDGES) {
-            out->force[0][k] = out->force[0][k] + first;
-            out->force[1][k] = out->force[1][k] - first;
-            out->force[2][k] = out->force[2][k] + second;
-            out->force[3][k] = out->force[3][k] - second;
-        } else {
-            out->force[1][k] = out->force[1][k] + first;
-            out->force[2][k] = out->force[2][k] - first;
-        }
-        if (kind == WEFT__VERTEX_TRIANGLE) {
-            out->force[1][k] = out->force[1][k] + second;
-            out->force[3][k] = out->force[3][k] - second;
+        if (kind != WEFT__VERTICES) {
+            law_spread(kind, at->arm, energy * at->lean[k], energy * at->turn[0][k],
+                       energy * at->turn[1][k], k, out->force);
         }
     }
 }

@@ -528,8 +528,7 @@ static readiness prepare(weft__self_list *list, const double *y)
 
 typedef struct evaluation {
     weft__self_list *list;
-    weft__self_law law;
-    const double *y;
+    const weft__self_pass *pass;
     weft__pushes *room; /* for those of any bin in turn, by one thread; or NULL */
     atomic_bool bad;
 } evaluation;
@@ -562,13 +561,17 @@ static void find_close(weft__self_chunk *of, double more)
 static size_t push_bin(evaluation *all, weft__self_chunk *in, weft__pair_kind kind,
                        weft__pushes *out)
 {
-    const weft__self *own = all->law.own;
+    const weft__self_law *law = &all->pass->law;
+    const weft__self *own = law->own;
     const weft__self_bin *at = &in->bins[kind];
+    weft__pushes_fn *pushes = law->along != NULL  ? weft__pushes_slopes
+                              : law->base != NULL ? weft__pushes_twins
+                                                  : own->pushes;
     double bad = 0.0;
     const size_t count
-        = own->pushes(&all->law, kind, own->between ? &at->before.near : &at->now.near,
-                      own->between ? in->before.spans : in->now.spans, in->now.count,
-                      all->y, out, &bad);
+        = pushes(law, kind, own->between ? &at->before.near : &at->now.near,
+                 own->between ? in->before.spans : in->now.spans, in->now.count,
+                 all->pass->y, out, &bad);
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
     }
@@ -579,7 +582,7 @@ static void evaluate_part(void *ctx, size_t part)
 {
     evaluation *all = ctx;
     weft__self_chunk *in = &all->list->chunks[part];
-    if (all->law.own->between) { /* piles make their lists too often for it to pay */
+    if (all->list->own->between) { /* piles make their lists too often for it to pay */
         find_close(in, CLOSE * all->list->skin);
     }
     for (size_t kind = 0; kind < WEFT__KINDS && all->room == NULL; ++kind) {
@@ -601,18 +604,17 @@ static weft__pushes *widest(const weft__self_list *list)
 /* In the order of weft__each_pair. One thread calls `each` with a bin as soon as it is
  * filled, in a room that stays in its cache; of several one does so when all are
  * filled: two that each add half of them took longer. */
-int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn *each,
-                         void *ctx)
+int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass *pass)
 {
     const bool alone = weft__pool_threads(list->pool) == 1;
     const readiness is = prepare(list, y);
-    evaluation all = { .list = list,
-                       .law = weft__self_law_of(list->own),
-                       .y = y,
-                       .room = alone ? widest(list) : NULL };
+    evaluation all
+        = { .list = list, .pass = pass, .room = alone ? widest(list) : NULL };
+    if (pass->law.own != list->own) {
+        pass->law.base = list->own, pass->law.base_y = y;
+    }
     if (is != READY) {
-        return is == NOT_FINITE ? 1
-                                : weft__self_each(list->own, list->knots, y, each, ctx);
+        return is == NOT_FINITE ? 1 : weft__self_each(pass, list->knots);
     }
     if (list->group_count > 0) {
         weft__pool_run(list->pool, evaluate_part, &all, list->chunk_count);
@@ -625,15 +627,9 @@ int weft__self_list_each(weft__self_list *list, const double *y, weft__pushed_fn
         if (alone) {
             at->pushing = push_bin(&all, in, kind, all.room);
         }
-        each(ctx, kind, alone ? all.room : at->pushes, at->pushing);
+        pass->each(pass->ctx, kind, alone ? all.room : at->pushes, at->pushing);
     }
     return atomic_load(&all.bad) ? 1 : 0;
-}
-
-int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to)
-{
-    weft__self_sums sums = { list->own, WEFT__ACCELERATION, to };
-    return weft__self_list_each(list, at->y, weft__self_sum, &sums);
 }
 
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,

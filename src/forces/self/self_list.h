@@ -18,9 +18,6 @@ void weft__self_list_destroy(weft__self_list *list); /* NULL is allowed */
  * alone, between steps, and is done without until then. */
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
 
-/* As add_all of a weft__force, by acceleration. */
-int weft__self_list_add(weft__self_list *list, const weft__state *at, double *to);
-
 /* As weft__self_seek. */
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
                           void *ctx);
