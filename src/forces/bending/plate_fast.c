@@ -61,9 +61,11 @@ INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
     }
 }
 
-INLINE void add_pair(double entry, record x, size_t other, nearby *near, record *sum)
+/* By address: clang 11 does not pass vectors without the registers for them. */
+INLINE void add_pair(double entry, const record *x, size_t other, nearby *near,
+                     record *sum)
 {
-    const record pull = ALL(entry) * (x - *at(near->x, other));
+    const record pull = ALL(entry) * (*x - *at(near->x, other));
     *at(near->sum, other) += pull;
     *sum += pull;
 }
@@ -79,8 +81,8 @@ INLINE void add_row(const double *entry, const uint32_t *column, size_t length,
         __builtin_prefetch(column + j + AHEAD);
     }
     for (size_t j = 0; j < length; j += 2) {
-        add_pair(entry[j], x, column[j], near, &even);
-        add_pair(entry[j + 1], x, column[j + 1], near, &odd);
+        add_pair(entry[j], &x, column[j], near, &even);
+        add_pair(entry[j + 1], &x, column[j + 1], near, &odd);
     }
     *at(near->sum, RECORD * i) -= even + odd;
 }
