@@ -19,6 +19,7 @@ static int lacking(int none, ...)
 #endif
 
 #define FARTHEST 1.5   /* of the first step, in logarithms */
+#define ASTRAY   3.0   /* by so much a part of the time takes no number that it knows */
 #define NEAR     1e-3  /* relative change of chi2 or the logarithms that ends a part */
 #define NEAREST  1e-6  /* and the last */
 #define WORST    1e100 /* residuals of numbers with which there is no run */
@@ -237,8 +238,14 @@ static weft_status minimise_parts(fit *self, weft_error *err)
                 self->rows += isfinite(self->points[self->now].x[k]) ? 1 : 0;
             }
         }
+        double before[WEFT_SENSITIVITIES];
+        memcpy(before, self->at, sizeof before);
         if (self->rows >= self->numbers) {
             TRY(minimise(self, share > 1 ? NEAR : NEAREST, err));
+        }
+        for (size_t j = 0; share > 1 && j < self->numbers; ++j) {
+            self->at[j]
+                = fabs(self->at[j] - before[j]) < ASTRAY ? self->at[j] : before[j];
         }
     }
     return WEFT_OK;
