@@ -192,7 +192,9 @@ $(BUILD)/%.v4.o: OWN += $(V4) -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
 $(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 # They are not asked for undefined behaviour, which takes seven times as long to compile: the plain forms are.
-$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): override SAN := $(SAN:%,undefined=%)
+# gcc's checks of addresses as calls, beyond some of them in a function: half the time to compile.
+CALLS := $(if $(findstring address,$(SAN)),$(if $(findstring clang,$(CC)),,--param asan-instrumentation-with-call-threshold=100))
+$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): override SAN := $(SAN:%,undefined=%) $(CALLS)
 HARDER := contact/contact_fast membrane/membrane_fast membrane/membrane_arc_fast
 $(foreach f,$(HARDER),$(BUILD)/src/forces/$f.o $(LEVELS:%=$(BUILD)/src/forces/$f.%.o)): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
@@ -430,9 +432,9 @@ check-mpi:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) all
 	@tools/check-mpi $(BUILD)
 
-# What is written, read by the programs it is meant for; what is not there is skipped.
+# What is written, read by the programs it is meant for; what is not there is skipped. WHOLE=1: also of pages for many runs.
 check-view: all
-	@tools/check-view $(BUILD)
+	@WHOLE=$(WHOLE) tools/check-view $(BUILD)
 
 # The Python package in an environment of its own, built from this tree.
 check-python: all
@@ -487,14 +489,18 @@ format:
 docs: all
 	@tools/docs $(BUILD)
 
-# Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for
-# long what others run as well, or whose wide kernels compile for minutes (ASAN_WITHOUT=: all).
-ASAN_WITHOUT ?= $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
-                self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness
+# Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for long what others run
+# as well, run the program hundreds of times, or whose wide kernels compile for minutes (ASAN_WITHOUT=, as make nightly: all).
+# The tests of a suite run in one process, as one each takes five times as long, but where memory is limited or measured.
+ASAN_LONG := $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
+             self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
+             hostile surroundings cli_resume cli_batch cli_stability sundials_vector bands_ends threads
+ASAN_WITHOUT ?= $(ASAN_LONG)
 
 asan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    TESTS='$(filter-out $(ASAN_WITHOUT),$(TESTS))' \
+	    TOGETHER='$(TOGETHER) $(filter-out $(ASAN_LONG) jacobian hostile_cost,$(TESTS))' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    check-run
 
@@ -615,6 +621,8 @@ nightly: all
 	$(MAKE) check-determinism WHOLE=1
 	$(MAKE) check-validation WHOLE=1
 	$(MAKE) check-fit
+	$(MAKE) check-docs WHOLE=1
+	$(MAKE) check-view WHOLE=1
 	$(MAKE) fuzz FUZZ_SECONDS=300
 	$(MAKE) check-self SECONDS=3600
 	TEST_LONG=1 $(MAKE) check-libm

@@ -91,9 +91,9 @@ dist: all
 check-dist: dist hashes $(BUILD)/examples/minimal
 	@DIST='$(DIST)' tools/check-dist $(BUILD)
 
-# Runs the commands of the pages.
+# Runs the commands of the pages, on scenes of a tenth of a second; WHOLE=1: on those that are shipped.
 check-docs: all $(EXAMPLES)
-	@tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
+	@WHOLE=$(WHOLE) tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
 
 # The pages of docs/ as a site that needs no network; the check makes it with short runs and follows its links.
 site: all

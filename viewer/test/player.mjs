@@ -767,7 +767,7 @@ test('without WebGL the plots are still there', async () => {
     await poor.close();
 });
 
-test('the time a page of 100 x 100 particles and 120 frames takes is told', async (t) => {
+test('the time a page of 100 x 100 particles and 120 frames takes is told', { skip: !process.env.WHOLE }, async (t) => {
     await open(browser, at('big/run.html')); // the browser's own start is not the page's
     const { page, loading } = await open(browser, at('big/run.html'));
     const cost = await page.evaluate(() => {
