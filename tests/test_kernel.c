@@ -20,7 +20,7 @@ weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__drift_fn weft__drift_wide;
-weft__transposed_fn weft__transposed_wide;
+weft__turned_fn weft__transposed_wide;
 weft__range_fn weft__range_wide;
 
 /* Narrower and wider than any vector, one more than a multiple of it, wider than a
@@ -259,7 +259,7 @@ END_TEST
 
 START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
 {
-    static double dy[6 * MOST], room[9 * MOST];
+    static double dy[6 * MOST], room[9 * MOST], net[3 * MOST];
     for (uint64_t number = 0; number < SEEDS; ++number) {
         make(number);
         uint64_t seed = number + 1, plain = 0;
@@ -273,10 +273,11 @@ START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
                              0);
             weft__by_numbers by;
             uint64_t all = hash();
-            ck_assert_int_eq(
-                weft__rhs_transposed(m.cloth, NULL, m.t, m.y, dy, room, m.dydt, &by),
-                0);
+            ck_assert_int_eq(weft__rhs_transposed(m.cloth, NULL, m.t, m.y, dy, room,
+                                                  m.dydt, net, &by),
+                             0);
             all = 31 * all + hash();
+            all = 31 * all + test_hash(net, 3 * m.n);
             all = 31 * all + test_hash(by.stiffness, sizeof by / sizeof(double));
             plain = i == 0 ? all : plain;
             ck_assert_msg(all == plain, "%u: %zu x %zu on %s", (unsigned)number,

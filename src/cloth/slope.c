@@ -26,44 +26,48 @@ int weft_cloth_jacobian_product(const weft_cloth *cloth, double t, const double 
     return failed;
 }
 
+/* Adds that of a linear force, by x and by v apart; l and twice as much behind it. */
+static void add_linear(const weft__force *force, const void *own, size_t n, double *l,
+                       double *out, size_t end)
+{
+    const weft__state by_x = { .y = l }, by_v = { .y = l + 3 * n };
+    memset(l + 3 * n, 0, 3 * n * sizeof *l); /* l, 0, l */
+    memcpy(l + 6 * n, l, 3 * n * sizeof *l);
+    (void)force->add(own, &by_x, WEFT__FORCE, out, 0, end);
+    (void)force->add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
+}
+
 int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
                          const double *y, const double *w, double *room, double *out,
-                         weft__by_numbers *by)
+                         double *net, weft__by_numbers *by)
 {
     const weft__mesh *mesh = &cloth->mesh;
-    const size_t n = mesh->particles, end = weft__blocks(mesh);
+    const size_t n = mesh->particles;
     const weft__state at = { .t = t, .y = y, .along = room };
-    const weft__state by_x = { .y = room }, by_v = { .y = room + 3 * n };
-    *by = (weft__by_numbers){ 0 };
+    bool others = cloth->self.law.self || cloth->bodies.pairs.law.self;
     if (cloth->grid_count > 0) {
         return -1;
     }
-    memset(room + 3 * n, 0, 3 * n * sizeof *room); /* l, 0, l */
-    memset(out, 0, 3 * n * sizeof *out);
-    memcpy(out + 3 * n, w, 3 * n * sizeof *out);
     for (size_t k = 0; k < 3 * n; k += n) {
         for (size_t i = 0; i < n; ++i) {
             room[k + i] = mesh->inverse_mass[i] * w[3 * n + k + i];
         }
-        for (size_t j = 0; j < mesh->pinned; ++j) {
-            out[3 * n + k + mesh->pins[j]] = 0.0;
-        }
     }
-    memcpy(room + 6 * n, room, 3 * n * sizeof *room);
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+    int failed = cloth->springs.transposed(&cloth->springs, &cloth->body, &at, w, out,
+                                           net, by);
+    for (size_t k = 1; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const void *own = weft__own(cloth, k);
         if (force != NULL && force->linear) {
-            (void)force->add(own, &by_x, WEFT__FORCE, out, 0, end);
-            (void)force->add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
+            add_linear(force, own, n, room, out, weft__blocks(mesh));
         } else if (force != NULL && force->transposed != NULL) {
-            force->transposed(own, &at, out, by);
+            force->transposed(own, &at, out);
         }
+        others = others || (force != NULL && (force->linear || force->transposed));
     }
-    int failed = 0;
     WEFT__FROM_EACH_FORCE(failed |=, cloth, transposed_all,
                           spaces != NULL ? spaces[k_] : NULL, &at, out)
-    return failed != 0 || weft__all_finite(out, 6 * n) ? failed : 1;
+    return failed | (others && !weft__all_finite(out, 6 * n));
 }
 
 int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
@@ -72,9 +76,9 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
 {
     weft__by_numbers by;
     double *room = weft__alloc(&cloth->memory, 9 * cloth->mesh.particles, sizeof *room);
-    const int failed = room == NULL
-                           ? -1
-                           : weft__rhs_transposed(cloth, NULL, t, y, w, room, out, &by);
+    const int failed = room == NULL ? -1
+                                    : weft__rhs_transposed(cloth, NULL, t, y, w, room,
+                                                           out, NULL, &by);
     weft__free(&cloth->memory, room);
     return failed;
 }
@@ -320,43 +324,38 @@ static double product_of(const double *a, const double *b, size_t count)
     return sum;
 }
 
-/* By springs of the same rest lengths, weight and air, which are linear, to *sum;
- * false: others of their numbers change. */
-static bool linear_product(const weft__slope *of, const weft__springs *springs,
-                           const weft__by_numbers *by, double *sum)
+/* By springs, weight, air and masses, on which net depends. */
+static double springs_product(const weft__slope *of, const double *w,
+                              const weft__by_numbers *by, const double *net)
 {
-    bool linear = of->inverse_mass == NULL;
-    double more
-        = product_of(of->springs.gravity, by->gravity, 3) + of->springs.drag * by->drag;
-    for (size_t g = 0; g < springs->group_count; ++g) {
-        const weft__slope_law *law = &of->springs.laws[springs->groups[g].way];
-        linear = linear && law->rest_length == 0.0;
-        more += law->stiffness * by->stiffness[g] + law->damping * by->damping[g];
+    const weft__spring_slope *slope = &of->springs;
+    const size_t n = of->more->mesh.particles;
+    double sum = product_of(slope->gravity, by->gravity, 3) + slope->drag * by->drag;
+    for (size_t g = 0; g < WEFT_GROUPS; ++g) {
+        const weft__slope_law *law = &slope->laws[g];
+        sum += law->stiffness * by->stiffness[g] + law->damping * by->damping[g]
+               + law->rest_length * by->rest_length[g];
     }
-    *sum += linear ? more : 0.0;
-    return linear;
+    for (size_t k = 0; of->inverse_mass != NULL && k < 3 * n; k += n) {
+        for (size_t i = 0; i < n; ++i) {
+            sum += w[3 * n + k + i] * (of->inverse_mass[i] * net[k + i]);
+        }
+    }
+    return sum;
 }
 
-int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
-                        void *const *spaces, const weft__state *at, const double *w,
-                        const weft__by_numbers *by, double *const room[3], double *sum)
+int weft__slope_product(const weft__slope *of, void *const *spaces,
+                        const weft__state *at, const double *w,
+                        const weft__by_numbers *by, const double *net,
+                        double *const room[3], double *sum)
 {
-    const weft__mesh *mesh = &cloth->mesh;
-    const size_t n = mesh->particles, blocks = weft__blocks(mesh);
-    const bool linear = linear_product(of, &cloth->springs, by, sum);
-    const bool differs = !linear || of->others || of->whole;
+    const weft__mesh *mesh = &of->more->mesh;
+    const size_t n = mesh->particles;
     int failed = 0;
-    if (differs) { /* no direction, or no rate yet */
-        memset(room[linear ? 2 : 0], 0, 6 * n * sizeof *room[0]);
-    }
-    if (!linear) {
-        const weft__ways one
-            = { at->y, NULL, n, mesh->cols, 1, { { room[0], room[2], &of->springs } } };
-        failed
-            = cloth->springs.products(&cloth->springs, &cloth->body, &one, 0, blocks);
-    }
-    if (differs) {
-        failed |= weft__slope_blocks(of, at, room[2], room, 0, blocks);
+    *sum += springs_product(of, w, by, net);
+    if (of->others || of->whole) {
+        memset(room[2] + 3 * n, 0, 3 * n * sizeof *room[2]);
+        failed = weft__slope_blocks(of, at, room[2], room, 0, weft__blocks(mesh));
         failed |= weft__slope_all(of, spaces, at, room[2], room);
         *sum += product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
     }

@@ -9,11 +9,11 @@
 
 #include "cloth/model.h"
 
-/* J^T w to out[6 N]; the derivatives of w.f by numbers to *by. room: 9 N; spaces as of
- * weft__rhs_all. Returns as weft__rhs_blocks. */
+/* J^T w to out[6 N]; net and *by as those of weft__springs.transposed. room: 9 N;
+ * spaces as of weft__rhs_all. Returns as weft__rhs_blocks. */
 int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
                          const double *y, const double *w, double *room, double *out,
-                         weft__by_numbers *by);
+                         double *net, weft__by_numbers *by);
 
 typedef struct weft__slope {
     const weft_cloth *less, *more;
@@ -40,11 +40,12 @@ void weft__slope_free(const weft__slope *of, const weft_allocator *memory);
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
                        double *const room[2], size_t first, size_t end);
 
-/* Adds w.(df/dp) to *sum; *by is what weft__rhs_transposed has found for w. `cloth` and
- * `spaces` are those of slope_init; room: 6 N each. Returns as above. */
-int weft__slope_product(const weft__slope *of, const weft_cloth *cloth,
-                        void *const *spaces, const weft__state *at, const double *w,
-                        const weft__by_numbers *by, double *const room[3], double *sum);
+/* Adds w.(df/dp) to *sum; *by and net are what weft__rhs_transposed has found for w.
+ * `spaces` are those of the cloth of slope_init; room: 6 N each. Returns as above. */
+int weft__slope_product(const weft__slope *of, void *const *spaces,
+                        const weft__state *at, const double *w,
+                        const weft__by_numbers *by, const double *net,
+                        double *const room[3], double *sum);
 
 /* Adds that of the forces of the whole cloth, with the pairs of `spaces`, which are
  * those of the cloth of slope_init, or NULL. */

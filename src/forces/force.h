@@ -42,15 +42,9 @@ typedef int weft__add_fn(const void *own, const weft__state *at, weft__unit unit
 typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
                             weft_measures *sum);
 
-/* The derivatives of a sum by the numbers of springs, of each group, and of a body. */
-typedef struct weft__by_numbers {
-    double stiffness[2 * WEFT_FAMILIES], damping[2 * WEFT_FAMILIES], gravity[3], drag;
-} weft__by_numbers;
-
 /* Adds the derivative of the sum of l.F by the state to out[6 N], for l = at->along[3
- * N] in any unit, 0 of pinned particles; and that by its numbers to *by. */
-typedef void weft__transposed_fn(const void *own, const weft__state *at, double *out,
-                                 weft__by_numbers *by);
+ * N] in any unit, 0 of pinned particles. */
+typedef void weft__transposed_fn(const void *own, const weft__state *at, double *out);
 
 struct weft__sides; /* bounds.h: what bounds the modes of a particle */
 struct weft__grip;
@@ -73,7 +67,7 @@ typedef struct weft__force {
     /* Its law. The first of the table starts a sum, the others add to it. `change`: the
      * derivative of add along at->along, which of a linear force is add itself;
      * `transposed`: its transpose, of the whole cloth, which of a linear force is add
-     * by x and by v apart. */
+     * by x and by v apart, and of springs, weight and air weft__springs.transposed. */
     bool linear;
     weft__start_fn *start;
     weft__add_fn *add, *change;

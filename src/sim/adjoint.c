@@ -35,8 +35,11 @@ typedef struct adjoint {
     size_t slots;    /* states of a step in `segment` */
     double *segment; /* of `every` steps, and the state at their end */
     double *rates[WEFT__STAGES + 1], *by_state[WEFT__STAGES + 2];
-    double *vectors, *w, *carried; /* 6 N each; carried: by the next step's rate 0 */
-    double *room[3];               /* 6 N, 6 N, 9 N */
+    /* 6 N each; carried: by the next step's rate 0. Of free particles only their
+     * second half is ever written. */
+    double *vectors, *w, *carried;
+    double *room[3];
+    double *net; /* [N] 3 N, if the masses depend on a number, else NULL */
     double *value, *by_number;
 } adjoint;
 
@@ -135,6 +138,9 @@ static weft_status make_slopes(adjoint *of, weft_error *err)
                                   number->name, inner.message);
         }
         of->by_number[j] = 0.0;
+        if (of->slopes[j].inverse_mass != NULL) {
+            of->net = of->room[2] + dim_of(of);
+        }
     }
     return WEFT_OK;
 }
@@ -219,6 +225,13 @@ static weft_status record(adjoint *of, weft_error *err)
 /* ---- the states of a step ---------------------------------------------------------
  */
 
+/* Where the part of a plane that begins at `low` ends: few enough to stay in the first
+ * cache, whatever is added to them. */
+static size_t part_end(size_t low, size_t end)
+{
+    return end - low < 1024 ? end : low + 1024;
+}
+
 /* State k of a step of h from y. */
 static void find_state(const adjoint *of, size_t k, double h, const double *y,
                        double *to)
@@ -226,16 +239,19 @@ static void find_state(const adjoint *of, size_t k, double h, const double *y,
     const weft__mesh *mesh = &of->sim->cloth->mesh;
     const size_t n = mesh->particles, half = 3 * n;
     const double way = h * of->table->c[k];
-    for (size_t i = 0; i < half; ++i) {
-        to[i] = y[i] + way * y[half + i];
-        to[half + i] = y[half + i];
-    }
-    for (size_t j = 0; j < k; ++j) {
-        const weft__share *by = &of->table->share[k][j];
-        const double *a = of->rates[j] + half, x = h * h * by->xa, v = h * by->va;
-        for (size_t i = 0; (x != 0.0 || v != 0.0) && i < half; ++i) {
-            to[i] += x * a[i];
-            to[half + i] += v * a[i];
+    for (size_t low = 0, high; low < half; low = high) {
+        high = part_end(low, half);
+        for (size_t i = low; i < high; ++i) {
+            to[i] = y[i] + way * y[half + i];
+            to[half + i] = y[half + i];
+        }
+        for (size_t j = 0; j < k; ++j) {
+            const weft__share *by = &of->table->share[k][j];
+            const double *a = of->rates[j] + half, x = h * h * by->xa, v = h * by->va;
+            for (size_t i = low; (x != 0.0 || v != 0.0) && i < high; ++i) {
+                to[i] += x * a[i];
+                to[half + i] += v * a[i];
+            }
         }
     }
     for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
@@ -301,26 +317,29 @@ static int repeat(adjoint *of, size_t first, size_t end)
  */
 
 /* w = what the states after rate k have of it. */
-static void find_by_rate(const adjoint *of, size_t k, double h)
+static void find_by_rate(const adjoint *of, size_t k, double h, double *w)
 {
     const weft__mesh *mesh = &of->sim->cloth->mesh;
     const size_t n = mesh->particles, half = 3 * n, end = of->table->count + 1;
-    const bool carried = k == of->table->count && of->table->carries;
-    double *w = of->w;
-    for (size_t i = 0; i < 2 * half; ++i) {
-        w[i] = carried ? of->carried[i] : 0.0;
-    }
-    for (size_t j = k + 1; j <= end; ++j) {
-        const weft__share *by = &of->table->share[j][k];
-        const double *g = of->by_state[j], x = h * h * by->xa, v = h * by->va;
-        for (size_t i = 0; (x != 0.0 || v != 0.0) && i < half; ++i) {
-            w[half + i] += x * g[i] + v * g[half + i];
+    const double *carried
+        = k == of->table->count && of->table->carries ? of->carried : NULL;
+    for (size_t low = 0, high; low < half; low = high) {
+        high = part_end(low, half);
+        for (size_t i = half + low; i < half + high; ++i) {
+            w[i] = carried != NULL ? carried[i] : 0.0;
+        }
+        for (size_t j = k + 1; j <= end; ++j) {
+            const weft__share *by = &of->table->share[j][k];
+            const double *g = of->by_state[j], x = h * h * by->xa, v = h * by->va;
+            for (size_t i = low; (x != 0.0 || v != 0.0) && i < high; ++i) {
+                w[half + i] += x * g[i] + v * g[half + i];
+            }
         }
     }
     for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
         const size_t at = mesh->pins[i / 3] + i % 3 * n;
-        w[at] = carried ? of->carried[at] : 0.0;
-        w[half + at] = carried ? of->carried[half + at] : 0.0;
+        w[at] = carried != NULL ? carried[at] : 0.0;
+        w[half + at] = carried != NULL ? carried[half + at] : 0.0;
         for (size_t j = k + 1; j <= end; ++j) {
             const weft__share *by = &of->table->share[j][k];
             const double *g = of->by_state[j];
@@ -331,33 +350,49 @@ static void find_by_rate(const adjoint *of, size_t k, double h)
 }
 
 /* Adds w.df/dp of each number in a state, and writes J^T w. */
-static int go_through(adjoint *of, double t, const double *y, double *out)
+static int go_through(adjoint *of, double t, const double *y, const double *w,
+                      double *out)
 {
     const weft__state at = { .t = t, .y = y };
     const weft_cloth *cloth = of->sim->cloth;
     void *const *spaces = of->sim->forces.spaces;
     weft__by_numbers by;
     int failed
-        = weft__rhs_transposed(cloth, spaces, t, y, of->w, of->room[0], out, &by);
+        = weft__rhs_transposed(cloth, spaces, t, y, w, of->room[0], out, of->net, &by);
     for (size_t j = 0; j < of->def->count; ++j) {
-        failed |= weft__slope_product(&of->slopes[j], cloth, spaces, &at, of->w, &by,
+        failed |= weft__slope_product(&of->slopes[j], spaces, &at, w, &by, of->net,
                                       of->room, &of->by_number[j]);
     }
     return failed;
 }
 
-/* Adds what a state has of the state at the start of its step. */
-static void add_start(const adjoint *of, double way, const double *g, double *to)
+/* What the states of a step have of the state at its start. */
+static void find_start(const adjoint *of, double h, double *to)
 {
+    const bool *needed = of->table->needed;
     const weft__mesh *mesh = &of->sim->cloth->mesh;
-    const size_t half = 3 * mesh->particles;
-    for (size_t i = 0; i < half; ++i) {
-        to[i] += g[i];
-        to[half + i] += g[half + i] + way * g[i];
+    const size_t half = 3 * mesh->particles, end = of->table->count + 1;
+    const double *last = of->by_state[end];
+    for (size_t low = 0, high; low < half; low = high) {
+        high = part_end(low, half);
+        for (size_t i = low; i < high; ++i) {
+            to[i] = last[i];
+            to[half + i] = last[half + i] + h * last[i];
+        }
+        for (size_t k = end - 1; k > 0; --k) {
+            const double *g = of->by_state[k], way = of->table->c[k] * h;
+            for (size_t i = low; needed[k] && i < high; ++i) {
+                to[i] += g[i];
+                to[half + i] += g[half + i] + way * g[i];
+            }
+        }
     }
     for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
-        const size_t at = mesh->pins[i / 3] + i % 3 * mesh->particles;
-        to[half + at] -= way * g[at];
+        const size_t at = half + mesh->pins[i / 3] + i % 3 * mesh->particles;
+        to[at] = 0.0;
+        for (size_t k = end; k > 0; --k) {
+            to[at] += needed[k] ? of->by_state[k][at] : 0.0;
+        }
     }
 }
 
@@ -366,26 +401,25 @@ static int step_back(adjoint *of, size_t step)
 {
     const size_t end = of->table->count + 1, dim = dim_of(of);
     const double t = of->steps[step].t, h = of->steps[step].h;
-    double *start = of->by_state[0];
+    double *start = of->by_state[0], *by_first = of->rates[0]; /* no longer needed */
     int failed = 0;
-    memset(start, 0, dim * sizeof *start);
-    add_start(of, h, of->by_state[end], start);
     for (size_t k = end - 1; k > 0; --k) {
         if (of->table->needed[k]) {
-            find_by_rate(of, k, h);
+            find_by_rate(of, k, h, of->w);
             failed |= go_through(of, t + of->table->c[k] * h, place_of(of, step, k),
-                                 of->by_state[k]);
-            add_start(of, of->table->c[k] * h, of->by_state[k], start);
+                                 of->w, of->by_state[k]);
         }
     }
+    find_start(of, h, start);
     if (of->table->carries) {
-        find_by_rate(of, 0, h);
-        memcpy(of->carried, of->w, dim * sizeof *of->w);
+        find_by_rate(of, 0, h, of->carried);
     }
     if (of->table->carries && of->steps[step].restarts) {
-        failed |= go_through(of, t, place_of(of, step, 0), of->by_state[1]);
-        add_start(of, 0.0, of->by_state[1], start);
-        memset(of->carried, 0, dim * sizeof *of->w);
+        failed |= go_through(of, t, place_of(of, step, 0), of->carried, by_first);
+        for (size_t i = 0; i < dim; ++i) {
+            start[i] += by_first[i];
+        }
+        memset(of->carried, 0, dim * sizeof *of->carried);
     }
     of->by_state[0] = of->by_state[end], of->by_state[end] = start;
     return failed;
@@ -396,7 +430,7 @@ static weft_status add_frames(adjoint *of, size_t count, const double *y, size_t
                               weft_error *err)
 {
     const size_t dim = dim_of(of);
-    double *slope = of->w, *to = of->by_state[of->table->count + 1];
+    double *slope = of->room[0], *to = of->by_state[of->table->count + 1];
     while (*left > 0 && of->frame[*left - 1] == count) {
         const size_t frame = --*left;
         const double t = of->def->times[frame];

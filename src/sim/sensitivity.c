@@ -179,7 +179,10 @@ static void copy(const weft_sim *sim, size_t i, const double *from, double facto
             const size_t in = place(sim, k, i, r), own = k * n + r * row;
             const double *source = from + (back ? in : own);
             double *target = to + (back ? own : in);
-            for (size_t j = 0; j < row; ++j) {
+            if (factor == 1.0) {
+                memcpy(target, source, row * sizeof *target);
+            }
+            for (size_t j = 0; factor != 1.0 && j < row; ++j) {
                 target[j] = factor * source[j];
             }
         }
@@ -213,11 +216,6 @@ void weft__sensitivity_state(const weft_sim *sim, const double *z, double *y)
     gather(sim, 0, z, 1.0, y);
 }
 
-static void unpack(weft_sim *sim)
-{
-    gather(sim, 0, sim->sensitivity.z, 1.0, sim->y);
-}
-
 const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
 {
     const weft__sensitivity *of = &sim->sensitivity;
@@ -247,7 +245,7 @@ void weft__sensitivity_back(weft_sim *sim)
     weft__sensitivity *of = &sim->sensitivity;
     if (of->count > 0) {
         memcpy(of->z, of->before, size_of(sim));
-        unpack(sim);
+        weft__sensitivity_state(sim, of->z, sim->y);
     }
 }
 
@@ -260,7 +258,7 @@ weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
     const weft_status status
         = sim->def.method->step(sim->stepper, t_end, &sim->t, of->z, why);
     if (status == WEFT_OK) {
-        unpack(sim);
+        weft__sensitivity_state(sim, of->z, sim->y);
     }
     return status;
 }

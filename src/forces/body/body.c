@@ -58,23 +58,6 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void transposed(const void *own, const weft__state *at, double *out,
-                       weft__by_numbers *by)
-{
-    const weft__body *of = own;
-    const size_t n = of->mesh->particles;
-    double power[3] = { 0.0, 0.0, 0.0 };
-    for (size_t i = 0; i < n; ++i) {
-        for (size_t k = 0; k < 3; ++k) {
-            const double l = at->along[k * n + i];
-            out[(3 + k) * n + i] -= of->drag * l;
-            by->gravity[k] += of->mesh->mass[i] * l;
-            power[k] += at->y[(3 + k) * n + i] * l;
-        }
-    }
-    by->drag -= power[0] + power[1] + power[2];
-}
-
 static void bound(const void *own, const weft__state *at, size_t i,
                   const weft__sides *sides, double (*sums)[6])
 {
@@ -90,7 +73,6 @@ const weft__force weft__body_force = { .name = "body",
                                        .check = check,
                                        .init = init,
                                        .hash = hash_of,
-                                       .transposed = transposed,
                                        .energy = energy,
                                        .power = power,
                                        .bound = bound };

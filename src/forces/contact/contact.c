@@ -322,6 +322,11 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     return of->shape_count > 0 || of->law.self ? weft__law_hash(&of->law, hash) : hash;
 }
 
+static bool present(const void *own)
+{
+    return ((const weft__contact *)own)->shape_count > 0;
+}
+
 const weft__force weft__contact_force = { .name = "contact",
                                           .check = weft__contact_def_check,
                                           .init = init,
@@ -329,6 +334,7 @@ const weft__force weft__contact_force = { .name = "contact",
                                           .choose = choose,
                                           .copy = copy,
                                           .free = free_shapes,
+                                          .present = present,
                                           .add = add,
                                           .change = weft__contact_change,
                                           .transposed = weft__contact_transposed,

@@ -150,12 +150,10 @@ static void matrices(const weft__touches *at, double stiffness[3][3],
     }
 }
 
-void weft__contact_transposed(const void *own, const weft__state *at, double *out,
-                              weft__by_numbers *by)
+void weft__contact_transposed(const void *own, const weft__state *at, double *out)
 {
     const weft__contact *of = own;
     const size_t n = of->mesh->particles;
-    (void)by;
     for (weft__touches all = weft__touches_of(of, at->t, at->y, 0, n);
          weft__each_touch(&all);) {
         double stiffness[3][3], damping[3][3];

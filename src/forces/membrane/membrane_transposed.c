@@ -78,12 +78,10 @@ static void add_transposed(const weft__membrane *own, const weft__triangle *tri,
     }
 }
 
-void weft__membrane_transposed(const void *own, const weft__state *at, double *out,
-                               weft__by_numbers *by)
+void weft__membrane_transposed(const void *own, const weft__state *at, double *out)
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    (void)by;
     for (size_t b = 0; b < weft__blocks(of->mesh); ++b) {
         for (size_t next = 0; weft__membrane_each_own(of, b, &next, &tri);) {
             add_transposed(of, &tri, at, out);

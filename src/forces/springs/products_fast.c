@@ -41,22 +41,13 @@ INLINE vec3 block_along(sweep *self, const spring *s, size_t j, const place *of,
     const double *p = of->p, *below = p + of->down;
     const mask *in_1 = rim != NULL ? &rim->right : NULL;
     const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
-    landing *to = &self->of[1 + j];
     const vec3 right = change(s, has, RIGHT, p, p + 1, n, by, laws, in_1);
     const vec3 fall = change(s, has, DOWN, p, below, n, by, laws, NULL);
     const vec3 anti = change(s, has, ANTI, p + 1, below, n, by, laws, in_1);
     const vec3 cross = change(s, has, CROSS, p, below + 1, n, by, laws, in_1);
     const vec3 right2 = change(s, has, RIGHT2, p, p + 2, n, by, laws, in_2);
     const vec3 fall2 = change(s, has, DOWN2, p, below + of->down, n, by, laws, NULL);
-    const vec3 beside = minus(right, anti);
-    vec3 ended = load3(to->ended + at, SPAN), next = load3(to->ended2 + at, SPAN);
-    next = plus(plus(next, plus(fall, anti)), shift_1(left->below, cross));
-    ended = plus(plus(ended, shift_1(left->beside, beside)),
-                 shift_2(left->beside2, right2));
-    *left = (carry){ beside, right2, cross };
-    store3(to->ended + at, SPAN, next);
-    store3(to->ended2 + at, SPAN, fall2);
-    return minus(plus(plus(plus(plus(right, fall), cross), right2), fall2), ended);
+    return land(self, 1 + j, at, right, fall, anti, cross, right2, fall2, left);
 }
 
 /* As emit, to `to` of direction j; v and net: of the state itself. */
@@ -97,8 +88,7 @@ INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_
         const place there = rim != NULL
                                 ? place_at(self, y, r, c, copy)
                                 : (place){ y + (of->p - self->y), of->n, of->down };
-        const vec3 force
-            = block_along(self, s, j, &there, at, has, &left[1 + j], laws, rim);
+        const vec3 force = block_along(self, s, j, &there, at, has, left, laws, rim);
         if (emits) {
             emit_along(self, j, &there, i, r * self->down + c, force, v, net, rim,
                        count);
@@ -111,8 +101,11 @@ int NAME(products, LEVEL)(const weft__springs *own, const weft__body *body,
 {
     sweep self;
     unsigned all = start(&self, own, body, ways->y, ways->stride, ways->down);
+    self.wanted = ways->base != NULL;
     for (size_t j = 0; j < ways->count; ++j) {
-        all |= ways->way[j].by != NULL && ways->way[j].by->damped ? BIT(DAMPED) : 0u;
+        const weft__spring_slope *slope = ways->way[j].by;
+        all |= slope != NULL && slope->damped ? BIT(DAMPED) : 0u;
+        self.wanted = self.wanted || (slope != NULL && slope->inverse_mass != NULL);
     }
     self.dydt = ways->base;
     self.ways = ways;

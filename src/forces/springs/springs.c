@@ -43,23 +43,21 @@ static void spring_force(const weft__springs *own, weft__spring *at,
         by != NULL && (by->ways >> group & 1) != 0 ? &by->laws[group] : NULL, pull);
 }
 
-/* [N] of all springs on particle i, or the derivative in a direction (NULL: none). The
- * order of summation, that of springs_fast.c, is part of the result. */
+/* [N] of all springs on particle i, or the derivative in a direction (NULL: none). */
 static void pull_of(const weft__springs *own, size_t i, const weft__ways *in,
                     const weft__way *way, double force[3])
 {
-    enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
-    double from[WEFT_GROUPS][3] = { 0 }, to[WEFT_GROUPS][3] = { 0 }; /* [N] on p */
+    double from[3][WEFT_GROUPS] = { 0 }, to[3][WEFT_GROUPS] = { 0 }, pull[3]; /* on p */
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(own, i, NULL, springs);
     for (weft__spring *at = springs; at < springs + count; ++at) {
-        spring_force(own, at, in, way, (at->p == i ? from : to)[at->group->way]);
+        spring_force(own, at, in, way, pull);
+        for (size_t k = 0; k < 3; ++k) {
+            (at->p == i ? from : to)[k][at->group->way] = pull[k];
+        }
     }
     for (size_t k = 0; k < 3; ++k) {
-        const double begun = from[RIGHT][k] + from[DOWN][k] + from[CROSS][k]
-                             + from[RIGHT2][k] + from[DOWN2][k];
-        const double above = to[DOWN2][k] + (to[DOWN][k] + to[ANTI][k]) + to[CROSS][k];
-        force[k] = begun - (above + (to[RIGHT][k] - from[ANTI][k]) + to[RIGHT2][k]);
+        force[k] = weft__springs_sum(from[k], to[k]);
     }
 }
 
@@ -76,7 +74,7 @@ static void choose(void *own, weft__isa isa)
     weft__springs *of = own;
     of->fast = WEFT_FORM(isa, rows);
     of->products = WEFT_FORM(of->group_count == 0 ? WEFT__LOOPS : isa, products);
-    of->transposed = WEFT_FORM(isa, transposed);
+    of->transposed = WEFT_FORM(of->group_count == 0 ? WEFT__LOOPS : isa, transposed);
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */
@@ -179,12 +177,6 @@ static int start(const void *own, const weft__body *body, const weft__state *at,
                                                                first, end);
 }
 
-static void transposed(const void *own, const weft__state *at, double *out,
-                       weft__by_numbers *by)
-{
-    ((const weft__springs *)own)->transposed(own, at, out, by);
-}
-
 static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
@@ -242,7 +234,6 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .hash = weft__springs_hash,
                                           .choose = choose,
                                           .start = start,
-                                          .transposed = transposed,
                                           .energy = energy,
                                           .power = power,
                                           .worst = worst,

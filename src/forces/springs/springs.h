@@ -65,30 +65,48 @@ typedef struct weft__ways {
 typedef int weft__products_fn(const weft__springs *own, const weft__body *body,
                               const weft__ways *ways, size_t first, size_t end);
 
+/* The derivatives of a sum by the numbers of springs, by their way, and of a body. */
+typedef struct weft__by_numbers {
+    double stiffness[WEFT_GROUPS], damping[WEFT_GROUPS], rest_length[WEFT_GROUPS];
+    double gravity[3], drag;
+} weft__by_numbers;
+
+/* J^T w of springs, weight and air, all particles having x' = v, and the derivatives of
+ * w.f by their numbers: at->along is l = w by the masses, 3 N and as much behind it. To
+ * net[3 N] goes the force of springs and air, unless it is NULL. Returns as start. */
+typedef int weft__turned_fn(const weft__springs *own, const weft__body *body,
+                            const weft__state *at, const double *w, double *out,
+                            double *net, weft__by_numbers *by);
+
 struct weft__springs {
     const weft__mesh *mesh;
     size_t group_count; /* groups that have springs */
     weft__group groups[WEFT_GROUPS];
     weft__start_fn *fast;
     weft__products_fn *products;
-    weft__transposed_fn *transposed;
+    weft__turned_fn *transposed;
 };
 
-/* The transposed product takes the springs of a row by tiles, the ends p of all before
- * the ends q, and sums every eighth of them. */
-enum { WEFT__TILE = 256, WEFT__SUMS = 8 };
-typedef void weft__tile_fn(const weft__springs *own, size_t g, size_t first,
-                           size_t count, const weft__state *at, double *out,
-                           weft__by_numbers *by);
-void weft__transposed_tiles(const weft__springs *own, weft__tile_fn *tile,
-                            const weft__state *at, double *out, weft__by_numbers *by);
+/* A transposed product sums by numbers every eighth column of a tile, row by row; the
+ * last columns, from weft__last_columns on, which are in the ends of rows for some
+ * width, after all others. */
+enum { WEFT__TILE = 128, WEFT__EVERY = 8, WEFT__TOTALS = 3 * WEFT_GROUPS + 4 };
+typedef double weft__totals[WEFT__TOTALS][WEFT__EVERY];
+
+static inline size_t weft__last_columns(size_t cols)
+{
+    return cols < 2 ? 0 : (cols - 2) / WEFT__EVERY * WEFT__EVERY;
+}
+
+/* The totals of both; those of springs pull the other way. */
+void weft__totals_add(const weft__totals totals[2], weft__by_numbers *by);
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;
 extern const weft__force weft__springs_force;
 WEFT_FORMS(weft__start_fn, rows);
 WEFT_FORMS(weft__products_fn, products);
-WEFT_FORMS(weft__transposed_fn, transposed);
+WEFT_FORMS(weft__turned_fn, transposed);
 
 /* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
 bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);
@@ -235,6 +253,18 @@ static inline void weft__spring_change(const weft__spring *spring, const double 
     for (size_t j = 0; j < 3; ++j) {
         change[j] = pull * d[j] + q * dd[j];
     }
+}
+
+/* The pulls on a particle, of springs that begin and that end there, by their way. The
+ * order, that of springs_fast.c, is part of the result. */
+static inline double weft__springs_sum(const double from[WEFT_GROUPS],
+                                       const double to[WEFT_GROUPS])
+{
+    enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2 }; /* as in directions */
+    const double begun
+        = from[RIGHT] + from[DOWN] + from[CROSS] + from[RIGHT2] + from[DOWN2];
+    const double above = to[DOWN2] + (to[DOWN] + to[ANTI]) + to[CROSS];
+    return begun - (above + (to[RIGHT] - from[ANTI]) + to[RIGHT2]);
 }
 
 /* (L - s) / s */

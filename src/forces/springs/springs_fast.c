@@ -39,7 +39,7 @@ enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
 enum {
-    TILE = PRODUCT ? 128 : 256,
+    TILE = PRODUCT ? WEFT__TILE : 256,
     SPAN = LANES + TILE + 2 * LANES,
     EDGE = LANES + 2,
     STREAMS = PRODUCT ? 1 + WEFT__WAYS : 1 /* the state, then its directions */
@@ -84,6 +84,7 @@ typedef struct sweep {
     size_t n, down; /* from plane to plane, from row to row */
     size_t particles, rows, cols;
     bool detour;  /* by aside */
+    bool wanted;  /* the state's own forces */
     size_t inner; /* columns in blocks with all their neighbours on the right */
 } sweep;
 
@@ -97,6 +98,7 @@ typedef struct spring {
     vec3 w;             /* [m/s] */
 #if PRODUCT
     vec3 z;   /* as in weft__spring_change */
+    vec part; /* [N/m] of z */
     vec rate; /* c / L^2 */
 #endif
 } spring;
@@ -136,8 +138,9 @@ INLINE void find_tension(spring *springs, unsigned has, int group, const law *la
     at->pull_by_length = work * at->inverse;
 #if PRODUCT
     const vec turn = at->wd * at->inverse;
-    const vec part = by->stiffness - (at->pull_by_length + by->damping * turn);
-    at->z = scaled(at->inverse, plus(scaled(part, at->d), scaled(by->damping, at->w)));
+    at->part = by->stiffness - (at->pull_by_length + by->damping * turn);
+    at->z = scaled(at->inverse,
+                   plus(scaled(at->part, at->d), scaled(by->damping, at->w)));
     at->rate = by->damping * at->inverse;
 #endif
 }
@@ -158,6 +161,51 @@ typedef struct carry {
     vec3 beside, beside2, below;
 } carry;
 
+#if PRODUCT
+/* What the springs of a block give it in stream k; the rest goes to their other ends.
+ */
+INLINE vec3 land(sweep *self, size_t k, size_t at, vec3 right, vec3 fall, vec3 anti,
+                 vec3 cross, vec3 right2, vec3 fall2, carry *left)
+{
+    landing *to = &self->of[k];
+    const vec3 beside = minus(right, anti);
+    vec3 ended = load3(to->ended + at, SPAN), next = load3(to->ended2 + at, SPAN);
+    next = plus(plus(next, plus(fall, anti)), shift_1(left[k].below, cross));
+    ended = plus(plus(ended, shift_1(left[k].beside, beside)),
+                 shift_2(left[k].beside2, right2));
+    left[k] = (carry){ beside, right2, cross };
+    store3(to->ended + at, SPAN, next);
+    store3(to->ended2 + at, SPAN, fall2);
+    return minus(plus(plus(plus(plus(right, fall), cross), right2), fall2), ended);
+}
+
+/* As below; 0 if nobody wants it. */
+INLINE vec3 block(sweep *self, spring *s, const law *laws, const double *p, size_t n,
+                  size_t down, size_t at, unsigned has, carry *left, const edge *rim)
+{
+    const double *below = p + down;
+    const mask *in_1 = rim != NULL ? &rim->right : NULL;
+    const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
+    begin(s, has, RIGHT, p, p + 1, n);
+    begin(s, has, DOWN, p, below, n);
+    find_tension(s, has, RIGHT, laws);
+    begin(s, has, ANTI, p + 1, below, n);
+    find_tension(s, has, DOWN, laws);
+    begin(s, has, CROSS, p, below + 1, n);
+    find_tension(s, has, ANTI, laws);
+    begin(s, has, RIGHT2, p, p + 2, n);
+    find_tension(s, has, CROSS, laws);
+    begin(s, has, DOWN2, p, below + down, n);
+    find_tension(s, has, RIGHT2, laws);
+    find_tension(s, has, DOWN2, laws);
+    if (!self->wanted) {
+        return (vec3){ 0 };
+    }
+    return land(self, 0, at, pull(s, has, RIGHT, in_1), pull(s, has, DOWN, NULL),
+                pull(s, has, ANTI, in_1), pull(s, has, CROSS, in_1),
+                pull(s, has, RIGHT2, in_2), pull(s, has, DOWN2, NULL), left);
+}
+#else
 /* Forces of springs on the block at p, of planes n and rows `down` apart; `at` in the
  * buffers; rim NULL: all neighbours are there. Leaves the springs in s. */
 INLINE vec3 block(sweep *self, spring *s, const law *laws, const double *p, size_t n,
@@ -198,6 +246,8 @@ INLINE vec3 block(sweep *self, spring *s, const law *laws, const double *p, size
     const vec3 own = plus(plus(plus(plus(right, fall), cross), right2), fall2);
     return minus(own, ended);
 }
+
+#endif
 
 INLINE void store_rates(sweep *self, vec3 v, vec3 a, const edge *rim, size_t count,
                         double *to, size_t m)
@@ -270,8 +320,9 @@ INLINE place place_at(const sweep *self, const double *y, size_t r, size_t c,
     return (place){ copy[0][0], 3 * EDGE, EDGE };
 }
 
-/* products_fast.c: the directions of the block of row r at column c. */
 #if PRODUCT
+/* products_fast.c, transposed_fast.c: the directions of the block of row r at column c.
+ */
 INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_t c,
                   size_t at, unsigned has, bool emits, carry *left, const law *laws,
                   const edge *rim, size_t count, vec3 net);

@@ -3,10 +3,12 @@
  * transposed_fast.c has the same bits. */
 #include "forces/springs/springs.h"
 
-/* What the end p of a spring gets from A^T and C^T, where those along dd and dw are
- * weft__spring_change; and w.dF by k and by c. */
+enum { PULL, BY_X, BY_V, PARTS }; /* each of three components */
+
+/* Of a spring, at its end p: its pull, and what p gets from A^T and C^T, where those
+ * along dd and dw are weft__spring_change; l.dF by k, c and s to sums. */
 static void turn_back(const weft__springs *own, const weft__spring *at,
-                      const weft__state *of, double by[6], double sums[2])
+                      const weft__state *of, double by[PARTS][3], double sums[3])
 {
     double dl[3], w[3];
     weft__spring_difference(own->mesh, at, of->along, dl);
@@ -14,62 +16,122 @@ static void turn_back(const weft__springs *own, const weft__spring *at,
     const double k = weft__spring_stiffness(at), c = weft__spring_damping(at);
     const double rate = weft__dot(w, at->d), along = weft__dot(dl, at->d);
     const double inverse = 1.0 / (at->square + DBL_MIN), length = sqrt(at->square);
-    const double q = weft__spring_tension(at, rate), turn = (c * along) * inverse;
-    const double part = ((k - (q + (c * rate) * inverse)) * along) * inverse;
+    const double q = weft__spring_tension(at, rate), turn = rate * inverse;
+    const double turned = along * inverse, damped = c * turned;
+    const double part = (k - (q + c * turn)) * turned, longer = turned * length;
     for (size_t j = 0; j < 3; ++j) {
-        by[j] = (turn * w[j] + q * dl[j]) + part * at->d[j];
-        by[3 + j] = turn * at->d[j];
+        by[PULL][j] = q * at->d[j];
+        by[BY_X][j] = (part * at->d[j] + damped * w[j]) + q * dl[j];
+        by[BY_V][j] = damped * at->d[j];
     }
-    sums[0] = at->share
-              * ((along * inverse) * (length * (length - at->group->rest_length)));
-    sums[1] = at->share * ((along * inverse) * rate);
+    sums[0] = at->share * (longer * (length - at->group->rest_length));
+    sums[1] = at->share * (turned * rate);
+    sums[2] = k * longer;
 }
 
-/* The tile of springs of group g from particle `first` on. */
-static void transposed_tile(const weft__springs *own, size_t g, size_t first,
-                            size_t count, const weft__state *at, double *out,
-                            weft__by_numbers *to)
+static void add(weft__totals to, size_t total, size_t column, double number)
 {
-    const size_t n = own->mesh->stride;
-    const bool damped = own->groups[g].damping != 0.0;
-    double by[6], sum[2], sums[2][WEFT__SUMS] = { { 0.0 } }, total[2] = { 0.0, 0.0 };
-    for (size_t c = 0; c < 2 * count; ++c) {
-        const weft__spring spring
-            = weft__spring_from(own->mesh, &own->groups[g], first + c % count, at->y);
-        turn_back(own, &spring, at, by, sum);
-        for (size_t k = 0; k < (damped ? 6 : 3); ++k) {
-            out[k * n + (c < count ? spring.p : spring.q)]
-                += c < count ? by[k] : -by[k];
-        }
-        for (size_t k = 0; c < count && k < 2; ++k) {
-            sums[k][c % WEFT__SUMS] += sum[k];
-        }
-    }
-    for (size_t k = 0; k < WEFT__SUMS; ++k) {
-        total[0] += sums[0][k], total[1] += sums[1][k];
-    }
-    to->stiffness[g] -= total[0];
-    to->damping[g] -= total[1];
+    to[total][column % WEFT__EVERY] += number;
 }
 
-void weft__transposed_tiles(const weft__springs *own, weft__tile_fn *tile,
-                            const weft__state *at, double *out, weft__by_numbers *by)
+/* All parts that springs have at particle i, and the numbers of those whose left end
+ * this is. */
+static void turn_particle(const weft__springs *own, const weft__state *at, size_t i,
+                          size_t column, weft__totals totals, double all[PARTS][3])
+{
+    double from[PARTS][3][WEFT_GROUPS] = { 0 }, to[PARTS][3][WEFT_GROUPS] = { 0 };
+    weft__spring springs[WEFT__SPRINGS_MAX];
+    const size_t count = weft__particle_springs(own, i, at->y, springs);
+    for (const weft__spring *of = springs; of < springs + count; ++of) {
+        const size_t way = of->group->way;
+        double by[PARTS][3], sums[3];
+        turn_back(own, of, at, by, sums);
+        for (size_t k = 0; k < 3 * PARTS; ++k) {
+            (of->p == i ? from : to)[k / 3][k % 3][way] = by[k / 3][k % 3];
+        }
+        const bool left = (of->group->first_col > 0 ? of->q : of->p) == i;
+        for (size_t k = 0; left && k < 3; ++k) {
+            add(totals, k * WEFT_GROUPS + way, column, sums[k]);
+        }
+    }
+    for (size_t k = 0; k < 3 * PARTS; ++k) {
+        all[k / 3][k % 3] = weft__springs_sum(from[k / 3][k % 3], to[k / 3][k % 3]);
+    }
+}
+
+/* By gravity and by drag. */
+static void add_body(const weft__mesh *mesh, const weft__state *at, const double *w,
+                     size_t i, size_t column, weft__totals to)
+{
+    const size_t n = mesh->particles;
+    const double *l = at->along + i, *v = at->y + 3 * n + i;
+    for (size_t k = 0; k < 3 && mesh->inverse_mass[i] != 0.0; ++k) {
+        add(to, 3 * WEFT_GROUPS + k, column, w[(3 + k) * n + i]);
+    }
+    add(to, 3 * WEFT_GROUPS + 3, column,
+        v[0] * l[0] + v[n] * l[n] + v[2 * n] * l[2 * n]);
+}
+
+void weft__totals_add(const weft__totals totals[2], weft__by_numbers *by)
+{
+    double sums[WEFT__TOTALS] = { 0.0 };
+    for (size_t k = 0; k < 2 * WEFT__TOTALS * WEFT__EVERY; ++k) {
+        const size_t i = k / WEFT__EVERY % WEFT__TOTALS;
+        sums[i] += totals[k / WEFT__EVERY / WEFT__TOTALS][i][k % WEFT__EVERY];
+    }
+    for (size_t g = 0; g < WEFT_GROUPS; ++g) {
+        by->stiffness[g] = -sums[g];
+        by->damping[g] = -sums[WEFT_GROUPS + g];
+        by->rest_length[g] = sums[2 * WEFT_GROUPS + g];
+    }
+    for (size_t k = 0; k < 3; ++k) {
+        by->gravity[k] = sums[3 * WEFT_GROUPS + k];
+    }
+    by->drag = -sums[3 * WEFT_GROUPS + 3];
+}
+
+/* Writes what particle i has; returns 0, or NaN. */
+static double write_particle(const weft__springs *own, const weft__body *body,
+                             const weft__state *at, const double *w, size_t i,
+                             double all[PARTS][3], double *out, double *net)
+{
+    const size_t n = own->mesh->particles;
+    const bool is_free = own->mesh->inverse_mass[i] != 0.0;
+    double bad = 0.0;
+    for (size_t k = i; k < 3 * n; k += n) {
+        const double moved = is_free ? w[k] : 0.0;
+        out[k] = all[BY_X][k / n];
+        out[3 * n + k] = moved + (all[BY_V][k / n] - body->drag * at->along[k]);
+        bad += (out[k] + out[3 * n + k]) * 0.0;
+        if (net != NULL) {
+            net[k] = all[PULL][k / n] - body->drag * at->y[3 * n + k];
+        }
+    }
+    return bad;
+}
+
+int weft__transposed_loops(const weft__springs *own, const weft__body *body,
+                           const weft__state *at, const double *w, double *out,
+                           double *net, weft__by_numbers *by)
 {
     const weft__mesh *mesh = own->mesh;
-    for (size_t i = 0; i < mesh->rows * own->group_count; ++i) {
-        const size_t r = i / own->group_count, g = i % own->group_count;
-        const weft__group *group = &own->groups[g];
-        for (size_t c = group->first_col; r < group->end_row && c < group->end_col;
-             c += WEFT__TILE) {
-            const size_t rest = group->end_col - c;
-            tile(own, g, r * mesh->cols + c, rest < WEFT__TILE ? rest : WEFT__TILE, at,
-                 out, by);
+    const size_t n = mesh->particles, cols = weft__width_of(mesh);
+    const size_t last = weft__last_columns(cols);
+    weft__totals totals[2] = { { { 0.0 } } };
+    double bad = 0.0;
+    for (size_t first = 0, end; first < cols; first = end) {
+        end = first == last               ? cols
+              : last - first > WEFT__TILE ? first + WEFT__TILE
+                                          : last;
+        for (size_t j = 0; j < n / cols * (end - first); ++j) {
+            const size_t c = first + j % (end - first);
+            const size_t i = j / (end - first) * cols + c;
+            double all[PARTS][3];
+            turn_particle(own, at, i, c, totals[c >= last], all);
+            add_body(mesh, at, w, i, c, totals[c >= last]);
+            bad += write_particle(own, body, at, w, i, all, out, net);
         }
     }
-}
-
-void weft__transposed_loops(const void *own, const weft__state *at, double *out,
-                            weft__by_numbers *by)
-{
-    weft__transposed_tiles(own, transposed_tile, at, out, by);
+    weft__totals_add((const weft__totals *)totals, by);
+    return bad == 0.0 ? 0 : 1;
 }

@@ -334,9 +334,9 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     const weft__wind now = at_time(own, at->t);
     weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : now.fast;
     if (now.mesh->triangles != NULL) {
-        return now.drag != 0.0 ? sails(&now, at, unit, to, first, end) : 0;
+        return sails(&now, at, unit, to, first, end);
     }
-    return now.drag != 0.0 ? form(&now, at, unit, to, first, end) : 0;
+    return form(&now, at, unit, to, first, end);
 }
 
 static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
@@ -346,7 +346,7 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
     const size_t n = of->mesh->stride, last = weft__block(of->mesh, end);
     double bad = 0.0;
     (void)unit;
-    for (size_t i = weft__block(of->mesh, first); of->drag != 0.0 && i < last; ++i) {
+    for (size_t i = weft__block(of->mesh, first); i < last; ++i) {
         bad += add_to(to, n, i, wind_force(of, at, i, of->mesh->inverse_mass[i]));
     }
     return bad == 0.0 ? 0 : 1;
@@ -396,18 +396,16 @@ static void transposed_sails(const weft__wind *of, const weft__state *at, double
     }
 }
 
-static void transposed(const void *own, const weft__state *at, double *out,
-                       weft__by_numbers *by)
+static void transposed(const void *own, const weft__state *at, double *out)
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->stride;
-    (void)by;
-    if (of->drag != 0.0 && mesh->triangles != NULL) {
+    if (mesh->triangles != NULL) {
         transposed_sails(of, at, out);
         return;
     }
-    for (size_t i = 0; of->drag != 0.0 && i < n; ++i) {
+    for (size_t i = 0; i < n; ++i) {
         point a, b, flow;
         size_t ends[4];
         neighbours(mesh, i, ends);
@@ -424,7 +422,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 {
     const weft__wind now = at_time(own, at->t), *of = &now;
     const size_t n = of->mesh->stride, end = weft__block(of->mesh, b + 1);
-    for (size_t i = weft__block(of->mesh, b); of->drag != 0.0 && i < end; ++i) {
+    for (size_t i = weft__block(of->mesh, b); i < end; ++i) {
         if (of->mesh->pin[i] == 0) {
             sum->power[WEFT_POWER_WIND]
                 += dot(wind_force(of, at, i, 1.0), at_particle(at->y + 3 * n, n, i));
@@ -447,11 +445,17 @@ static void bound(const void *own, const weft__state *at, size_t i,
     }
 }
 
+static bool present(const void *own)
+{
+    return ((const weft__wind *)own)->drag != 0.0;
+}
+
 const weft__force weft__wind_force = { .name = "wind",
                                        .check = check,
                                        .init = init,
                                        .hash = hash_of,
                                        .choose = choose,
+                                       .present = present,
                                        .add = add,
                                        .change = change,
                                        .transposed = transposed,
