@@ -77,7 +77,7 @@ def test_the_garments_are_those_of_the_scenes(name, in_a_tree, capsys):
     angles = re.findall(r"least angle (\d+)", capsys.readouterr().out)
     assert len(angles) == 12 and min(map(int, angles)) >= 25
     shutil.copy(TREE / "scenes" / (name + ".yaml"), in_a_tree)
-    shutil.copy(TREE / "scenes" / "mannequin.obj", in_a_tree)
+    shutil.copy(TREE / "scenes" / "dressed-body.obj", in_a_tree)
     made, shipped = weft.load(name + ".yaml"), weft.load("scenes/" + name + ".yaml")
     assert made.positions.shape == shipped.positions.shape
     assert abs(made.positions - shipped.positions).max() < 1e-5
@@ -88,6 +88,9 @@ def test_the_mannequin_is_that_of_the_scenes(in_a_tree, capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", [script])
     runpy.run_path(script)
     assert capsys.readouterr().out == (TREE / "scenes" / "mannequin.obj").read_text()
+    monkeypatch.setattr(sys, "argv", [script, "dressed-body.obj"])
+    runpy.run_path(script)
+    assert (in_a_tree / "dressed-body.obj").read_text() == (TREE / "scenes" / "dressed-body.obj").read_text()
     monkeypatch.setattr(sys, "argv", [script, "walk-%02d.obj"])
     runpy.run_path(script)
     made, shipped = sorted(in_a_tree.glob("walk-*.obj")), sorted((TREE / "scenes").glob("walk-*.obj"))
