@@ -561,6 +561,11 @@ static int transposed_all(const void *own, void *space, const weft__state *at,
     return weft__self_transposed(own, space, at->y, at->along, out);
 }
 
+static bool present(const void *own)
+{
+    return ((const weft__self *)own)->law.self;
+}
+
 const weft__force weft__self_force = { .name = "self",
                                        .check = weft__self_check,
                                        .init = init,
@@ -568,6 +573,7 @@ const weft__force weft__self_force = { .name = "self",
                                        .copy = weft__self_copy,
                                        .free = free_own,
                                        .bytes = bytes,
+                                       .present = present,
                                        .grip = weft__self_grip,
                                        .multiply = weft__self_multiply,
                                        .blocks = weft__self_blocks,
