@@ -194,7 +194,7 @@ $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERN
 # They are not asked for undefined behaviour, which takes seven times as long to compile: the plain forms are.
 # gcc's checks of addresses as calls, beyond some of them in a function: half the time to compile.
 CALLS := $(if $(findstring address,$(SAN)),$(if $(findstring clang,$(CC)),,--param asan-instrumentation-with-call-threshold=100))
-$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): override SAN := $(SAN:%,undefined=%) $(CALLS)
+$(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): override SAN := $(strip $(SAN:%,undefined=%) $(CALLS))
 HARDER := contact/contact_fast membrane/membrane_fast membrane/membrane_arc_fast
 $(foreach f,$(HARDER),$(BUILD)/src/forces/$f.o $(LEVELS:%=$(BUILD)/src/forces/$f.%.o)): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
