@@ -404,7 +404,10 @@ START_TEST(frames_beyond_the_room_of_the_file_are_refused_at_once)
 }
 END_TEST
 
-#ifndef __SANITIZE_ADDRESS__ /* which needs terabytes of it */
+/* Sanitizers need terabytes of it; in the lack of it libhdf5 1.10.6 crashes by itself.
+ */
+#if !defined __SANITIZE_ADDRESS__ && H5_VERSION_GE(1, 10, 7)
+#define SHORT_MEMORY
 /* Address space from too little for libhdf5 to enough for the run. */
 START_TEST(short_memory_is_told_and_crashes_nothing)
 {
@@ -495,7 +498,7 @@ TEST_SUITE(record_ends)
     tcase_add_test(runs, a_run_that_could_not_write_is_unfinished_and_goes_on);
     tcase_add_test(runs, a_run_whose_directory_was_replaced_leaves_the_other_one_alone);
     tcase_add_test(runs, frames_beyond_the_room_of_the_file_are_refused_at_once);
-#ifndef __SANITIZE_ADDRESS__
+#ifdef SHORT_MEMORY
     tcase_add_test(runs, short_memory_is_told_and_crashes_nothing);
 #endif
     tcase_add_test(runs, the_same_scene_gives_the_same_file);
