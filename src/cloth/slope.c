@@ -44,7 +44,7 @@ int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles;
     const weft__state at = { .t = t, .y = y, .along = room };
-    bool others = cloth->self.law.self || cloth->bodies.pairs.law.self;
+    bool others = false;
     if (cloth->grid_count > 0) {
         return -1;
     }
@@ -63,7 +63,9 @@ int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
         } else if (force != NULL && force->transposed != NULL) {
             force->transposed(own, &at, out);
         }
-        others = others || (force != NULL && (force->linear || force->transposed));
+        others = others
+                 || (force != NULL
+                     && (force->linear || force->transposed || force->transposed_all));
     }
     WEFT__FROM_EACH_FORCE(failed |=, cloth, transposed_all,
                           spaces != NULL ? spaces[k_] : NULL, &at, out)
@@ -269,12 +271,15 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
 {
     const size_t n = of->more->mesh.particles;
     int failed = 0;
-    for (size_t side = 0; of->whole && side < 2; ++side) {
+    if (!of->whole) {
+        return 0;
+    }
+    for (size_t side = 0; side < 2; ++side) {
         memset(room[side] + 3 * n, 0, 3 * n * sizeof *room[side]);
         failed |= weft__rhs_all(side == 0 ? of->less : of->more, spaces, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
-    add_difference(of, room, out, 0, of->whole ? n : 0);
+    add_difference(of, room, out, 0, n);
     return failed;
 }
 

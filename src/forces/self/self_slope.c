@@ -250,9 +250,8 @@ int weft__self_transposed(const weft__self *own, weft__self_list *list, const do
     of.without.law.damping = of.without.law.friction = of.without.rough = 0.0;
     of.elastic = of.law;
     of.elastic.own = &of.without;
-    const bool finite
-        = !own->law.self
-          || (list != NULL ? weft__self_list_seek(list, y, transpose_pair, &of)
-                           : weft__self_seek(own, NULL, y, transpose_pair, &of));
+    const bool finite = list != NULL
+                            ? weft__self_list_seek(list, y, transpose_pair, &of)
+                            : weft__self_seek(own, NULL, y, transpose_pair, &of);
     return finite ? 0 : 1;
 }
