@@ -35,7 +35,7 @@ WEFT_DEFAULT(weft_gradient_def)
  * derivative of the discrete map, with the steps of an adaptive method held, as
  * sensitivities are, at a cost that hardly depends on the number of springs' and
  * weight's numbers: some four runs, and for each other number up to two more. Memory:
- * some 5 sqrt(steps x stages) states. The simulation has the threads of its config;
+ * some 3 sqrt(steps x stages) states. The simulation has the threads of its config;
  * what is transposed is computed on the calling one, which calls the objective. Source:
  * A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 3 and 12.
  *

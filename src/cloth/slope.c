@@ -341,12 +341,13 @@ static double springs_product(const weft__slope *of, const double *w,
         sum += law->stiffness * by->stiffness[g] + law->damping * by->damping[g]
                + law->rest_length * by->rest_length[g];
     }
-    for (size_t k = 0; of->inverse_mass != NULL && k < 3 * n; k += n) {
-        for (size_t i = 0; i < n; ++i) {
-            sum += w[3 * n + k + i] * (of->inverse_mass[i] * net[k + i]);
+    double by_mass[3] = { 0.0 }; /* three sums do not wait for one another */
+    for (size_t i = 0; of->inverse_mass != NULL && i < n; ++i) {
+        for (size_t k = 0; k < 3; ++k) {
+            by_mass[k] += w[(3 + k) * n + i] * (of->inverse_mass[i] * net[k * n + i]);
         }
     }
-    return sum;
+    return sum + by_mass[0] + by_mass[1] + by_mass[2];
 }
 
 int weft__slope_product(const weft__slope *of, void *const *spaces,

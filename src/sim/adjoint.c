@@ -3,7 +3,7 @@
  * (docs/gradients.md). A run forwards records its steps and leaves checkpoints; from
  * each of these, the last one first, the states of the stages up to the next are
  * computed again, kept, and gone through from their end. Both levels have as much
- * memory, that of some 2 sqrt(steps) states.
+ * memory.
  *
  * With the derivatives G_j of the objective by the states j = k + 1, ... of a step
  * (sim/stages.h), that by rate k is w_k = sum share_jk G_j, G_k = J^T w_k, and what it
@@ -19,6 +19,8 @@
 typedef struct recorded_step {
     double t, h; /* [s] where it begins, its length */
     bool restarts;
+    bool keeps;   /* its first state in the segment is its start */
+    size_t first; /* where its states are in the segment */
 } recorded_step;
 
 typedef struct adjoint {
@@ -30,10 +32,10 @@ typedef struct adjoint {
     recorded_step *steps;
     size_t count, room_for; /* steps */
     size_t *frame;          /* of each frame the step after it */
-    double **checkpoints;   /* the state, then rate 0, of every so many steps */
-    size_t every, kept, most;
-    size_t slots;    /* states of a step in `segment` */
-    double *segment; /* of `every` steps, and the state at their end */
+    double **checkpoints;   /* of every so many steps; after those kept, spare ones */
+    size_t every, kept, made;
+    size_t slots;    /* states of stages that a step has in `segment` */
+    double *segment; /* the states of `every` steps that are needed backwards */
     double *rates[WEFT__STAGES + 1], *by_state[WEFT__STAGES + 2];
     /* 6 N each; carried: by the next step's rate 0. Of free particles only their
      * second half is ever written. */
@@ -101,7 +103,6 @@ static weft_status make_sim(adjoint *of, weft_error *err)
 static weft_status make_room(adjoint *of, weft_error *err)
 {
     const size_t dim = dim_of(of), end = of->table->count + 1;
-    of->slots = 1;
     for (size_t k = 1; k < end; ++k) {
         of->slots += of->table->needed[k];
     }
@@ -148,35 +149,59 @@ static weft_status make_slopes(adjoint *of, weft_error *err)
 /* ---- forwards ---------------------------------------------------------------------
  */
 
+/* So many checkpoints that fewer, or more, would take more memory with their segment.
+ */
+static size_t most_of(const adjoint *of)
+{
+    return of->every * of->slots * (of->table->carries ? 4 : 6) / 3;
+}
+
 /* Keeps every second checkpoint. */
 static void thin(adjoint *of)
 {
-    for (size_t i = 0; i < of->kept; ++i) {
-        if (i % 2 == 0) {
-            of->checkpoints[i / 2] = of->checkpoints[i];
-        } else {
-            weft__free(&of->memory, of->checkpoints[i]);
-        }
+    for (size_t i = 0; i < of->kept; i += 2) {
+        double *to = of->checkpoints[i];
+        of->checkpoints[i] = of->checkpoints[i / 2];
+        of->checkpoints[i / 2] = to;
     }
     of->kept = (of->kept + 1) / 2;
     of->every *= 2;
-    of->most *= 2;
+}
+
+/* Copies rate 0, but x' of free particles, to a checkpoint behind its state, or back.
+ */
+static void copy_rate(const adjoint *of, double *checkpoint, bool back)
+{
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const size_t n = mesh->particles, half = 3 * n;
+    double *kept = checkpoint + 2 * half, *rate = of->rates[0];
+    memcpy(back ? rate + half : kept, back ? kept : rate + half, half * sizeof *rate);
+    for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
+        double *x = rate + mesh->pins[i / 3] + i % 3 * n;
+        *(back ? x : kept + half + i) = *(back ? kept + half + i : x);
+    }
 }
 
 static weft_status leave_checkpoint(adjoint *of, weft_error *err)
 {
-    const size_t dim = dim_of(of);
-    double *to = weft__alloc(&of->memory, 2 * dim, sizeof *to);
-    double **list = weft__resize(&of->memory, of->checkpoints, of->kept + 1,
-                                 sizeof *of->checkpoints);
-    of->checkpoints = list != NULL ? list : of->checkpoints;
-    if (to == NULL || list == NULL) {
-        weft__free(&of->memory, to);
-        return no_memory(err);
+    const size_t dim = dim_of(of), rate = dim / 2 + 3 * of->sim->cloth->mesh.pinned;
+    if (of->kept == of->made) {
+        double **list = weft__resize(&of->memory, of->checkpoints, of->made + 1,
+                                     sizeof *of->checkpoints);
+        of->checkpoints = list != NULL ? list : of->checkpoints;
+        double *to = weft__alloc(&of->memory, dim + (of->table->carries ? rate : 0),
+                                 sizeof *to);
+        if (to == NULL || list == NULL) {
+            weft__free(&of->memory, to);
+            return no_memory(err);
+        }
+        of->checkpoints[of->made++] = to;
     }
+    double *to = of->checkpoints[of->kept++];
     memcpy(to, of->sim->y, dim * sizeof *to);
-    memcpy(to + dim, of->rates[0], dim * sizeof *to);
-    of->checkpoints[of->kept++] = to;
+    if (of->table->carries) {
+        copy_rate(of, to, false);
+    }
     return WEFT_OK;
 }
 
@@ -194,7 +219,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
         }
         of->steps = steps, of->room_for = more;
     }
-    if (of->count % of->every == 0 && of->kept == of->most) {
+    if (of->count % of->every == 0 && of->kept == most_of(of)) {
         thin(of);
     }
     if (of->count % of->every == 0 && leave_checkpoint(of, err) != WEFT_OK) {
@@ -211,7 +236,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
 static weft_status record(adjoint *of, weft_error *err)
 {
     weft_status status = WEFT_OK;
-    of->every = 8, of->most = of->every * (of->slots + 1) / 2;
+    of->every = 8;
     for (size_t i = 0; status == WEFT_OK && i < of->def->frames; ++i) {
         while (status == WEFT_OK && of->sim->t < of->def->times[i]) {
             status = record_step(of, of->def->times[i], err);
@@ -271,43 +296,80 @@ static int find_rate(adjoint *of, double t, const double *y, size_t k)
     return weft__forces_rhs(&of->sim->forces, t, y, of->rates[k]);
 }
 
-/* Where `segment` has state k of a step; 0: that at its start. */
+/* Where `segment` has state k of a step, 1 or above. */
 static double *place_of(const adjoint *of, size_t step, size_t k)
 {
-    size_t slot = 0;
-    for (size_t j = 1; j <= k; ++j) {
+    size_t slot = of->steps[step].first + of->steps[step].keeps;
+    for (size_t j = 1; j < k; ++j) {
         slot += of->table->needed[j];
     }
-    return of->segment + (step % of->every * of->slots + slot) * dim_of(of);
+    return of->segment + slot * dim_of(of);
 }
 
-/* Fills the segment of steps [first, end) from its checkpoint; the state at the end
- * follows it. */
+/* The state at the start of a step that has a checkpoint or keeps it; that at the end
+ * of the run. */
+static const double *start_of(const adjoint *of, size_t step)
+{
+    return step == of->count       ? of->sim->y
+           : step % of->every == 0 ? of->checkpoints[step / of->every]
+                                   : of->segment + of->steps[step].first * dim_of(of);
+}
+
+/* Finds where the states of steps are, and has room for them. */
+static weft_status make_segment(adjoint *of, weft_error *err)
+{
+    size_t most = 1, next = 0, frame = 0;
+    for (size_t i = 0; i < of->count; ++i) {
+        recorded_step *step = &of->steps[i];
+        const bool first = i % of->every == 0;
+        for (; of->frame[frame] < i; ++frame) { /* the last frame is at the end */
+        }
+        step->keeps
+            = !first
+              && (of->frame[frame] == i || (step->restarts && of->table->carries));
+        step->first = first ? 0 : next;
+        next = step->first + step->keeps + of->slots;
+        most = next > most ? next : most;
+    }
+    of->segment = weft__alloc(&of->memory, most * dim_of(of), sizeof *of->segment);
+    return of->segment != NULL ? WEFT_OK : no_memory(err);
+}
+
+/* Fills the segment of steps [first, end) from its checkpoint. */
 static int repeat(adjoint *of, size_t first, size_t end)
 {
-    const size_t dim = dim_of(of), count = of->table->count;
-    const double *from = of->checkpoints[first / of->every];
+    const size_t count = of->table->count;
+    const double *y = of->checkpoints[first / of->every];
     int failed = 0;
-    memcpy(place_of(of, first, 0), from, dim * sizeof *from);
-    memcpy(of->rates[0], from + dim, dim * sizeof *from);
+    if (of->table->carries) {
+        copy_rate(of, of->checkpoints[first / of->every], true);
+    }
     for (size_t i = first; i < end; ++i) {
         const double t = of->steps[i].t, h = of->steps[i].h;
-        const double *y = place_of(of, i, 0);
+        const bool last = i + 1 == end;
         if (of->steps[i].restarts && of->table->carries) {
             failed |= find_rate(of, t, y, 0);
         }
         for (size_t k = 1; k <= count; ++k) {
+            double *state = place_of(of, i, k);
             if (of->table->needed[k]) {
-                find_state(of, k, h, y, place_of(of, i, k));
-                failed |= find_rate(of, t + of->table->c[k] * h, place_of(of, i, k), k);
+                find_state(of, k, h, y, state);
+            }
+            if (of->table->needed[k] && !(last && k == count)) {
+                failed |= find_rate(of, t + of->table->c[k] * h, state, k);
             }
         }
-        find_state(of, count + 1, h, y,
-                   of->segment + (i + 1 - first) * of->slots * dim);
+        if (!last) {
+            double *next = of->steps[i + 1].keeps
+                               ? of->segment + of->steps[i + 1].first * dim_of(of)
+                               : of->room[i % 2];
+            find_state(of, count + 1, h, y, next);
+            y = next;
+        }
         if (of->table->carries) {
-            double *last = of->rates[count];
+            double *rate = of->rates[count];
             of->rates[count] = of->rates[0];
-            of->rates[0] = last;
+            of->rates[0] = rate;
         }
     }
     return failed;
@@ -415,7 +477,7 @@ static int step_back(adjoint *of, size_t step)
         find_by_rate(of, 0, h, of->carried);
     }
     if (of->table->carries && of->steps[step].restarts) {
-        failed |= go_through(of, t, place_of(of, step, 0), of->carried, by_first);
+        failed |= go_through(of, t, start_of(of, step), of->carried, by_first);
         for (size_t i = 0; i < dim; ++i) {
             start[i] += by_first[i];
         }
@@ -449,27 +511,20 @@ static weft_status add_frames(adjoint *of, size_t count, const double *y, size_t
 
 static weft_status go_back(adjoint *of, weft_error *err)
 {
-    const size_t dim = dim_of(of);
     size_t left = of->def->frames, end = of->count;
     weft_status status = WEFT_OK;
     int failed = 0;
-    const size_t segment = (end < of->every ? end : of->every) * of->slots + 1;
-    of->segment = weft__alloc(&of->memory, segment * dim, sizeof *of->segment);
-    if (of->segment == NULL) {
-        return no_memory(err);
-    }
+    TRY(make_segment(of, err));
     while (end > 0 && status == WEFT_OK) {
         const size_t first = (end - 1) / of->every * of->every;
         failed |= repeat(of, first, end);
-        const double *y = of->segment + (end - first) * of->slots * dim;
         for (; end > first && status == WEFT_OK; --end) {
-            status = add_frames(of, end, y, &left, err);
+            status = add_frames(of, end, start_of(of, end), &left, err);
             failed |= status == WEFT_OK ? step_back(of, end - 1) : 0;
-            y = place_of(of, end - 1, 0);
         }
     }
-    weft_cloth_start(of->sim->cloth, of->segment);
-    status = status == WEFT_OK ? add_frames(of, 0, of->segment, &left, err) : status;
+    status
+        = status == WEFT_OK ? add_frames(of, 0, start_of(of, 0), &left, err) : status;
     return status == WEFT_OK && failed != 0
                ? weft_error_set(err, WEFT_NOT_FINITE,
                                 "the gradient is not finite: it grows beyond all "
@@ -530,7 +585,7 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
     for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {
         weft__slope_free(&of.slopes[j], &of.memory);
     }
-    for (size_t i = 0; i < of.kept; ++i) {
+    for (size_t i = 0; i < of.made; ++i) {
         weft__free(&of.memory, of.checkpoints[i]);
     }
     WEFT__FREE_ALL(&of.memory, of.checkpoints, of.steps, of.frame, of.slopes,
