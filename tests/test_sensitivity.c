@@ -451,6 +451,30 @@ START_TEST(without_control_the_steps_are_those_without)
 }
 END_TEST
 
+/* Far too long steps: some are taken, then one fails. */
+START_TEST(an_advance_leaves_the_state_of_its_last_step)
+{
+    static const char scene[]
+        = "cloth: {grid: {rows: 3, cols: 3, spacing: 0.1}, density: 0.2, springs: "
+          "{stretch: {stiffness: 1000}}, pins: [top-left]}\n"
+          "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 0.1}\n"
+          "run: {duration: 1000}\nsensitivity: {of: [cloth.density]}\n";
+    end a = begin(scene, NULL, 0), b = begin(scene, NULL, 0);
+    const size_t size = weft_cloth_dim(a.cloth) * sizeof(double);
+    for (double t = 1.0; t < 1e4; t *= 1000.0) {
+        const weft_status status = weft_sim_advance(a.sim, t, NULL);
+        ck_assert_int_eq(status, t < 2.0 ? WEFT_OK : WEFT_NOT_FINITE);
+        while (weft_sim_time(b.sim) < t && weft_sim_step(b.sim, t, NULL) == WEFT_OK) {
+        }
+        ck_assert_uint_ge(weft_sim_stats(a.sim).steps, 10);
+        ck_assert(weft_sim_time(a.sim) == weft_sim_time(b.sim));
+        ck_assert_mem_eq(weft_sim_state(a.sim), weft_sim_state(b.sim), size);
+    }
+    finish(&a);
+    finish(&b);
+}
+END_TEST
+
 START_TEST(threads_do_not_change_a_bit)
 {
     const char *const sets[]
@@ -1056,6 +1080,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, implicit_and_stabilised_methods_have_their_order);
     tcase_add_test(tests, a_falling_cloth_is_exact);
     tcase_add_test(tests, without_control_the_steps_are_those_without);
+    tcase_add_test(tests, an_advance_leaves_the_state_of_its_last_step);
     tcase_add_test(tests, threads_do_not_change_a_bit);
     tcase_add_loop_test(tests, a_restored_run_goes_on_to_the_same_bits, 0, 2);
     tcase_add_test(tests, a_landing_is_right_at_loose_tolerances);

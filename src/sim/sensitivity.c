@@ -252,12 +252,13 @@ void weft__sensitivity_back(weft_sim *sim)
 weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 {
     weft__sensitivity *of = &sim->sensitivity;
-    if (weft__sim_checks(sim)) { /* which may take it back */
+    const bool checks = weft__sim_checks(sim); /* which may take it back */
+    if (checks) {
         memcpy(of->before, of->z, size_of(sim));
     }
     const weft_status status
         = sim->def.method->step(sim->stepper, t_end, &sim->t, of->z, why);
-    if (status == WEFT_OK) {
+    if (checks || status != WEFT_OK || !of->passes || sim->t == t_end) {
         weft__sensitivity_state(sim, of->z, sim->y);
     }
     return status;

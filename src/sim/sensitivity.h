@@ -11,6 +11,7 @@
 typedef struct weft__sensitivity {
     size_t count;  /* 0: none */
     double factor; /* of s for the stepper: 1, or too small for its error control */
+    bool passes;   /* more steps follow up to t_end, between which nobody sees y */
     bool direct;   /* no other forces than springs, weight and air, of z as it is */
     size_t row;    /* particles of such a row: of the grid's if direct, else N */
     weft__slope of[WEFT_SENSITIVITIES];

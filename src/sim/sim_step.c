@@ -140,8 +140,12 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 
 weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
 {
-    for (bool event = false; sim->t != t_end && !event; event = sim->event_passed) {
-        TRY(weft_sim_step(sim, t_end, err));
+    weft_status status = WEFT_OK;
+    sim->sensitivity.passes = sim->def.log.write == NULL && sim->def.stop == NULL;
+    for (bool event = false; status == WEFT_OK && sim->t != t_end && !event;
+         event = sim->event_passed) {
+        status = weft_sim_step(sim, t_end, err);
     }
-    return WEFT_OK;
+    sim->sensitivity.passes = false;
+    return status;
 }
