@@ -502,7 +502,7 @@ asan:
 	    TESTS='$(filter-out $(ASAN_WITHOUT),$(TESTS))' \
 	    TOGETHER='$(TOGETHER) $(filter-out $(ASAN_LONG) jacobian hostile_cost,$(TESTS))' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
-	    check-run
+	    REPLAY=build/asan/tests/replay.o check-run replay
 
 # Lines of src/ and plugins/ that the tests run.
 COVERAGE_LEAST ?= 90
@@ -549,9 +549,9 @@ check-libm: all $(BUILD)/tests/test_libm $(PRELOADED)
 FUZZ_SECONDS ?= 60
 FUZZ ?= $(patsubst tests/fuzz/%.c,%,$(wildcard tests/fuzz/*.c))
 
-$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(BUILD)/tests/support.o $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
+$(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(REPLAY) $(BUILD)/tests/support.o $(PROGRAM) $(BUILD)/libweft.a $(PLUGIN_SO)
 	@mkdir -p $(@D)
-	$(call say,LD)$(LINK) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
+	$(call say,LD)$(LINK) $(if $(REPLAY),,-fsanitize=fuzzer) -o $@ $(filter %.o,$^) $(TEST_PLUGINS) $(filter %.a,$^) $(TEST_LIBS)
 
 # These read in one process what the program reads in two.
 FUZZ_HDF := frames vtkhdf
@@ -563,6 +563,12 @@ fuzz:
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
 	    build/fuzz/weft $(PLUGINS:%=build/fuzz/plugins/weft-%.so) $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
+
+# The committed inputs alone, of targets that replay.c calls: asan has them.
+REPLAYED := $(notdir $(wildcard tests/fuzz/corpus/*))
+.PHONY: replay
+replay: $(REPLAYED:%=$(BUILD)/fuzz/%)
+	@set -e; for target in $(REPLAYED); do $(BUILD)/fuzz/$$target tests/fuzz/corpus/$$target/*; done
 
 # The smallest inputs that `make fuzz` has found for every branch, to be committed. Those of vtkhdf
 # are too large: 35 kB each.
