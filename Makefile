@@ -567,7 +567,7 @@ fuzz:
 # The committed inputs alone, of targets that replay.c calls: asan has them.
 REPLAYED := $(notdir $(wildcard tests/fuzz/corpus/*))
 .PHONY: replay
-replay: $(REPLAYED:%=$(BUILD)/fuzz/%)
+replay: $(FUZZ:%=$(BUILD)/fuzz/%)
 	@set -e; for target in $(REPLAYED); do $(BUILD)/fuzz/$$target tests/fuzz/corpus/$$target/*; done
 
 # The smallest inputs that `make fuzz` has found for every branch, to be committed. Those of vtkhdf
