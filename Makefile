@@ -493,12 +493,12 @@ docs: all
 # as well, run the program hundreds of times, or whose wide kernels compile for minutes (ASAN_WITHOUT=, as make nightly: all).
 # The tests of a suite run in one process, as one each takes five times as long, but where memory is limited or measured.
 ASAN_LONG := $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
-             self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
+             self_random self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
              hostile surroundings cli_resume cli_batch cli_stability sundials_vector bands_ends steppers threads
 ASAN_WITHOUT ?= $(ASAN_LONG)
 
 asan:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
+	@$(if $(ASAN_WITHOUT),CK_EXCLUDE_TAGS=long) $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/asan CFLAGS='-O1 -g1' \
 	    TESTS='$(filter-out $(ASAN_WITHOUT),$(TESTS))' \
 	    TOGETHER='$(TOGETHER) $(filter-out $(ASAN_LONG) jacobian hostile_cost,$(TESTS))' \
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \

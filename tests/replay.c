@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* replay.c -- a target of tests/fuzz with the files that are named, where libFuzzer is not
- * linked: what it once found, in every build with sanitizers. */
+/* replay.c -- a target of tests/fuzz with the files that are named, where libFuzzer is
+ * not linked: what it once found, in every build with sanitizers. */
 #include "fuzz/fuzz.h"
 
 #include <stdio.h>
@@ -13,8 +13,10 @@ int main(int argc, char **argv)
         HOLDS(stream != NULL && fseek(stream, 0, SEEK_END) == 0);
         const size_t size = (size_t)ftell(stream);
         rewind(stream);
-        uint8_t *data = malloc(size + (size == 0)); /* no byte more, so that reading one is found */
-        HOLDS(data != NULL && fread(data, 1, size, stream) == size && fclose(stream) == 0);
+        uint8_t *data = malloc(
+            size + (size == 0)); /* no byte more, so that reading one is found */
+        HOLDS(data != NULL && fread(data, 1, size, stream) == size
+              && fclose(stream) == 0);
         (void)LLVMFuzzerTestOneInput(data, size);
         free(data);
     }

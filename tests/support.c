@@ -203,6 +203,15 @@ bool test_is_typical(const weft_stepper_type *type)
     return is;
 }
 
+TCase *test_long(Suite *suite, double timeout)
+{
+    TCase *tcase = tcase_create("long");
+    tcase_set_tags(tcase, "long");
+    tcase_set_timeout(tcase, timeout);
+    suite_add_tcase(suite, tcase);
+    return tcase;
+}
+
 int test_run(Suite *suite)
 {
     SRunner *runner = srunner_create(suite);

@@ -67,5 +67,9 @@ bool test_is_typical(const weft_stepper_type *type);
  * moments or places differ. */
 int test_rounds(int few, int many);
 
+/* A case of the suite for tests that compute for long where shorter ones run the same
+ * code; asan leaves it to `make nightly`. [s] */
+TCase *test_long(Suite *suite, double timeout);
+
 /* Runs the suite, prints Check's summary, returns the exit status. */
 int test_run(Suite *suite);

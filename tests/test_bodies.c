@@ -547,9 +547,11 @@ END_TEST
 TEST_SUITE(bodies)
 {
     Suite *suite = suite_create("bodies");
-    TCase *state = tcase_create("state"), *time = tcase_create("time");
+    TCase *state = tcase_create("state"), *time = tcase_create("time"),
+          *slow = test_long(suite, 300.0);
     tcase_add_checked_fixture(state, setup, teardown);
     tcase_add_checked_fixture(time, setup, teardown);
+    tcase_add_checked_fixture(slow, setup, teardown);
     tcase_set_timeout(time, 300.0);
     tcase_add_loop_test(state, forces_are_slopes_of_the_energy, 0, 4);
     tcase_add_test(state, loads_are_the_forces_that_the_cloth_feels);
@@ -559,14 +561,14 @@ TEST_SUITE(bodies)
     tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);
     tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 6);
     tcase_add_test(state, a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear);
-    tcase_add_test(time, an_icosphere_bears_a_cloth_as_a_sphere_does);
-    tcase_add_test(time, plates_of_any_cells_stop_a_sheet_at_one_depth);
+    tcase_add_test(slow, an_icosphere_bears_a_cloth_as_a_sphere_does);
+    tcase_add_test(slow, plates_of_any_cells_stop_a_sheet_at_one_depth);
     tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 5);
-    tcase_add_loop_test(time, friction_holds_on_a_tilted_facet, 0, 2);
-    tcase_add_test(time, bodies_that_move_close_the_ledger);
-    tcase_add_test(time,
+    tcase_add_loop_test(slow, friction_holds_on_a_tilted_facet, 0, 2);
+    tcase_add_test(slow, bodies_that_move_close_the_ledger);
+    tcase_add_test(slow,
                    bits_are_those_of_any_threads_instructions_and_restored_states);
-    tcase_add_test(time, a_landing_keeps_the_order);
+    tcase_add_test(slow, a_landing_keeps_the_order);
     suite_add_tcase(suite, state);
     suite_add_tcase(suite, time);
     return suite;

@@ -551,6 +551,8 @@ TEST_SUITE(cli)
     tcase_add_unchecked_fixture(program, NULL, NULL);
     tcase_add_checked_fixture(program, begin, NULL);
     tcase_set_timeout(program, 60);
+    TCase *slow = test_long(all, 60);
+    tcase_add_checked_fixture(slow, begin, NULL);
     tcase_add_test(program, a_run_leaves_its_files);
     tcase_add_test(program, frames_are_at_exact_times_and_the_last_at_the_duration);
     tcase_add_test(program, the_same_scene_gives_the_same_bytes);
@@ -568,7 +570,7 @@ TEST_SUITE(cli)
     tcase_add_test(program, a_method_or_plugin_that_is_not_there_is_a_wrong_scene);
     tcase_add_test(program, a_missing_file_exits_with_4);
     tcase_add_test(program, a_full_disk_is_an_error_that_names_the_file);
-    tcase_add_test(program, the_number_of_threads_changes_no_digit);
+    tcase_add_test(slow, the_number_of_threads_changes_no_digit);
     tcase_add_test(program, what_this_version_cannot_run_it_says_and_exits_with_1);
     tcase_add_test(program, a_limit_reports_what_it_did_and_what_it_could_not);
     tcase_add_test(program, a_run_that_blows_up_keeps_its_last_good_state_and_reports);
@@ -582,7 +584,7 @@ TEST_SUITE(cli)
     tcase_add_test(program, a_new_scene_has_a_name);
     tcase_add_test(program, the_laboratory_measures_what_the_fabric_is);
 #ifdef WEFT_QHULL
-    tcase_add_test(program, the_drape_of_stiff_cloth_is_100_percent);
+    tcase_add_test(slow, the_drape_of_stiff_cloth_is_100_percent);
 #endif
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);

@@ -463,7 +463,8 @@ TEST_SUITE(cloth_grids)
     tcase_add_test(all, a_grid_of_several_cloths_is_checked_as_one_alone);
     tcase_add_test(all, one_grid_among_cloths_ends_with_the_bits_of_one_alone);
     tcase_add_test(all, a_run_with_a_grid_and_a_mesh_resumes_exports_and_runs_again);
-    tcase_add_test(all, an_implicit_method_reaches_the_state_of_an_explicit_one);
+    tcase_add_test(test_long(suite, 120.0),
+                   an_implicit_method_reaches_the_state_of_an_explicit_one);
     tcase_add_loop_test(all, a_mistake_of_a_grid_among_cloths_is_reported_at_its_key, 0,
                         sizeof overrides / sizeof overrides[0]);
     tcase_add_test(all, converge_and_sensitivities_refuse_a_grid_among_cloths);

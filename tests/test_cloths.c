@@ -480,7 +480,8 @@ TEST_SUITE(cloths)
     tcase_add_test(
         all, a_part_has_the_same_places_in_a_state_and_its_own_velocity_and_fabric);
     tcase_add_test(all, parts_have_all_vertices_once_names_and_triangles_of_their_own);
-    tcase_add_test(all, two_cloths_push_each_other_apart_and_keep_momentum_and_energy);
+    tcase_add_test(test_long(suite, 120.0),
+                   two_cloths_push_each_other_apart_and_keep_momentum_and_energy);
     tcase_add_test(all, each_of_two_cloths_moves_as_it_does_alone);
     tcase_add_test(all, a_part_keeps_its_numbers_its_pins_and_its_fabric);
     tcase_add_loop_test(all, a_mistake_of_a_cloth_is_reported_at_its_key, 0,

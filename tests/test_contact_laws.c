@@ -506,6 +506,8 @@ TEST_SUITE(contact_laws)
     TCase *tcase = tcase_create("contact_laws");
     tcase_set_timeout(tcase, 120.0);
     tcase_add_checked_fixture(tcase, setup, teardown);
+    TCase *slow = test_long(suite, 120.0);
+    tcase_add_checked_fixture(slow, setup, teardown);
     tcase_add_loop_test(tcase, a_drop_turns_at_its_gap_and_comes_back, 0, 3);
     tcase_add_loop_test(tcase, bounces_keep_the_energy_to_the_tolerance, 0, 6);
     tcase_add_loop_test(tcase, restitution_is_by_law, 0, 8);
@@ -516,9 +518,9 @@ TEST_SUITE(contact_laws)
     tcase_add_test(tcase, a_belt_takes_a_particle_along);
     tcase_add_loop_test(tcase, a_turntable_holds_up_to_its_speed, 0, 3);
     tcase_add_loop_test(tcase, a_ball_is_left_near_two_thirds, 0, 5);
-    tcase_add_test(tcase, a_sheet_on_a_ball_is_symmetric);
+    tcase_add_test(slow, a_sheet_on_a_ball_is_symmetric);
     tcase_add_loop_test(tcase, a_start_in_touch_is_thrown_off, 0, 2);
-    tcase_add_test(tcase, momentum_comes_from_gravity_and_shapes);
+    tcase_add_test(slow, momentum_comes_from_gravity_and_shapes);
     tcase_add_test(tcase, a_smooth_ball_keeps_the_angular_momentum);
     tcase_add_loop_test(tcase, a_roller_pulls_a_chain_by_the_law_of_capstans, 0, 3);
     tcase_add_loop_test(tcase, the_exponent_limits_the_order, 0, 5);

@@ -643,8 +643,10 @@ TEST_SUITE(linear)
     TCase *tcase = tcase_create("linear");
     tcase_set_timeout(tcase, 120.0);
     tcase_add_checked_fixture(tcase, NULL, teardown);
-    tcase_add_test(tcase, multigrid_needs_few_iterations);
-    tcase_add_test(tcase, folded_triangles_need_few_iterations_of_multigrid);
+    TCase *slow = test_long(suite, 600.0);
+    tcase_add_checked_fixture(slow, NULL, teardown);
+    tcase_add_test(slow, multigrid_needs_few_iterations);
+    tcase_add_test(slow, folded_triangles_need_few_iterations_of_multigrid);
     tcase_add_test(tcase, auto_takes_multigrid_where_blocks_need_many_iterations);
     tcase_add_loop_test(tcase, solution_solves_the_whole_system, 0, 2);
     tcase_add_test(tcase, runs_of_one_spring_have_the_same_solution);
@@ -658,7 +660,7 @@ TEST_SUITE(linear)
     tcase = tcase_create("runs");
     tcase_set_timeout(tcase, 600.0);
     tcase_add_checked_fixture(tcase, NULL, teardown);
-    tcase_add_loop_test(tcase, implicit_methods_end_within_20_tolerances, 0, 2);
+    tcase_add_loop_test(slow, implicit_methods_end_within_20_tolerances, 0, 2);
     tcase_add_test(tcase, implicit_methods_know_triangles);
     suite_add_tcase(suite, tcase);
 #endif

@@ -290,7 +290,9 @@ TEST_SUITE(shapes_record)
     tcase_add_test(run, rows_have_the_loads_of_their_shapes);
     tcase_add_test(run, series_has_the_measures_of_contact);
     tcase_add_test(run, a_run_with_shapes_sums_them_up);
-    tcase_add_test(run, a_run_with_self_contact_has_its_gap);
+    TCase *slow = test_long(all, 60);
+    tcase_add_checked_fixture(slow, begin, end);
+    tcase_add_test(slow, a_run_with_self_contact_has_its_gap);
     tcase_add_loop_test(run, surfaces_are_where_the_gap_is_0, 0, SHAPES);
     tcase_add_test(run, every_format_but_csv_has_the_shapes);
     tcase_add_test(run, exported_shapes_move);

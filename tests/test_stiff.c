@@ -407,7 +407,9 @@ TEST_SUITE(stiff)
     TCase *tcase = tcase_create("stiff");
     tcase_set_timeout(tcase, 60.0);
     tcase_add_checked_fixture(tcase, setup, teardown);
-    tcase_add_loop_test(tcase, order_on_cloth, 0, ORDERS);
+    TCase *slow = test_long(suite, 60.0);
+    tcase_add_checked_fixture(slow, setup, teardown);
+    tcase_add_loop_test(slow, order_on_cloth, 0, ORDERS);
     tcase_add_loop_test(tcase, stabilised_methods_agree_with_rkc2, 0, 2);
     tcase_add_test(tcase, damping_that_binds_explicit_steps_costs_little);
     tcase_add_test(tcase, stabilised_methods_refuse_lightly_damped_cloth);
