@@ -192,7 +192,8 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
           "stop: its time depends on the numbers too" },
         { scene->run.interpolate, "run", "frames",
           "run.frames: interpolate: s is known at the ends of steps" },
-        { scene->record.ledger, "record", "ledger", "record.ledger" },
+        { scene->record.ledger, "record", "ledger",
+          "record.ledger: a method integrates energies or derivatives with the state" },
         { scene->cloth.untangle > 0.0, "contact", "untangle",
           "contact.untangle: such a start has no derivative" },
         { !scene->sensitivity.control && adaptive
@@ -204,7 +205,8 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
         { (flags & (uint32_t)WEFT_STEPPER_LINEAR) != 0 && scene->cloth.mesh != NULL,
           "stepper", "method",
           "implicit methods on triangles: choose an explicit one-step method" },
-        { reader->def->bands > 1, "sensitivity", NULL, "a run in bands" },
+        { reader->def->bands > 1, "sensitivity", NULL,
+          "a run in bands: run it in one process, with threads" },
         { scene->cloth.mesh != NULL && scene->cloth.mesh->grids != NULL, "cloths", NULL,
           "a grid among several cloths: derivatives ride along with one grid, or with "
           "meshes" },
