@@ -32,7 +32,8 @@ typedef struct adjoint {
     recorded_step *steps;
     size_t count, room_for; /* steps */
     size_t *frame;          /* of each frame the step after it */
-    double **checkpoints;   /* of every so many steps; after those kept, spare ones */
+    double **checkpoints;   /* the state, then v' of rate 0, of every so many steps;
+                             * after those kept, spare ones */
     size_t every, kept, made;
     size_t slots;    /* states of stages that a step has in `segment` */
     double *segment; /* the states of `every` steps that are needed backwards */
@@ -168,29 +169,14 @@ static void thin(adjoint *of)
     of->every *= 2;
 }
 
-/* Copies rate 0, but x' of free particles, to a checkpoint behind its state, or back.
- */
-static void copy_rate(const adjoint *of, double *checkpoint, bool back)
-{
-    const weft__mesh *mesh = &of->sim->cloth->mesh;
-    const size_t n = mesh->particles, half = 3 * n;
-    double *kept = checkpoint + 2 * half, *rate = of->rates[0];
-    memcpy(back ? rate + half : kept, back ? kept : rate + half, half * sizeof *rate);
-    for (size_t i = 0; i < 3 * mesh->pinned; ++i) {
-        double *x = rate + mesh->pins[i / 3] + i % 3 * n;
-        *(back ? x : kept + half + i) = *(back ? kept + half + i : x);
-    }
-}
-
 static weft_status leave_checkpoint(adjoint *of, weft_error *err)
 {
-    const size_t dim = dim_of(of), rate = dim / 2 + 3 * of->sim->cloth->mesh.pinned;
+    const size_t dim = dim_of(of), half = of->table->carries ? dim / 2 : 0;
     if (of->kept == of->made) {
         double **list = weft__resize(&of->memory, of->checkpoints, of->made + 1,
                                      sizeof *of->checkpoints);
         of->checkpoints = list != NULL ? list : of->checkpoints;
-        double *to = weft__alloc(&of->memory, dim + (of->table->carries ? rate : 0),
-                                 sizeof *to);
+        double *to = weft__alloc(&of->memory, dim + half, sizeof *to);
         if (to == NULL || list == NULL) {
             weft__free(&of->memory, to);
             return no_memory(err);
@@ -199,9 +185,7 @@ static weft_status leave_checkpoint(adjoint *of, weft_error *err)
     }
     double *to = of->checkpoints[of->kept++];
     memcpy(to, of->sim->y, dim * sizeof *to);
-    if (of->table->carries) {
-        copy_rate(of, to, false);
-    }
+    memcpy(to + dim, of->rates[0] + dim / 2, half * sizeof *to);
     return WEFT_OK;
 }
 
@@ -291,11 +275,6 @@ static void find_state(const adjoint *of, size_t k, double h, const double *y,
     }
 }
 
-static int find_rate(adjoint *of, double t, const double *y, size_t k)
-{
-    return weft__forces_rhs(&of->sim->forces, t, y, of->rates[k]);
-}
-
 /* Where `segment` has state k of a step, 1 or above. */
 static double *place_of(const adjoint *of, size_t step, size_t k)
 {
@@ -338,17 +317,20 @@ static weft_status make_segment(adjoint *of, weft_error *err)
 /* Fills the segment of steps [first, end) from its checkpoint. */
 static int repeat(adjoint *of, size_t first, size_t end)
 {
-    const size_t count = of->table->count;
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const size_t count = of->table->count, half = 3 * mesh->particles;
+    weft__forces *forces = &of->sim->forces;
     const double *y = of->checkpoints[first / of->every];
     int failed = 0;
     if (of->table->carries) {
-        copy_rate(of, of->checkpoints[first / of->every], true);
+        memcpy(of->rates[0] + half, y + 2 * half, half * sizeof *y);
+        weft__move_pins(mesh, of->steps[first].t, of->rates[0], 0, mesh->particles);
     }
     for (size_t i = first; i < end; ++i) {
         const double t = of->steps[i].t, h = of->steps[i].h;
         const bool last = i + 1 == end;
         if (of->steps[i].restarts && of->table->carries) {
-            failed |= find_rate(of, t, y, 0);
+            failed |= weft__forces_rhs(forces, t, y, of->rates[0]);
         }
         for (size_t k = 1; k <= count; ++k) {
             double *state = place_of(of, i, k);
@@ -356,7 +338,8 @@ static int repeat(adjoint *of, size_t first, size_t end)
                 find_state(of, k, h, y, state);
             }
             if (of->table->needed[k] && !(last && k == count)) {
-                failed |= find_rate(of, t + of->table->c[k] * h, state, k);
+                failed |= weft__forces_rhs(forces, t + of->table->c[k] * h, state,
+                                           of->rates[k]);
             }
         }
         if (!last) {

@@ -189,31 +189,19 @@ static void copy(const weft_sim *sim, size_t i, const double *from, double facto
     }
 }
 
-static void scatter(const weft_sim *sim, size_t i, const double *from, double factor,
-                    double *z)
-{
-    copy(sim, i, from, factor, z, false);
-}
-
-static void gather(const weft_sim *sim, size_t i, const double *z, double factor,
-                   double *to)
-{
-    copy(sim, i, z, factor, to, true);
-}
-
 void weft__sensitivity_pack(weft_sim *sim)
 {
     const weft__sensitivity *of = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
     for (size_t i = 0; of->count > 0 && i <= of->count; ++i) {
-        scatter(sim, i, i == 0 ? sim->y : of->s + (i - 1) * dim,
-                i == 0 ? 1.0 : of->factor, of->z);
+        copy(sim, i, i == 0 ? sim->y : of->s + (i - 1) * dim, i == 0 ? 1.0 : of->factor,
+             of->z, false);
     }
 }
 
 void weft__sensitivity_state(const weft_sim *sim, const double *z, double *y)
 {
-    gather(sim, 0, z, 1.0, y);
+    copy(sim, 0, z, 1.0, y, true);
 }
 
 const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
@@ -223,7 +211,7 @@ const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
         return NULL;
     }
     double *s = of->s + number * weft_cloth_dim(sim->cloth);
-    gather(sim, 1 + number, of->z, 1.0 / of->factor, s);
+    copy(sim, 1 + number, of->z, 1.0 / of->factor, s, true);
     return s;
 }
 
@@ -388,7 +376,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
     }
     all.y = of->states, all.out = of->rates;
     for (size_t i = 0; i <= of->count; ++i) {
-        gather(sim, i, z, 1.0, of->states + i * dim);
+        copy(sim, i, z, 1.0, of->states + i * dim, true);
     }
     int failed = weft__sim_rhs(t, of->states, of->rates, sim);
     if (failed == 0) {
@@ -396,7 +384,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
         failed = atomic_load(&all.failed) | add_whole(&all);
     }
     for (size_t i = 0; i <= of->count; ++i) {
-        scatter(sim, i, of->rates + i * dim, 1.0, dzdt);
+        copy(sim, i, of->rates + i * dim, 1.0, dzdt, false);
     }
     return failed;
 }
