@@ -35,6 +35,10 @@ typedef int64_t mask __attribute__((vector_size(8 * LANES))); /* -1: yes, 0: no 
 typedef double vec_anywhere
     __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 
+/* x y z 0 of a particle, whatever LANES. */
+typedef double record __attribute__((vector_size(32), may_alias));
+#define ALL(a) ((record){ (a), (a), (a), (a) })
+
 /* Vectors in space. */
 typedef struct vec3 {
     vec x, y, z;

@@ -8,10 +8,6 @@
 enum { ROOM = WEFT__PLATE_ROOM, RECORD = WEFT__PLATE_RECORD };
 enum { ROW = 24, LINE = 8, AHEAD = 384 };
 
-typedef double record __attribute__((vector_size(32), may_alias));
-
-#define ALL(a) ((record){ (a), (a), (a), (a) })
-
 /* Records of a block's particles and of its halo: what the terms multiply, and sums. */
 typedef struct nearby {
     _Alignas(64) double x[RECORD * ROOM], sum[RECORD * ROOM];

@@ -8,8 +8,6 @@
 
 #include "forces/membrane/membrane_law.h"
 
-typedef double record __attribute__((vector_size(32)));
-
 typedef struct arc_local {
     record x[WEFT__ARC_NEAR], v[WEFT__ARC_NEAR];
     record item[2 * WEFT__ARC_EDGES]; /* h and d; then S h and E d */
@@ -17,7 +15,6 @@ typedef struct arc_local {
     double pull[2 * WEFT__ARC_EDGES]; /* S and E */
 } arc_local;
 
-#define ALL(a)    ((record){ (a), (a), (a), (a) })
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
 INLINE void copy(const double *from, size_t n, const uint32_t *near, size_t count,

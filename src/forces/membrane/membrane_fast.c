@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* membrane_fast.c -- the membrane of membrane.h, LANES triangles at a time. A block's
  * own particles and those of its halo lie as records x, y, z, 0 in the first cache;
- * forces are summed in such records, and those of the halo thrown away. */
+ * the sums of the halo are thrown away. Edges are such records, too, and only squares
+ * and the law are lanes; with 8 lanes, edges are lanes. */
 #include "forces/lanes.h"
 #include "forces/membrane/membrane.h"
 
@@ -19,22 +20,12 @@ typedef struct local {
     double force[SPAN];          /* [N] */
 } local;
 
-/* Numbers of particles that follow one another. */
-static const uint16_t in_turn[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
-
-#if LANES >= 4
-typedef double record __attribute__((vector_size(32), may_alias));
-
 INLINE record *record_at(double *of, size_t i)
 {
     return (record *)(void *)(of + RECORD * i);
 }
 
-INLINE record record_of(const double *of, size_t i)
-{
-    return *(const record *)(const void *)(of + RECORD * i);
-}
-#endif
+#define RECORD_OF(of, i) (*(const record *)(const void *)((of) + RECORD * (size_t)(i)))
 
 #if LANES == 8
 /* Two records as lanes, and the first or the second of them. */
@@ -51,12 +42,15 @@ typedef union halves {
 #endif
 #endif
 
-/* The records at[0], at[1], ... */
-INLINE vec3 collect(const double *of, const uint16_t at[LANES])
+/* Numbers of particles that follow one another. */
+static const uint16_t in_turn[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+
+/* LANES records as lanes. */
+INLINE vec3 together(const record of[LANES])
 {
 #if LANES == 8
-#define TWO(i, j) JOIN(record_of(of, at[i]), record_of(of, at[j]))
-    const vec a = TWO(0, 2), b = TWO(1, 3), c = TWO(4, 6), d = TWO(5, 7);
+    const vec a = JOIN(of[0], of[2]), b = JOIN(of[1], of[3]);
+    const vec c = JOIN(of[4], of[6]), d = JOIN(of[5], of[7]);
     const vec xz = SHUFFLE(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
     const vec XZ = SHUFFLE(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
     const vec y = SHUFFLE(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
@@ -65,24 +59,49 @@ INLINE vec3 collect(const double *of, const uint16_t at[LANES])
                    SHUFFLE(y, Y, 0, 1, 4, 5, 8, 9, 12, 13),
                    SHUFFLE(xz, XZ, 2, 3, 6, 7, 10, 11, 14, 15) };
 #elif LANES == 4
-    const vec a = record_of(of, at[0]), b = record_of(of, at[1]);
-    const vec c = record_of(of, at[2]), d = record_of(of, at[3]);
-    const vec xz = SHUFFLE(a, b, 0, 4, 2, 6), XZ = SHUFFLE(c, d, 0, 4, 2, 6);
-    const vec y = SHUFFLE(a, b, 1, 5, 3, 7), Y = SHUFFLE(c, d, 1, 5, 3, 7);
+    const vec xz = SHUFFLE(of[0], of[1], 0, 4, 2, 6);
+    const vec XZ = SHUFFLE(of[2], of[3], 0, 4, 2, 6);
+    const vec y = SHUFFLE(of[0], of[1], 1, 5, 3, 7);
+    const vec Y = SHUFFLE(of[2], of[3], 1, 5, 3, 7);
     return (vec3){ SHUFFLE(xz, XZ, 0, 1, 4, 5), SHUFFLE(y, Y, 0, 1, 4, 5),
                    SHUFFLE(xz, XZ, 2, 3, 6, 7) };
 #else
-    const double *a = of + (size_t)RECORD * at[0], *b = of + (size_t)RECORD * at[1];
+    const record a = of[0], b = of[1];
     return (vec3){ { a[0], b[0] }, { a[1], b[1] }, { a[2], b[2] } };
 #endif
 }
 
-#if LANES >= 4
-/* The lanes of a as records. */
-INLINE void part(vec3 a, record to[LANES])
+/* The records at[0], at[1], ... */
+INLINE vec3 collect(const double *of, const uint16_t at[LANES])
+{
+    record all[LANES];
+    for (size_t l = 0; l < LANES; ++l) {
+        all[l] = RECORD_OF(of, at[l]);
+    }
+    return together(all);
+}
+
+/* ---- a batch --------------------------------------------------------------------- */
+
+#if LANES == 8
+typedef vec3 side; /* an edge of LANES triangles */
+
+INLINE void edges(const double *of, const uint16_t *at, side d[3])
+{
+    const vec3 a = collect(of, at), b = collect(of, at + WEFT__WIDTH),
+               c = collect(of, at + 2 * WEFT__WIDTH);
+    d[0] = minus(c, b), d[1] = minus(a, c), d[2] = minus(b, a);
+}
+
+INLINE vec dots(const side *a, const side *b)
+{
+    return dot(*a, *b);
+}
+
+/* Adds the lanes of a to the records at[0], at[1], ..., of which none is twice. */
+INLINE void spread(double *to, const uint16_t at[LANES], vec3 a)
 {
     const vec none = { 0 };
-#if LANES == 8
     const vec xy = SHUFFLE(a.x, a.y, 0, 8, 2, 10, 4, 12, 6, 14);
     const vec XY = SHUFFLE(a.x, a.y, 1, 9, 3, 11, 5, 13, 7, 15);
     const vec z = SHUFFLE(a.z, none, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -91,70 +110,74 @@ INLINE void part(vec3 a, record to[LANES])
                          SHUFFLE(XY, Z, 0, 1, 8, 9, 2, 3, 10, 11) };
     const vec high[2] = { SHUFFLE(xy, z, 4, 5, 12, 13, 6, 7, 14, 15),
                           SHUFFLE(XY, Z, 4, 5, 12, 13, 6, 7, 14, 15) };
-    for (size_t odd = 0; odd < 2; ++odd) {
-        to[odd] = HALF(low[odd], 0);
-        to[odd + 2] = HALF(low[odd], 1);
-        to[odd + 4] = HALF(high[odd], 0);
-        to[odd + 6] = HALF(high[odd], 1);
-    }
-#else
-    const vec xy = SHUFFLE(a.x, a.y, 0, 4, 2, 6), XY = SHUFFLE(a.x, a.y, 1, 5, 3, 7);
-    const vec z = SHUFFLE(a.z, none, 0, 4, 2, 6), Z = SHUFFLE(a.z, none, 1, 5, 3, 7);
-    to[0] = SHUFFLE(xy, z, 0, 1, 4, 5), to[1] = SHUFFLE(XY, Z, 0, 1, 4, 5);
-    to[2] = SHUFFLE(xy, z, 2, 3, 6, 7), to[3] = SHUFFLE(XY, Z, 2, 3, 6, 7);
-#endif
-}
-#endif
-
-/* Adds the lanes of a to the records at[0], at[1], ..., of which none is twice. */
-INLINE void spread(double *to, const uint16_t at[LANES], vec3 a)
-{
-#if LANES >= 4
-    record parts[LANES];
-    part(a, parts);
     for (size_t l = 0; l < LANES; ++l) {
-        *record_at(to, at[l]) += parts[l];
+        const vec *half = l < 4 ? &low[l % 2] : &high[l % 2];
+        *record_at(to, at[l]) += l / 2 % 2 == 0 ? HALF(*half, 0) : HALF(*half, 1);
     }
-#else
-    for (size_t l = 0; l < LANES; ++l) {
-        double *sum = to + (size_t)RECORD * at[l];
-        sum[0] += a.x[l], sum[1] += a.y[l], sum[2] += a.z[l];
-    }
-#endif
 }
 
-/* ---- a batch --------------------------------------------------------------------- */
-
-INLINE void edges(const double *of, const uint16_t *at, vec3 d[3])
+/* Edge i pulls at its ends with s[i] d[i]. */
+INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3])
 {
-    const vec3 a = collect(of, at), b = collect(of, at + WEFT__WIDTH),
-               c = collect(of, at + 2 * WEFT__WIDTH);
-    d[0] = minus(c, b), d[1] = minus(a, c), d[2] = minus(b, a);
+    const vec3 f[3] = { scaled(s[0], d[0]), scaled(s[1], d[1]), scaled(s[2], d[2]) };
+    spread(to, at, minus(f[2], f[1]));
+    spread(to, at + WEFT__WIDTH, minus(f[0], f[2]));
+    spread(to, at + 2 * WEFT__WIDTH, minus(f[1], f[0]));
 }
+#else
+typedef struct side {
+    record of[LANES];
+} side;
+
+INLINE void edges(const double *of, const uint16_t *at, side d[3])
+{
+    for (size_t l = 0; l < LANES; ++l) {
+        const record a = RECORD_OF(of, at[l]), b = RECORD_OF(of, at[WEFT__WIDTH + l]),
+                     c = RECORD_OF(of, at[2 * WEFT__WIDTH + l]);
+        d[0].of[l] = c - b, d[1].of[l] = a - c, d[2].of[l] = b - a;
+    }
+}
+
+INLINE vec dots(const side *a, const side *b)
+{
+    record product[LANES];
+    for (size_t l = 0; l < LANES; ++l) {
+        product[l] = a->of[l] * b->of[l];
+    }
+    const vec3 parts = together(product);
+    return parts.x + parts.y + parts.z;
+}
+
+INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3])
+{
+    for (size_t l = 0; l < LANES; ++l) {
+        const record a = ALL(s[0][l]) * d[0].of[l], b = ALL(s[1][l]) * d[1].of[l],
+                     c = ALL(s[2][l]) * d[2].of[l];
+        *record_at(to, at[l]) += c - b;
+        *record_at(to, at[WEFT__WIDTH + l]) += a - c;
+        *record_at(to, at[2 * WEFT__WIDTH + l]) += b - a;
+    }
+}
+#endif
 
 /* of: the constants, at: the corners, from a lane on */
 INLINE void batch(const double *of, const uint16_t *at, local *in, bool damped)
 {
-    vec3 d[3], w[3], pull[3];
+    side d[3], w[3];
     vec square[3], q[3], s[3];
     edges(in->x, at, d);
     if (damped) {
         edges(in->v, at, w);
     }
     for (int i = 0; i < 3; ++i) {
-        square[i] = dot(d[i], d[i]);
+        square[i] = dots(&d[i], &d[i]);
         q[i] = square[i] - CONSTANT(of, WEFT__SQUARE + i);
         if (damped) {
-            q[i] = q[i] + CONSTANT(of, WEFT__LAG) * dot(d[i], w[i]);
+            q[i] = q[i] + CONSTANT(of, WEFT__LAG) * dots(&d[i], &w[i]);
         }
     }
     law_pull(of, square, q, s);
-    for (int i = 0; i < 3; ++i) {
-        pull[i] = scaled(s[i], d[i]);
-    }
-    spread(in->force, at, minus(pull[2], pull[1]));
-    spread(in->force, at + WEFT__WIDTH, minus(pull[0], pull[2]));
-    spread(in->force, at + 2 * WEFT__WIDTH, minus(pull[1], pull[0]));
+    pull(in->force, at, s, d);
 }
 
 INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
@@ -174,11 +197,6 @@ INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
 
 /* ---- a block --------------------------------------------------------------------- */
 
-INLINE void set_record(double *to, const double *x, size_t n)
-{
-    to[0] = x[0], to[1] = x[n], to[2] = x[2 * n], to[3] = 0.0;
-}
-
 /* Three planes of the particles of a block and of its halo as records, and one of
  * zeros. */
 INLINE void copy(const weft__membrane *own, size_t b, const double *from, double *to)
@@ -188,23 +206,11 @@ INLINE void copy(const weft__membrane *own, size_t b, const double *from, double
     const size_t count = weft__block(mesh, b + 1) - first;
     const uint32_t *halo = own->halo + own->blocks[b].halo;
     const size_t others = own->blocks[b + 1].halo - own->blocks[b].halo;
-    size_t i = 0;
-#if LANES >= 4
-    for (; i + LANES <= count; i += LANES) {
-        record parts[LANES];
-        part(load3(from + first + i, n), parts);
-        for (size_t l = 0; l < LANES; ++l) {
-            *record_at(to, i + l) = parts[l];
-        }
+    for (size_t i = 0; i < count + others; ++i) {
+        const double *x = from + (i < count ? first + i : halo[i - count]);
+        *record_at(to, i) = (record){ x[0], x[n], x[2 * n], 0.0 };
     }
-#endif
-    for (; i < count; ++i) {
-        set_record(to + RECORD * i, from + first + i, n);
-    }
-    for (size_t j = 0; j < others; ++j, ++i) {
-        set_record(to + RECORD * i, from + halo[j], n);
-    }
-    memset(to + RECORD * i, 0, RECORD * sizeof *to);
+    *record_at(to, count + others) = (record){ 0.0, 0.0, 0.0, 0.0 };
 }
 
 /* Adds to v' of the block's particles; 0 or NaN. */

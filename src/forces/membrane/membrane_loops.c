@@ -19,7 +19,6 @@ void weft__membrane_sides(const weft__mesh *mesh, const uint32_t corner[3],
     }
 }
 
-/* Of block b, one after the other; false: no more. `next` is 0 before the first. */
 bool weft__membrane_each(const weft__membrane *of, size_t b, size_t *next,
                          weft__triangle *out)
 {
@@ -37,7 +36,6 @@ bool weft__membrane_each(const weft__membrane *of, size_t b, size_t *next,
     return false;
 }
 
-/* The same, of those whose lowest particle is in the block: each triangle once. */
 bool weft__membrane_each_own(const weft__membrane *of, size_t b, size_t *next,
                              weft__triangle *out)
 {
@@ -56,7 +54,6 @@ void weft__membrane_squares(const weft__sides3 *at, double square[3])
     }
 }
 
-/* [N/m] s */
 void weft__membrane_pulls(const weft__membrane *own, const weft__triangle *tri,
                           const weft__sides3 *at, double s[3])
 {
