@@ -84,16 +84,16 @@ INLINE vec3 collect(const double *of, const uint16_t at[LANES])
 /* ---- a batch --------------------------------------------------------------------- */
 
 #if LANES == 8
-typedef vec3 side; /* an edge of LANES triangles */
+typedef vec3 edge_set; /* the same edge of LANES triangles */
 
-INLINE void edges(const double *of, const uint16_t *at, side d[3])
+INLINE void edges(const double *of, const uint16_t *at, edge_set d[3])
 {
     const vec3 a = collect(of, at), b = collect(of, at + WEFT__WIDTH),
                c = collect(of, at + 2 * WEFT__WIDTH);
     d[0] = minus(c, b), d[1] = minus(a, c), d[2] = minus(b, a);
 }
 
-INLINE vec dots(const side *a, const side *b)
+INLINE vec dots(const edge_set *a, const edge_set *b)
 {
     return dot(*a, *b);
 }
@@ -117,7 +117,7 @@ INLINE void spread(double *to, const uint16_t at[LANES], vec3 a)
 }
 
 /* Edge i pulls at its ends with s[i] d[i]. */
-INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3])
+INLINE void pull(double *to, const uint16_t *at, const vec s[3], const edge_set d[3])
 {
     const vec3 f[3] = { scaled(s[0], d[0]), scaled(s[1], d[1]), scaled(s[2], d[2]) };
     spread(to, at, minus(f[2], f[1]));
@@ -125,11 +125,11 @@ INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3]
     spread(to, at + 2 * WEFT__WIDTH, minus(f[1], f[0]));
 }
 #else
-typedef struct side {
+typedef struct edge_set {
     record of[LANES];
-} side;
+} edge_set;
 
-INLINE void edges(const double *of, const uint16_t *at, side d[3])
+INLINE void edges(const double *of, const uint16_t *at, edge_set d[3])
 {
     for (size_t l = 0; l < LANES; ++l) {
         const record a = RECORD_OF(of, at[l]), b = RECORD_OF(of, at[WEFT__WIDTH + l]),
@@ -138,7 +138,7 @@ INLINE void edges(const double *of, const uint16_t *at, side d[3])
     }
 }
 
-INLINE vec dots(const side *a, const side *b)
+INLINE vec dots(const edge_set *a, const edge_set *b)
 {
     record product[LANES];
     for (size_t l = 0; l < LANES; ++l) {
@@ -148,7 +148,7 @@ INLINE vec dots(const side *a, const side *b)
     return parts.x + parts.y + parts.z;
 }
 
-INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3])
+INLINE void pull(double *to, const uint16_t *at, const vec s[3], const edge_set d[3])
 {
     for (size_t l = 0; l < LANES; ++l) {
         const record a = ALL(s[0][l]) * d[0].of[l], b = ALL(s[1][l]) * d[1].of[l],
@@ -163,7 +163,7 @@ INLINE void pull(double *to, const uint16_t *at, const vec s[3], const side d[3]
 /* of: the constants, at: the corners, from a lane on */
 INLINE void batch(const double *of, const uint16_t *at, local *in, bool damped)
 {
-    side d[3], w[3];
+    edge_set d[3], w[3];
     vec square[3], q[3], s[3];
     edges(in->x, at, d);
     if (damped) {
