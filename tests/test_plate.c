@@ -253,13 +253,168 @@ START_TEST(panels_of_any_shape_have_three_zero_modes)
 }
 END_TEST
 
+/* Families of meshes, each a sheet of rows x cols that is changed. */
+typedef enum family_change {
+    AS_IT_IS,
+    SHEARED, /* by 79 degrees */
+    LONG,    /* aspect 10 */
+    GRADED,  /* cells of 1 to 10 */
+    RING,    /* the last column is the first */
+    SLIT     /* from the rim to the middle */
+} family_change;
+
+typedef struct family {
+    const char *name;
+    size_t rows, cols;
+    test_diagonals way;
+    double jitter;
+    family_change change;
+} family;
+
+static void change_place(const family *of, size_t i, double x[2])
+{
+    const double u = x[0] / 0.01, v = x[1] / 0.01, across = (double)(of->cols - 1);
+    if (of->change == SHEARED) {
+        x[0] += tan(79.0 * acos(-1.0) / 180.0) * x[1];
+    } else if (of->change == LONG) {
+        x[0] *= 10.0;
+    } else if (of->change == GRADED) {
+        x[0] = 0.01 * (pow(10.0, u / across) - 1.0);
+    } else if (of->change == RING) {
+        const double angle = 2.0 * acos(-1.0) * (double)(i % of->cols) / across;
+        x[0] = 0.01 * (2.0 + v) * cos(angle), x[1] = 0.01 * (2.0 + v) * sin(angle);
+    }
+}
+
+/* Joins the last column to the first; or gives the triangles right of the middle, above
+ * it, vertices of their own on the line between. */
+static uint32_t change_corner(const family *of, uint32_t corner, bool right)
+{
+    const uint32_t cols = (uint32_t)of->cols, r = corner / cols, c = corner % cols;
+    const uint32_t all = (uint32_t)(of->rows * of->cols);
+    if (of->change == RING) {
+        return r * (cols - 1) + c % (cols - 1);
+    }
+    return of->change == SLIT && right && c == cols / 2 && r > of->rows / 2 ? all + r
+                                                                            : corner;
+}
+
+static void make_family(const family *of, test_mesh *mesh)
+{
+    const size_t all = of->rows * of->cols;
+    mesh_sheet(mesh, of->rows, of->cols, 0.01, of->way, of->jitter, 3);
+    const size_t triangles = mesh->def.triangles;
+    mesh->rest = realloc(mesh->rest, 2 * (all + of->rows) * sizeof *mesh->rest);
+    mesh->start = realloc(mesh->start, 3 * (all + of->rows) * sizeof *mesh->start);
+    for (size_t i = 0; i < all; ++i) {
+        change_place(of, i, &mesh->rest[2 * i]);
+    }
+    size_t count = 0, number[200];
+    double *rest = malloc(2 * (all + of->rows) * sizeof *rest);
+    memcpy(rest, mesh->rest, 2 * all * sizeof *rest);
+    for (size_t r = 0; r < of->rows; ++r) { /* the other side of a slit */
+        memcpy(&rest[2 * (all + r)], &rest[2 * (r * of->cols + of->cols / 2)],
+               2 * sizeof *rest);
+    }
+    for (size_t i = 0; i < all + of->rows; ++i) {
+        number[i] = SIZE_MAX;
+    }
+    for (size_t k = 0; k < triangles; ++k) {
+        uint32_t *corner = &mesh->corners[3 * k];
+        bool right = false;
+        for (size_t j = 0; j < 3; ++j) {
+            right = right || corner[j] % of->cols > of->cols / 2;
+        }
+        for (size_t j = 0; j < 3; ++j) {
+            const size_t from = of->change == RING ? corner[j] : SIZE_MAX;
+            const uint32_t to = change_corner(of, corner[j], right);
+            if (number[to] == SIZE_MAX) {
+                number[to] = count++;
+                memcpy(&mesh->rest[2 * number[to]],
+                       &rest[2 * (from != SIZE_MAX ? from : to)], 2 * sizeof *rest);
+            }
+            corner[j] = mesh->places[3 * k + j] = (uint32_t)number[to];
+        }
+    }
+    for (size_t i = 0; i < count; ++i) {
+        memcpy(&mesh->start[3 * i], &mesh->rest[2 * i], 2 * sizeof *rest);
+        mesh->start[3 * i + 2] = 0.0;
+    }
+    free(rest);
+    mesh_point(mesh, count, count, triangles);
+}
+
+/* `valence` triangles around a vertex; `split`: each of them in three at its centre. */
+static void make_fan(test_mesh *mesh, size_t valence, bool split)
+{
+    const size_t n = valence + 1 + (split ? valence : 0);
+    size_t count = 0;
+    mesh_sheet(mesh, 8, 8, 1.0, MESH_RIGHT, 0.0, 1); /* room */
+    for (size_t k = 0; k < valence; ++k) {
+        const double angle = 2.0 * acos(-1.0) * (double)k / (double)valence;
+        mesh->rest[2 * (k + 1)] = cos(angle), mesh->rest[2 * (k + 1) + 1] = sin(angle);
+    }
+    mesh->rest[0] = mesh->rest[1] = 0.0;
+    for (size_t k = 0; k < valence; ++k) {
+        const uint32_t a = (uint32_t)(1 + k), b = (uint32_t)(1 + (k + 1) % valence);
+        const uint32_t middle = (uint32_t)(1 + valence + k);
+        const uint32_t whole[3] = { 0, a, b };
+        for (size_t j = 0; j < (split ? 3 : 1); ++j) {
+            const uint32_t part[3] = { whole[j], whole[(j + 1) % 3], middle };
+            memcpy(&mesh->corners[3 * count++], split ? part : whole, sizeof part);
+        }
+        for (size_t d = 0; split && d < 2; ++d) {
+            mesh->rest[2 * (size_t)middle + d]
+                = (mesh->rest[2 * (size_t)a + d] + mesh->rest[2 * (size_t)b + d]) / 3.0;
+        }
+    }
+    memcpy(mesh->places, mesh->corners, 3 * count * sizeof *mesh->places);
+    for (size_t i = 0; i < n; ++i) {
+        memcpy(&mesh->start[3 * i], &mesh->rest[2 * i], 2 * sizeof *mesh->rest);
+        mesh->start[3 * i + 2] = 0.0;
+    }
+    mesh_point(mesh, n, n, count);
+}
+
+static const family families[] = {
+    { "one diagonal", 6, 8, MESH_RIGHT, 0.0, AS_IT_IS },
+    { "union jack", 6, 8, MESH_ALTERNATING, 0.0, AS_IT_IS },
+    { "random", 6, 8, MESH_RANDOM, 0.25, AS_IT_IS },
+    { "jitter of 45 %", 8, 8, MESH_RANDOM, 0.45, AS_IT_IS },
+    { "strip of one triangle", 2, 21, MESH_ALTERNATING, 0.0, AS_IT_IS },
+    { "strip of two", 3, 21, MESH_RIGHT, 0.0, AS_IT_IS },
+    { "strip of three", 4, 21, MESH_RANDOM, 0.25, AS_IT_IS },
+    { "aspect 10", 6, 8, MESH_RANDOM, 0.25, LONG },
+    { "sheared by 79 degrees", 6, 8, MESH_RANDOM, 0.25, SHEARED },
+    { "graded", 6, 10, MESH_RANDOM, 0.25, GRADED },
+    { "annulus", 4, 13, MESH_RIGHT, 0.0, RING },
+    { "annulus of one triangle", 2, 13, MESH_ALTERNATING, 0.0, RING },
+    { "slit square", 7, 9, MESH_RANDOM, 0.25, SLIT },
+    { "two triangles", 2, 2, MESH_RIGHT, 0.0, AS_IT_IS },
+    { "four triangles", 2, 3, MESH_RIGHT, 0.0, AS_IT_IS },
+    { "eight triangles", 3, 3, MESH_ALTERNATING, 0.0, AS_IT_IS },
+};
+enum { FAMILIES = sizeof families / sizeof *families };
+
 START_TEST(families_of_meshes_have_three_zero_modes)
 {
-    for (test_diagonals way = MESH_RIGHT; way <= MESH_RANDOM; ++way) {
-        test_mesh mesh;
-        mesh_sheet(&mesh, 6, 8, 0.01, way, way == MESH_RANDOM ? 0.25 : 0.0, 3);
-        ck_assert_uint_eq(zero_modes(&mesh), 3);
-        mesh_free(&mesh);
+    test_mesh mesh;
+    make_family(&families[_i], &mesh);
+    const size_t count = zero_modes(&mesh);
+    ck_assert_msg(count == 3, "%s: %d", families[_i].name, (int)count);
+    mesh_free(&mesh);
+}
+END_TEST
+
+START_TEST(fans_have_three_zero_modes)
+{
+    for (size_t valence = 3; valence <= 12; ++valence) {
+        for (int split = 0; split < 2; ++split) {
+            test_mesh mesh;
+            make_fan(&mesh, valence, split);
+            ck_assert_uint_eq(zero_modes(&mesh), 3);
+            mesh_free(&mesh);
+        }
     }
 }
 END_TEST
@@ -550,6 +705,57 @@ static void cut(test_mesh *mesh, size_t cells, weft_seam seams)
     mesh_sew(mesh, cells / 2, 3.0, 0.8, 0.6);
     mesh->def.seams = seams;
 }
+
+/* A sheet cut along a curve, or from its rim to its middle, and sewn; or whole. */
+typedef enum seam_line { WHOLE, CURVED, DART } seam_line;
+
+static double sewn_along(seam_line line, size_t cells)
+{
+    test_mesh mesh;
+    const size_t side = cells + 1, n = side * side, at = cells / 2;
+    mesh_sheet(&mesh, side, side, 1.0 / (double)cells, MESH_RANDOM, 0.25, 1);
+    mesh.fabrics[0] = isotropic;
+    straighten(&mesh, at);
+    for (size_t i = 0; i < n; ++i) { /* what is straight becomes a curve */
+        const double u = mesh.rest[2 * i], v = mesh.rest[2 * i + 1];
+        mesh.rest[2 * i] += 0.1 * sin(pi * u) * sin(pi * v);
+        mesh.start[3 * i] = mesh.rest[2 * i];
+    }
+    if (line == CURVED) {
+        mesh_sew(&mesh, at, 3.0, 0.8, 0.6);
+    }
+    for (size_t k = 0; line == DART && k < 3 * mesh.def.triangles; ++k) {
+        const uint32_t *corner = &mesh.corners[k / 3 * 3];
+        const bool right
+            = corner[0] % side > at || corner[1] % side > at || corner[2] % side > at;
+        if (right && mesh.corners[k] % side == at && mesh.corners[k] / side > at) {
+            mesh.places[k] += (uint32_t)n;
+        }
+    }
+    if (line == DART) {
+        mesh.rest = realloc(mesh.rest, 4 * n * sizeof *mesh.rest);
+        memcpy(&mesh.rest[2 * n], mesh.rest, 2 * n * sizeof *mesh.rest);
+        mesh_point(&mesh, n, 2 * n, mesh.def.triangles);
+    }
+    const double amplitude = supported(&mesh);
+    mesh_free(&mesh);
+    return amplitude;
+}
+
+START_TEST(sewn_pieces_converge_with_order_2)
+{
+    const seam_line line = (seam_line)_i;
+    double error[2];
+    for (size_t k = 0; k < 2; ++k) {
+        const size_t cells = (size_t)16 << k;
+        const double whole = sewn_along(WHOLE, cells) - 1.0;
+        error[k] = sewn_along(line, cells) - 1.0;
+        ck_assert_msg(fabs(error[k] - whole) < 0.1 * fabs(whole), "%g, whole %g",
+                      error[k], whole);
+    }
+    ck_assert_msg(error[0] > 3.5 * error[1], "%g %g", error[0], error[1]);
+}
+END_TEST
 
 START_TEST(sewn_pieces_bend_as_a_whole)
 {
@@ -895,8 +1101,9 @@ TEST_SUITE(plate)
     Suite *suite = suite_create("plate");
     TCase *tcase = tcase_create("plate");
     tcase_set_timeout(tcase, 60);
-    tcase_add_loop_test(tcase, panels_of_any_shape_have_three_zero_modes, 0, 5);
-    tcase_add_test(tcase, families_of_meshes_have_three_zero_modes);
+    tcase_add_loop_test(tcase, panels_of_any_shape_have_three_zero_modes, 0, 40);
+    tcase_add_loop_test(tcase, families_of_meshes_have_three_zero_modes, 0, FAMILIES);
+    tcase_add_test(tcase, fans_have_three_zero_modes);
     tcase_add_test(tcase, one_triangle_has_no_bending);
     tcase_add_test(tcase, cylinders_of_any_direction_have_their_energy);
     tcase_add_test(tcase, inner_particles_feel_no_force_on_quadratics);
@@ -904,6 +1111,7 @@ TEST_SUITE(plate)
     tcase_add_test(tcase, strip_of_pinned_triangles_clamps_along_its_inner_rim);
     tcase_add_test(tcase, strip_hangs_as_the_heavy_elastica);
     tcase_add_test(tcase, sewn_pieces_bend_as_a_whole);
+    tcase_add_loop_test(tcase, sewn_pieces_converge_with_order_2, WHOLE, DART + 1);
     tcase_add_test(tcase, hinge_has_one_zero_mode_more);
     tcase_add_test(tcase, matrix_does_not_depend_on_numbers);
     tcase_add_test(tcase, bound_holds_and_is_sharp);
