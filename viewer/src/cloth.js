@@ -66,9 +66,40 @@ function coloured(count, faces) {
     return geometry;
 }
 
+/** Places with the pieces of a rest shape side by side along u, if the boxes of two overlap. */
+function sideBySide(faces, uv) {
+    const piece = Uint32Array.from({ length: uv.length / 2 }, (_, i) => i);
+    const root = (i) => {
+        while (piece[i] !== i) {
+            i = piece[i] = piece[piece[i]];
+        }
+        return i;
+    };
+    faces.forEach((place, j) => { piece[root(place)] = root(faces[j - (j % 3)]); });
+    const boxes = new Map();
+    piece.forEach((_, i) => {
+        const [u, v, at] = [uv[2 * i], uv[2 * i + 1], root(i)];
+        const [a, b, c, d] = boxes.get(at) ?? [u, u, v, v];
+        boxes.set(at, [Math.min(a, u), Math.max(b, u), Math.min(c, v), Math.max(d, v)]);
+    });
+    const list = [...boxes.values()];
+    const overlap = (p, q) => p[0] < q[1] && q[0] < p[1] && p[2] < q[3] && q[2] < p[3];
+    if (!list.some((p, i) => list.slice(i + 1).some((q) => overlap(p, q)))) {
+        return uv;
+    }
+    let end = 0;
+    const shift = new Map();
+    boxes.forEach(([lo, hi], at) => {
+        shift.set(at, end - lo);
+        end += 1.05 * (hi - lo);
+    });
+    return uv.map((x, k) => (k % 2 === 0 ? x + shift.get(root(k / 2)) : x));
+}
+
 /** The flat rest shape of triangles, upright about `centre` and at most `size` large. */
 export class RestShape {
-    constructor({ faces, uv, of }, centre, size) {
+    constructor({ faces, uv: flat, of }, centre, size) {
+        const uv = sideBySide(faces, flat);
         const sides = [0, 1].map((k) => uv.filter((_, i) => i % 2 === k)).map((x) => [
             x.reduce((a, b) => Math.min(a, b)), x.reduce((a, b) => Math.max(a, b)),
         ]);
