@@ -65,7 +65,7 @@ static job make_job(const weft_cloth *cloth, const weft_number_of_cloth *numbers
     return out;
 }
 
-enum { RUN = 300, GRADIENTS = 5 };
+enum { RUN = 300, GRADIENTS = 9 };
 
 /* The height of one particle. */
 static int height(void *ctx, size_t frame, double t, const double *y, double *value,
