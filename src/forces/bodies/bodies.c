@@ -31,7 +31,7 @@ size_t weft__bodies_shape(const weft__bodies *own, size_t point)
     return shape;
 }
 
-/* Bodies that rest stay where they were put. */
+/* Bodies that rest stay where they were put, and all do at the same time. */
 static const double *spread(const weft__bodies *own, double t, const double *y,
                             weft__spread *to)
 {
@@ -46,7 +46,9 @@ static const double *spread(const weft__bodies *own, double t, const double *y,
         if (shape->def.body == NULL) {
             continue;
         }
-        if (!placed || weft__body_moves(shape, t) || weft__body_moves(shape, to->t)) {
+        if (!placed
+            || (t != to->t
+                && (weft__body_moves(shape, t) || weft__body_moves(shape, to->t)))) {
             weft__body_place(shape, t, 6, points, 1, to->y + first);
         }
         first += shape->def.body->vertices;
@@ -287,6 +289,8 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
             spread(own, path->t1, path->y1, &space->now), path->t1 - path->t0 };
     weft_primitive pair[2];
     if (weft__self_list_clear(list_of(space), &stride, pair, &out->gap)) {
+        const weft__spread end = space->now; /* where the next step starts */
+        space->now = space->before, space->before = end;
         return true;
     }
     const size_t side = pair[0].particle[0] < own->pairs.mesh->particles ? 0 : 1;

@@ -374,12 +374,14 @@ bool NAME(clear, LEVEL)(const weft__contact *own, const weft__path *path, size_t
         const size_t count = left < POSES ? left : POSES;
         weft__ccd shapes[POSES];
         target targets[POSES][2];
+        bool any = false; /* bodies have a check of their own */
         for (size_t k = 0; k < count; ++k) {
+            any = any || own->shapes[shape + k].def.kind != WEFT_MESH;
             shapes[k] = weft__ccd_of(&own->shapes[shape + k], path);
             targets[k][0] = target_of(&shapes[k].pose[0], thickness);
             targets[k][1] = target_of(&shapes[k].pose[1], thickness);
         }
-        for (size_t i = weft__block(own->mesh, first); i < end; i += BLOCK) {
+        for (size_t i = weft__block(own->mesh, first); any && i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
             vec speed, way;
             const extent box = path_bounds(path, n, i, stop, &speed, &way);

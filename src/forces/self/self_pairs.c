@@ -237,7 +237,7 @@ static bool visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
     const bool points = of->tree->own->skin != NULL;
-    const size_t row = points ? 0 : j / of->tree->own->mesh->cols;
+    const size_t row = points ? j / 2 : j / of->tree->own->mesh->cols;
     const size_t col = points ? j : j - row * of->tree->own->mesh->cols;
     const owned *a = owned_by(of, i, 0, &of->first), *b = NULL;
     bool goes_on = i != j || points || try_vertex(of, &a->vertex, a);
