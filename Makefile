@@ -626,7 +626,7 @@ nightly: all
 	$(MAKE) verify
 	$(MAKE) check-determinism WHOLE=1
 	$(MAKE) check-validation WHOLE=1
-	$(MAKE) check-fit
+	TEST_LONG=1 $(MAKE) check-python
 	$(MAKE) check-docs WHOLE=1
 	$(MAKE) check-view WHOLE=1
 	$(MAKE) fuzz FUZZ_SECONDS=300
