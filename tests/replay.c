@@ -13,8 +13,8 @@ int main(int argc, char **argv)
         HOLDS(stream != NULL && fseek(stream, 0, SEEK_END) == 0);
         const size_t size = (size_t)ftell(stream);
         rewind(stream);
-        uint8_t *data = malloc(
-            size + (size == 0)); /* no byte more, so that reading one is found */
+        /* no byte more, so that reading one is found */
+        uint8_t *data = malloc(size + (size == 0));
         HOLDS(data != NULL && fread(data, 1, size, stream) == size
               && fclose(stream) == 0);
         (void)LLVMFuzzerTestOneInput(data, size);

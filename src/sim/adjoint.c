@@ -275,12 +275,12 @@ static void find_state(const adjoint *of, size_t k, double h, const double *y,
     }
 }
 
-/* Where `segment` has state k of a step, 1 or above. */
+/* Where `segment` has state k of a step; 0: its start, if the step keeps that. */
 static double *place_of(const adjoint *of, size_t step, size_t k)
 {
-    size_t slot = of->steps[step].first + of->steps[step].keeps;
-    for (size_t j = 1; j < k; ++j) {
-        slot += of->table->needed[j];
+    size_t slot = of->steps[step].first;
+    for (size_t j = 0; j < k; ++j) {
+        slot += j == 0 ? of->steps[step].keeps : of->table->needed[j];
     }
     return of->segment + slot * dim_of(of);
 }
@@ -291,7 +291,7 @@ static const double *start_of(const adjoint *of, size_t step)
 {
     return step == of->count       ? of->sim->y
            : step % of->every == 0 ? of->checkpoints[step / of->every]
-                                   : of->segment + of->steps[step].first * dim_of(of);
+                                   : place_of(of, step, 0);
 }
 
 /* Finds where the states of steps are, and has room for them. */
@@ -343,9 +343,8 @@ static int repeat(adjoint *of, size_t first, size_t end)
             }
         }
         if (!last) {
-            double *next = of->steps[i + 1].keeps
-                               ? of->segment + of->steps[i + 1].first * dim_of(of)
-                               : of->room[i % 2];
+            double *next
+                = of->steps[i + 1].keeps ? place_of(of, i + 1, 0) : of->room[i % 2];
             find_state(of, count + 1, h, y, next);
             y = next;
         }
