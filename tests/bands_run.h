@@ -218,6 +218,11 @@ static inline void put_frame(const weft_sim *sim, char *text)
     put(text, "next h", stats.next_step);
     put(text, "vetoed", (double)weft_sim_vetoed(sim));
     put(text, "energy", weft_energy_total(ledger.energy));
+    put(text, "springs", ledger.dissipated_springs);
+    put(text, "wind", ledger.wind_work);
+    put(text, "pins", ledger.pin_work);
+    put(text, "residual", ledger.residual);
+    put(text, "event", weft_sim_event(sim) ? 1.0 : 0.0);
     put_measures(sim, text);
     put_stiffness(sim, weft_sim_state(sim), text);
     put_stiffness(sim, NULL, text);

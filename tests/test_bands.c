@@ -78,6 +78,46 @@ START_TEST(contact_has_the_same_bits)
 }
 END_TEST
 
+START_TEST(ledgers_have_the_same_bits)
+{
+    static const char *const methods[]
+        = { "arkode/dormand_prince", "verlet/velocity_verlet" };
+    for (size_t i = 0; i < 2; ++i) {
+        scenario of = in_wind(11, 6, methods[i]);
+        of.sim.ledger = true;
+        check_runs(&of);
+    }
+    scenario of = on_shapes();
+    of.sim.ledger = true;
+    check_runs(&of);
+}
+END_TEST
+
+/* All bands find it, and end the step at the same time. */
+START_TEST(runs_stop_at_the_same_time)
+{
+    weft_stop_def at[] = { { WEFT_STOP_STRAIN, 0.058, 0.0 },
+                           { WEFT_STOP_GAP, 0.01, 0.0 },
+                           { WEFT_STOP_KINETIC, 0.007, 0.0 },
+                           { WEFT_STOP_REST, 3.0, 0.0 } };
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; ++i) {
+        scenario of = on_shapes();
+        outcome whole;
+        of.sim.event = weft_stop_event;
+        of.sim.event_ctx = &at[i];
+        check_runs(&of);
+        run_whole(&of, &whole);
+        bool found = false;
+        for (size_t f = 0; f < whole.frames; ++f) {
+            found = found || strstr(whole.series[f], "event 0x1") != NULL;
+        }
+        ck_assert_msg(found, "%s never ends a step: %s", weft_stop_name(at[i].quantity),
+                      whole.series[FRAMES]);
+        drop(&whole);
+    }
+}
+END_TEST
+
 /* A step that one band finds to pass a shape is taken back by all. */
 START_TEST(bands_take_steps_back_together)
 {
@@ -205,6 +245,8 @@ TEST_SUITE(bands)
     tcase_add_test(same, narrow_long_and_short_bands_have_the_same_bits);
     tcase_add_test(same, threads_of_bands_have_the_same_bits);
     tcase_add_test(same, contact_has_the_same_bits);
+    tcase_add_test(same, ledgers_have_the_same_bits);
+    tcase_add_test(same, runs_stop_at_the_same_time);
     tcase_add_test(same, bands_take_steps_back_together);
     tcase_add_test(same, random_cloths_have_the_same_bits_or_failures);
     suite_add_tcase(suite, same);

@@ -126,8 +126,8 @@ typedef struct weft_sim_def {
  * a `stop` of one stops all.
  *
  * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, the rms norm, a strain limit,
- * a ledger, `correct`, `force`, `event`; functions that change the state, pins or
- * shapes. */
+ * `correct`, `force`, an `event` other than weft_stop_event; functions that change the
+ * state, pins or shapes. */
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition
  * only `energy` is filled, and the rest is 0. */

@@ -98,8 +98,6 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
           "a strain limit does not run in bands: it corrects springs one after "
           "another, from row to row" },
-        { scene->record.ledger, "record", "ledger",
-          "the energy ledger is not kept in bands" },
         { scene->config.norm != WEFT_NORM_MAX && !(scene->config.fixed_step > 0.0),
           "stepper", "norm",
           "norm rms does not run in bands: its sum would depend on their number; norm "
@@ -107,9 +105,6 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         { scene->cloth.contact.self, "contact", "self",
           "contact of the cloth with itself does not run in bands: any two rows may "
           "touch" },
-        { scene->run.stop.quantity != WEFT_STOP_NEVER, "stop", NULL,
-          "a run in bands ends at run.duration: the condition is one of the whole "
-          "cloth" },
     };
     if (!scene->meshed && rows / bands < WEFT_GHOST_ROWS) {
         weft__report_error(reader->report, weft__place_in(root, "cloth", "grid"),

@@ -72,10 +72,8 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
     const char *why
         = adaptive && def->config.norm != WEFT_NORM_MAX ? "the rms norm is a sum"
           : def->limit.method != WEFT_LIMIT_NONE ? "a strain limit goes from row to row"
-          : def->ledger          ? "an energy ledger is a sum in every evaluation"
-          : def->correct != NULL ? "`correct` needs the whole state"
-          : def->force != NULL   ? "`force` needs the whole state"
-          : def->event != NULL   ? "an event is a function of the whole state"
+          : def->correct != NULL                 ? "`correct` needs the whole state"
+          : def->force != NULL                   ? "`force` needs the whole state"
           : weft_cloth_contact(def->cloth).self
               ? "contact of the cloth with itself joins all rows"
               : NULL;

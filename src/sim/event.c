@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "mesh/blocks.h"
 #include "sim/simulation.h"
 
 #define TOLERANCE 1e-10 /* [s] */
@@ -15,8 +16,94 @@ typedef struct bracket {
     double ga, gb;
 } bracket;
 
+/* ---- quantities that end a run ----------------------------------------------------
+ */
+
+const char *weft_stop_name(weft_stop_quantity quantity)
+{
+    static const char *const names[WEFT_STOPS]
+        = { "", "max_strain", "min_gap", "kinetic", "at_rest" };
+    return (unsigned)quantity < WEFT_STOPS ? names[quantity] : "";
+}
+
+static void block_gap(const weft_cloth *cloth, const weft__state *at, size_t b,
+                      weft_measures *sum)
+{
+    weft__block_gap(&cloth->contact, at, b, sum);
+}
+
+/* The kinetic energy and the work of gravity since t = 0, as energies. */
+static void block_rest(const weft_cloth *cloth, const weft__state *at, size_t b,
+                       weft_measures *sum)
+{
+    const weft__mesh *mesh = &cloth->mesh;
+    const size_t n = mesh->particles;
+    double start[3];
+    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
+        if (mesh->pin[i] == 0) {
+            weft__start_position(mesh, i, start);
+            for (size_t k = 0; k < 3; ++k) {
+                const double v = at->y[(3 + k) * n + i];
+                sum->energy.kinetic += 0.5 * mesh->mass[i] * v * v;
+                sum->energy.gravitational += mesh->mass[i] * cloth->body.gravity[k]
+                                             * (at->y[k * n + i] - start[k]);
+            }
+        }
+    }
+}
+
+static weft__measure_fn *const stop_measures[WEFT_STOPS]
+    = { [WEFT_STOP_STRAIN] = weft__block_worst,
+        [WEFT_STOP_GAP] = block_gap,
+        [WEFT_STOP_KINETIC] = weft__block_energy,
+        [WEFT_STOP_REST] = block_rest };
+
+static double stop_value(const weft_stop_def *at, const weft_measures *of)
+{
+    switch (at->quantity) {
+    case WEFT_STOP_STRAIN:
+        return at->bound - of->worst.strain;
+    case WEFT_STOP_GAP:
+        return of->gap - at->bound;
+    case WEFT_STOP_KINETIC:
+        return of->energy.kinetic - at->bound;
+    default:
+        return of->energy.kinetic - at->bound * fabs(of->energy.gravitational);
+    }
+}
+
+double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const double *y)
+{
+    const weft_stop_def *at = stop;
+    const weft__state of = { .t = t, .y = y };
+    weft_measures sum = weft__measures_start;
+    if ((unsigned)at->quantity >= WEFT_STOPS || stop_measures[at->quantity] == NULL) {
+        return (double)INFINITY;
+    }
+    if (at->quantity == WEFT_STOP_GAP) { /* bodies have theirs */
+        sum.gap = weft_cloth_gap(cloth, t, y, NULL, NULL);
+        return stop_value(at, &sum);
+    }
+    for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
+        weft_measures block = weft__block_start;
+        stop_measures[at->quantity](cloth, &of, b, &block);
+        weft__measures_add(&sum, &block);
+    }
+    return stop_value(at, &sum);
+}
+
+/* ---- the end of a step ----------------------------------------------------------- */
+
+/* In bands the event is weft_stop_event. */
 static double value(weft_sim *sim)
 {
+    if (sim->def.comm != NULL) {
+        const weft_stop_def *at = sim->def.event_ctx;
+        const weft__state of = { .t = sim->t, .y = sim->y };
+        const weft_measures all
+            = weft__forces_measure(&sim->forces, &of, stop_measures[at->quantity]);
+        return stop_value(at, &all);
+    }
     ++sim->callbacks;
     const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
     --sim->callbacks;
@@ -114,49 +201,4 @@ weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
 bool weft_sim_event(const weft_sim *sim)
 {
     return sim->event_passed;
-}
-
-/* ---- quantities that end a run ----------------------------------------------------
- */
-
-const char *weft_stop_name(weft_stop_quantity quantity)
-{
-    static const char *const names[WEFT_STOPS]
-        = { "", "max_strain", "min_gap", "kinetic", "at_rest" };
-    return (unsigned)quantity < WEFT_STOPS ? names[quantity] : "";
-}
-
-static double above_rest(const weft_cloth *cloth, const double *y, double part)
-{
-    const size_t n = cloth->mesh.particles;
-    double kinetic = 0.0, work = 0.0, start[3];
-    for (size_t i = 0; i < n; ++i) {
-        if (cloth->mesh.pin[i] == 0) {
-            weft__start_position(&cloth->mesh, i, start);
-            for (size_t k = 0; k < 3; ++k) {
-                const double v = y[(3 + k) * n + i];
-                kinetic += 0.5 * cloth->mesh.mass[i] * v * v;
-                work += cloth->mesh.mass[i] * cloth->body.gravity[k]
-                        * (y[k * n + i] - start[k]);
-            }
-        }
-    }
-    return kinetic - part * fabs(work);
-}
-
-double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const double *y)
-{
-    const weft_stop_def *at = stop;
-    switch (at->quantity) {
-    case WEFT_STOP_STRAIN:
-        return at->bound - weft_cloth_worst_spring(cloth, y).strain;
-    case WEFT_STOP_GAP:
-        return weft_cloth_gap(cloth, t, y, NULL, NULL) - at->bound;
-    case WEFT_STOP_KINETIC:
-        return weft_cloth_energy(cloth, t, y).kinetic - at->bound;
-    case WEFT_STOP_REST:
-        return above_rest(cloth, y, at->bound);
-    default:
-        return (double)INFINITY;
-    }
 }

@@ -37,13 +37,13 @@ static weft_energy energy_of(const weft__forces *forces, double t, const double 
     return weft__forces_measure(forces, &of, weft__block_energy).energy;
 }
 
-void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y)
+void weft__ledger_start(weft__ledger *ledger, const weft__forces *forces, double *y)
 {
     if (ledger->on) {
         for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
-            y[weft_cloth_dim(cloth) + k] = 0.0;
+            y[weft_cloth_dim(forces->cloth) + k] = 0.0;
         }
-        ledger->start = weft_energy_total(weft_cloth_energy(cloth, 0.0, y));
+        ledger->start = weft_energy_total(energy_of(forces, 0.0, y));
     }
 }
 

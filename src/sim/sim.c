@@ -53,6 +53,14 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_UNSUPPORTED, "%zu threads: %s", config->threads,
                               refusal);
     }
+    const weft_stop_def *stop = def->event_ctx;
+    if (def->comm != NULL && def->event != NULL
+        && (def->event != weft_stop_event || stop->quantity == WEFT_STOP_NEVER
+            || (unsigned)stop->quantity >= WEFT_STOPS)) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "not possible for a cloth in bands: an event is a "
+                              "function of the whole state, but for weft_stop_event");
+    }
     if (def->comm != NULL
         && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self
             || def->cloth->untangle > 0.0)) {
@@ -157,7 +165,6 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     TRY(weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err));
     TRY(take_config(sim, err));
     TRY(weft_cloth_untangle(sim->cloth, sim->y, err));
-    weft__ledger_start(&sim->ledger, sim->cloth, sim->y);
     TRY(make_forces(sim, err));
     TRY(weft__structure_init(sim, err));
     TRY(weft__sim_checks(sim) ? weft__sim_make_start(sim, err) : WEFT_OK);
@@ -181,6 +188,7 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
         weft_sim_destroy(sim);
         return status;
     }
+    weft__ledger_start(&sim->ledger, &sim->forces, sim->y);
     sim->cloth_hash = weft__bands_cloth_hash(&sim->forces);
     sim->settings = weft__sensitivity_hash(sim, weft__settings_hash(def, &sim->config));
     char size[64];

@@ -69,9 +69,6 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     if (weft__sim_checks(sim)) {
         note_breach(sim, t, y, failed);
     }
-    if (stop) {
-        return -1;
-    }
     if (sim->def.force != NULL && failed == 0) {
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
         ++sim->callbacks;
@@ -85,5 +82,5 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
             = weft__ledger_rates(&sim->forces, t, y, power, dydt + dim) && failed >= 0;
         failed = failed == 0 && !finite ? 1 : failed;
     }
-    return failed;
+    return stop ? -1 : failed;
 }

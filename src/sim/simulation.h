@@ -225,7 +225,7 @@ bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates);
 
 /* y is the state at t = 0; zeroes the quadratures behind it. */
-void weft__ledger_start(weft__ledger *ledger, const weft_cloth *cloth, double *y);
+void weft__ledger_start(weft__ledger *ledger, const weft__forces *forces, double *y);
 
 /* Around corrections: mark before the first; after each that changed y, account adds
  * the change of energy to *work, a field of the ledger. */
