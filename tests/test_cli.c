@@ -163,23 +163,6 @@ START_TEST(the_laboratory_measures_what_the_fabric_is)
 }
 END_TEST
 
-#ifdef WEFT_QHULL
-/* Cloth that does not bend lies flat; cloth that is limp hangs down. */
-START_TEST(the_drape_of_stiff_cloth_is_100_percent)
-{
-    expect(shell("cd " OUT " && ../weft lab drape royal-target --set "
-                 "cloth.cut.spacing=0.015 --set cloth.fabric.bend=1 --set "
-                 "cloth.fabric.twist=1"),
-           0);
-    ck_assert_double_eq_tol(atof(strstr(output, "coefficient ") + 12), 100.0, 0.5);
-    expect(shell("cd " OUT " && ../weft lab drape ivory-rib-knit --set "
-                 "cloth.cut.spacing=0.015"),
-           0);
-    ck_assert_double_lt(atof(strstr(output, "coefficient ") + 12), 70.0);
-}
-END_TEST
-#endif
-
 START_TEST(a_new_scene_has_a_name)
 {
     static const char *const wrong[]
@@ -583,9 +566,6 @@ TEST_SUITE(cli)
     tcase_add_test(program, a_new_scene_is_one_that_runs_and_replaces_no_file);
     tcase_add_test(program, a_new_scene_has_a_name);
     tcase_add_test(program, the_laboratory_measures_what_the_fabric_is);
-#ifdef WEFT_QHULL
-    tcase_add_test(slow, the_drape_of_stiff_cloth_is_100_percent);
-#endif
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;

@@ -744,6 +744,22 @@ START_TEST(converge_refines_a_cut_and_a_file)
 }
 END_TEST
 
+/* Cloth that does not bend lies flat; cloth that is limp hangs down. */
+START_TEST(the_drape_of_stiff_cloth_is_100_percent)
+{
+    expect(shell("mkdir -p " OUT " && cd " OUT
+                 " && ../weft lab drape royal-target --set "
+                 "cloth.cut.spacing=0.015 --set cloth.fabric.bend=1 --set "
+                 "cloth.fabric.twist=1"),
+           0);
+    ck_assert_double_eq_tol(atof(strstr(output, "coefficient ") + 12), 100.0, 0.5);
+    expect(shell("cd " OUT " && ../weft lab drape ivory-rib-knit --set "
+                 "cloth.cut.spacing=0.015"),
+           0);
+    ck_assert_double_lt(atof(strstr(output, "coefficient ") + 12), 70.0);
+}
+END_TEST
+
 TEST_SUITE(cut)
 {
     Suite *all = suite_create("cut");
@@ -754,6 +770,7 @@ TEST_SUITE(cut)
     tcase_add_test(finer, what_cannot_be_refined_is_refused);
     tcase_add_test(finer, a_finer_cut_has_its_spacing_divided);
     tcase_add_test(test_long(all, 240), converge_refines_a_cut_and_a_file);
+    tcase_add_test(finer, the_drape_of_stiff_cloth_is_100_percent);
     suite_add_tcase(all, finer);
     TCase *meshes = tcase_create("meshes"), *errors = tcase_create("errors"),
           *runs = tcase_create("runs");

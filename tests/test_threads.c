@@ -422,17 +422,16 @@ TEST_SUITE(threads)
 #endif
 #endif
     Suite *suite = suite_create("threads");
-    TCase *tcase = tcase_create("threads");
+    TCase *tcase = tcase_create("threads"), *many = test_long(suite, 120);
     tcase_set_timeout(tcase, 120);
     tcase_add_test(tcase, every_part_of_every_job_is_done_once);
     tcase_add_test(tcase,
                    helpers_take_the_floating_point_mode_of_the_caller_for_every_job);
     tcase_add_test(tcase, threads_are_no_more_than_pay);
-    tcase_add_loop_test(tcase, runs_have_the_same_bits_on_any_threads_and_instructions,
+    tcase_add_loop_test(many, runs_have_the_same_bits_on_any_threads_and_instructions,
                         0, 2 * steppers);
-    tcase_add_loop_test(tcase,
-                        a_rounding_mode_set_late_gives_the_same_bits_on_any_threads, 0,
-                        steppers);
+    tcase_add_loop_test(
+        many, a_rounding_mode_set_late_gives_the_same_bits_on_any_threads, 0, steppers);
     if (steppers > 1) {
         tcase_add_test(tcase, ledger_has_the_same_state_on_threads);
     }

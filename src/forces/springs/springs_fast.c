@@ -423,11 +423,13 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
     case springs:                                                                      \
         row(self, r, first, end, springs, true);                                       \
         break;
+#if PRODUCT < 2 /* the transposed rate always has them */
         CASE(STRETCH)
-        CASE(STRETCH | BIT(DAMPED))
         CASE(WOVEN)
-        CASE(WOVEN | BIT(DAMPED))
         CASE(FULL)
+#endif
+        CASE(STRETCH | BIT(DAMPED))
+        CASE(WOVEN | BIT(DAMPED))
         CASE(FULL | BIT(DAMPED))
 #undef CASE
     default:

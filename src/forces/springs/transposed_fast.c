@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* transposed_fast.c -- springs_fast.c, and in the same sweep J^T w: what springs have
  * for the state is there, and the derivatives by x and by v are two streams more. */
-#define PRODUCT 1
+#define PRODUCT 2
 #include "forces/springs/springs_fast.c" /* NOLINT(bugprone-suspicious-include) */
 
 enum { BY_X = 1, BY_V, WASTE = 2 };
