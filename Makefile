@@ -399,8 +399,12 @@ core:
 	    $(BUILD)/core/examples/scene $(BUILD)/core/plugins/weft-verlet.so $(BUILD)/core/plugins/weft-gsl.so
 	@tools/core $(BUILD)/core
 
+# Those of the page: all of them measured anew write docs/speed.md. The others follow.
+BENCH_PAGE := force mesh steps vectors growth memory
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
-	@for name in $(filter-out peers,$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
+	@for name in $(filter $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
+	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/bench-page $(BUILD))
+	@for name in $(filter-out peers $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
 	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) tools/bench-peers)
 
 # Exact and published results, computed by the program; writes docs/validation.md. CASE='elastica-grid capstan': of these alone.

@@ -149,7 +149,7 @@ static void theirs_end(theirs *self)
 
 /* ---- both ------------------------------------------------------------------------ */
 
-static void measure(size_t side, int steps, size_t rounds)
+static void measure(FILE *csv, size_t side, int steps, size_t rounds)
 {
     const size_t dim = 6 * side * side;
     ours one, two;
@@ -166,6 +166,7 @@ static void measure(size_t side, int steps, size_t rounds)
         const double ms = 1e3 * cases[i].median / steps;
         printf("vectors %zux%zu %s: %.4g ms/step, nvector_serial %.4g, ratio %.2f\n",
                side, side, cases[i].name, ms, theirs_ms, theirs_ms / ms);
+        fprintf(csv, "%zu,%zu,%.5g,%.5g\n", side, i + 1, ms, theirs_ms);
     }
     ours_end(&one);
     ours_end(&two);
@@ -174,10 +175,11 @@ static void measure(size_t side, int steps, size_t rounds)
 
 int main(void)
 {
-    measure(30, 400, 21);
-    measure(100, 40, 21);
-    measure(300, 5, 21);
-    return 0;
+    FILE *csv = bench_csv("vectors", "side,threads,ms_per_step,nvector_serial_ms");
+    measure(csv, 30, 400, 21);
+    measure(csv, 100, 40, 21);
+    measure(csv, 300, 5, 21);
+    return bench_csv_close(csv);
 }
 
 #else
