@@ -20,10 +20,13 @@ enum {
 
 /* Methods with an error estimate have a controller. Weighted norms can leave
  * quadratures out, but Newton's method would not know when these are accurate. Parts of
- * a state agree on a norm; not on iterations, or on bounds of modes. */
+ * a state agree on a norm; not on iterations, or on bounds of modes. Explicit tables
+ * are made in one pass. */
 #define KIND(flags)                                                                    \
     ((flags) | ((flags)&IMPLICIT ? 0 : WEFT_STEPPER_QUADRATURES)                       \
-     | ((flags) & (IMPLICIT | WEFT_STEPPER_STRUCTURE) ? 0 : WEFT_STEPPER_AGREES)       \
+     | ((flags) & (IMPLICIT | WEFT_STEPPER_STRUCTURE)                                  \
+            ? 0                                                                        \
+            : WEFT_STEPPER_AGREES | WEFT_STEPPER_PASS)                                 \
      | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).

@@ -138,6 +138,10 @@ weft_status weft__ark_limit_step(arkode_stepper *self, double t, const double *y
 /* step.c */
 int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance);
 double weft__ark_agree(void *instance, double mine); /* a weft_agree's max */
+/* As weft__sun_stages has them. */
+void weft__ark_stage(void *instance, double t, const double *z, bool usable, bool again,
+                     double *k);
+void weft__ark_passed(void *instance, int calls, bool stopped);
 int weft__ark_weights(N_Vector y, N_Vector weights, void *instance);
 int weft__ark_step_done(sunrealtype t, N_Vector y, void *instance);
 weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,

@@ -44,6 +44,9 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
     if (self->over) {
         return -1;
     }
+    if (weft__sun_put_off(t, y, ydot)) {
+        return 0;
+    }
     weft__sun_iterate(&self->equations, t, y);
     self->since_bad += self->since_bad < INT32_MAX;
     const bool usable = weft__sun_finite(y);
@@ -65,6 +68,46 @@ int weft__ark_rhs(sunrealtype t, N_Vector y, N_Vector ydot, void *instance)
                                 : NO_FAULT;
     self->fault = fault > self->fault ? fault : self->fault;
     return self->agree == NULL && fault != NO_FAULT ? -1 : 0;
+}
+
+/* As above, of a stage that was put off. After a fault, which has ended the step if it
+ * was at the start or of a fixed step, nothing is called. */
+void weft__ark_stage(void *instance, double t, const double *z, bool usable, bool again,
+                     double *k)
+{
+    arkode_stepper *self = instance;
+    int failed = 1;
+    self->since_bad += !again && self->since_bad < INT32_MAX;
+    if (usable && (again || self->fault == NO_FAULT)) {
+        self->stats.rhs_calls += !again;
+        failed = self->ode.rhs(t, z, k, self->ode.ctx);
+    }
+    for (size_t i = 0; failed == 0 && self->hidden && i < self->ode.dim; ++i) {
+        failed = !isfinite(k[i]);
+    }
+    if (failed == 0) {
+        return;
+    }
+    k[0] = NAN;
+    if (!again || failed < 0) {
+        self->since_bad = 0;
+        self->over = self->over || failed < 0 || self->fixed_step > 0.0;
+        self->fault = failed < 0                                          ? STOPPED
+                      : self->fixed_step > 0.0 && self->fault == NO_FAULT ? USELESS
+                                                                          : self->fault;
+    }
+}
+
+void weft__ark_passed(void *instance, int calls, bool stopped)
+{
+    arkode_stepper *self = instance;
+    self->stats.rhs_calls += (uint64_t)calls;
+    self->since_bad += self->since_bad < INT32_MAX - calls ? calls : 0;
+    if (stopped) {
+        self->fault = STOPPED;
+        self->over = true;
+        self->since_bad = 0;
+    }
 }
 
 /* Where there is a NaN all ask for its reason: the gravest fault, and how many RHS
@@ -249,7 +292,8 @@ static weft_status fail(arkode_stepper *self, int flag, weft_error *err)
 /* Whether the whole state is finite after a step. */
 static bool is_good(arkode_stepper *self)
 {
-    const bool good = self->fault == NO_FAULT && weft__sun_finite(self->y);
+    const bool finite = weft__sun_finite(self->y); /* may evaluate what was put off */
+    const bool good = self->fault == NO_FAULT && finite;
     return !isnan(weft__ark_agree(self, good ? 0.0 : (double)NAN));
 }
 

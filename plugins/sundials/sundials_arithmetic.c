@@ -239,6 +239,33 @@ WIDE static double max_slice(const loop *self, size_t first, size_t end)
     return nan >> 63 != 0 ? (double)NAN : largest(lane, LANES);
 }
 
+/* By weights that are computed here: c is rtol and both of atol. */
+WIDE static double scaled_slice(const loop *self, size_t first, size_t end)
+{
+    const double *e = self->x[0], *y = self->x[1], *c = self->c;
+    double lane[LANES] = { 0.0 };
+    uint64_t nan = 0;
+    for (size_t at = first; at < end; at += LANES) {
+        const size_t m = least(LANES, end - at);
+        for (size_t i = 0; i < m; ++i) {
+            const double atol = at + i < self->n / 2 ? c[1] : c[2];
+            const double weight = 1.0 / (c[0] * fabs(y[at + i]) + atol);
+            const double size = fabs(e[at + i] * weight);
+            lane[i] = size > lane[i] ? size : lane[i];
+            nan |= magnitude_bits(size) + SHOWS_NAN;
+        }
+    }
+    return nan >> 63 != 0 ? (double)NAN : largest(lane, LANES);
+}
+
+double weft__sun_scaled_norm(const weft_team *pool, size_t n, const double *e,
+                             const double *y, double rtol, const double atol[2])
+{
+    const double *both[] = { e, y }, c[] = { rtol, atol[0], atol[1] };
+    loop all = { .slice = scaled_slice, .n = n, .x = both, .c = c };
+    return largest(all.results, run(&all, pool));
+}
+
 static double sum_of(const double *values, size_t count)
 {
     double sum = 0.0;

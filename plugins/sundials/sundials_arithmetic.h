@@ -19,3 +19,7 @@ void weft__sun_weights_of(const weft_team *pool, size_t n, const double *y, doub
 /* Of e_i w_i; NaN if one is NaN. */
 double weft__sun_norm(const weft_team *pool, size_t n, weft_norm norm, const double *e,
                       const double *w);
+
+/* The same with the largest size and the weights of y, which are not stored. */
+double weft__sun_scaled_norm(const weft_team *pool, size_t n, const double *e,
+                             const double *y, double rtol, const double atol[2]);

@@ -83,5 +83,21 @@ double *weft__sun_fill(N_Vector v);
 void weft__sun_read(N_Vector v, double *to);
 void weft__sun_write(N_Vector v, const double *from);
 bool weft__sun_finite(N_Vector v);
+
+/* How stages are made that were put off: `rates` as the RHS of a solver does, `again`:
+ * only to have k once more; and what happens when they are made in one pass. */
+typedef struct weft__sun_stages {
+    void *ctx;
+    void (*rates)(void *ctx, double t, const double *z, bool usable, bool again,
+                  double *k);
+    void (*made)(void *ctx, int calls, bool stopped);
+} weft__sun_stages;
+
+/* Attempts of steps are made by that pass. Only for a solver of explicit tables, that
+ * reads no vector but through combinations and weighted max norms; without
+ * quadratures and agree. */
+void weft__sun_pass(N_Vector v, const weft_pass *pass, weft__sun_stages by);
+/* For the RHS: true if y is a stage that is put off, and now ydot is too. */
+bool weft__sun_put_off(double t, N_Vector y, N_Vector ydot);
 /* The weights 1 / (rtol |y_i| + atol) of what is judged, in two halves. */
 void weft__sun_weigh(N_Vector y, N_Vector weights, double rtol, const double atol[2]);

@@ -145,6 +145,7 @@ static inline bool weft__pin_moves(const weft__mesh *mesh, size_t i)
 /* The same as weft__motion_rate of pinned particle i. */
 void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6]);
 
-/* Writes x' and v' of the pinned among particles [first, end). */
-void weft__move_pins(const weft__mesh *mesh, double t, double *dydt, size_t first,
-                     size_t end);
+/* Writes x' and v' of the pinned among particles [first, end) to six planes, which are
+ * `stride` apart and begin with particle `first`. */
+void weft__move_pins(const weft__mesh *mesh, double t, double *to, size_t stride,
+                     size_t first, size_t end);

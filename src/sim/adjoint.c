@@ -324,7 +324,8 @@ static int repeat(adjoint *of, size_t first, size_t end)
     int failed = 0;
     if (of->table->carries) {
         memcpy(of->rates[0] + half, y + 2 * half, half * sizeof *y);
-        weft__move_pins(mesh, of->steps[first].t, of->rates[0], 0, mesh->particles);
+        weft__move_pins(mesh, of->steps[first].t, of->rates[0], mesh->particles, 0,
+                        mesh->particles);
     }
     for (size_t i = first; i < end; ++i) {
         const double t = of->steps[i].t, h = of->steps[i].h;

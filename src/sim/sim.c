@@ -105,6 +105,32 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
+/* A pass over the rows, for a method that asks for one, where every evaluation of a
+ * step is that of the cloth alone. */
+static weft_status make_pass(weft_sim *sim, weft_error *err)
+{
+    const weft_sim_def *def = &sim->def;
+    const weft_butcher *table = sim->config.butcher;
+    const size_t stages
+        = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
+    const bool takes
+        = sim->config.pass == NULL && def->force == NULL && !def->ledger
+          && def->sensitivity == NULL
+          && (sim->config.norm == WEFT_NORM_MAX || sim->config.fixed_step > 0.0)
+          && (def->method->flags & (uint32_t)WEFT_STEPPER_PASS) != 0;
+    sim->config.pass = NULL;
+    if (!takes || !weft__wave_pays(&sim->forces, stages)) {
+        return WEFT_OK;
+    }
+    sim->wave = weft__wave_create(&sim->forces, stages, &sim->memory);
+    if (sim->wave == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
+    sim->pass = (weft_pass){ sim, (int)stages, weft__sim_pass };
+    sim->config.pass = &sim->pass;
+    return WEFT_OK;
+}
+
 /* The log of the definition; ctx is the simulation. */
 static void write_log(void *ctx, weft_log_level level, const char *text)
 {
@@ -166,6 +192,7 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     TRY(take_config(sim, err));
     TRY(weft_cloth_untangle(sim->cloth, sim->y, err));
     TRY(make_forces(sim, err));
+    TRY(make_pass(sim, err));
     TRY(weft__structure_init(sim, err));
     TRY(weft__sim_checks(sim) ? weft__sim_make_start(sim, err) : WEFT_OK);
     TRY(weft__between_init(sim, err));
@@ -202,6 +229,7 @@ void weft_sim_destroy(weft_sim *sim)
 {
     if (sim != NULL) {
         sim->def.method->destroy(sim->stepper);
+        weft__wave_destroy(sim->wave);
         weft__forces_destroy(&sim->forces);
         weft__sensitivity_free(sim);
         weft_cloth_destroy(sim->cloth);

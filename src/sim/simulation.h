@@ -6,6 +6,7 @@
 #include "base/try.h"
 #include "sim/forces.h"
 #include "sim/sensitivity.h"
+#include "sim/wave.h"
 #include "weft/sim.h"
 
 /* between.c: the state within the last step, of any method. */
@@ -63,6 +64,8 @@ struct weft_sim {
     weft_stepper_stats earlier; /* of the steppers before this one */
     weft__forces forces;
     weft_team worker_pool;    /* the forces' threads, for the stepper */
+    weft__wave *wave;         /* NULL: none */
+    weft_pass pass;           /* by it, for the stepper */
     weft_structure structure; /* of the cloth, for the stepper */
     void *lists;              /* of the structure */
     double *masses;           /* [kg] N, 0 of the pinned; then their drags [kg/s] */
@@ -98,6 +101,9 @@ struct weft_sim {
 /* sim_rhs.c: the right-hand side of a simulation, which is ctx. */
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 bool weft__sim_must_stop(weft_sim *sim); /* what `stop` returns */
+
+/* An attempt in one pass, as weft_pass.run. */
+int weft__sim_pass(void *ctx, weft_attempt *attempt);
 
 /* Creates a stepper for the simulation; first_step [s] 0: that of the config. */
 weft_status weft__sim_stepper(const weft_sim *sim, double first_step, void **out,
