@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* growth.c -- how a step of Dormand and Prince's grows with the cloth, in simulations
  * that have been running for a while: the grid P(n) and a jittered sheet of n x n
- * vertices, on one thread and on two. Beside it what memory alone would take: the bytes
- * that a step moves where nothing stays in the caches, by the bandwidth of a triad
- * a = b + s c measured before each size. Arguments: sides instead of all. */
+ * vertices, on one thread and on two; of a grid also stage by stage, where the
+ * simulation has a pass (docs/speed.md), to the same state. Beside it what memory alone
+ * would take: the bytes that a step moves where nothing stays in the caches, by the
+ * bandwidth of a triad a = b + s c measured before each size. Arguments: sides instead
+ * of all. */
 #include "bench.h"
 
 #include <string.h>
@@ -89,8 +91,9 @@ static void take_steps(void *ctx)
     }
 }
 
-static steady start(const weft_cloth *cloth, size_t threads)
+static steady start(const weft_cloth *cloth, size_t threads, bool by_stages)
 {
+    static const weft_pass none;
     weft_error err;
     steady out = { .threads = threads, .steps = WARM_UP };
     weft_sim_def def = weft_sim_def_default();
@@ -100,30 +103,56 @@ static steady start(const weft_cloth *cloth, size_t threads)
     def.config.atol_position = def.config.atol_velocity = 1e-6;
     def.config.first_step = 1e-5;
     def.config.threads = threads;
+    def.config.pass = by_stages ? &none : NULL;
     bench_must(weft_sim_create(&def, &out.sim, &err), &err);
     take_steps(&out);
     out.steps = 1 + (int)(200000 / weft_cloth_particles(cloth));
     return out;
 }
 
+static void compare(const weft_sim *a, const weft_sim *b)
+{
+    const size_t bytes = weft_cloth_dim(weft_sim_cloth(a)) * sizeof(double);
+    if (memcmp(weft_sim_state(a), weft_sim_state(b), bytes) != 0) {
+        fputs("growth: by stages the state is another\n", stderr);
+        exit(1);
+    }
+}
+
+static void report(FILE *csv, const char *kind, size_t n, size_t threads, double ns,
+                   double speedup, double by_stages)
+{
+    const double bytes = bytes_a_step(strcmp(kind, "mesh") == 0);
+    const double rate = bandwidth(threads), least = bytes / rate;
+    printf("growth %s %zux%zu threads=%zu: %.1f ns/particle and step, of one thread "
+           "%.2f; stage by stage %.1f, %.2f times; memory alone %.1f (%.0f bytes at "
+           "%.1f GB/s)\n",
+           kind, n, n, threads, ns, speedup, by_stages, by_stages / ns, least, bytes,
+           rate);
+    fprintf(csv, "%s,%zu,%zu,%.5g,%.5g,%.5g,%.5g\n", kind, n, threads, ns, bytes, rate,
+            by_stages);
+}
+
+/* Each number of threads as usual, then stage by stage. */
 static void grow(FILE *csv, const char *kind, size_t n, const weft_cloth *cloth)
 {
-    steady runs[THREADS];
-    bench_case cases[THREADS];
-    const double bytes = bytes_a_step(strcmp(kind, "mesh") == 0);
-    for (size_t i = 0; i < THREADS; ++i) {
-        runs[i] = start(cloth, i + 1);
+    enum { CASES = 2 * THREADS };
+    steady runs[CASES];
+    bench_case cases[CASES];
+    double ns[CASES];
+    for (size_t i = 0; i < CASES; ++i) {
+        runs[i] = start(cloth, 1 + i / 2, i % 2 == 1);
         cases[i] = (bench_case){ kind, take_steps, &runs[i], 0.0 };
     }
-    bench_interleaved(cases, THREADS, ROUNDS);
+    bench_interleaved(cases, CASES, ROUNDS);
+    for (size_t i = 0; i < CASES; ++i) {
+        ns[i] = 1e9 * cases[i].median / runs[i].steps / (double)(n * n);
+        compare(runs[0].sim, runs[i].sim);
+    }
     for (size_t i = 0; i < THREADS; ++i) {
-        const double ns = 1e9 * cases[i].median / runs[i].steps / (double)(n * n);
-        const double rate = bandwidth(i + 1), least = bytes / rate;
-        printf("growth %s %zux%zu threads=%zu: %.1f ns/particle and step, of one "
-               "thread %.2f; memory alone %.1f (%.0f bytes at %.1f GB/s)\n",
-               kind, n, n, i + 1, ns, cases[0].median / cases[i].median, least, bytes,
-               rate);
-        fprintf(csv, "%s,%zu,%zu,%.5g,%.5g,%.5g\n", kind, n, i + 1, ns, bytes, rate);
+        report(csv, kind, n, i + 1, ns[2 * i], ns[0] / ns[2 * i], ns[2 * i + 1]);
+    }
+    for (size_t i = 0; i < CASES; ++i) {
         weft_sim_destroy(runs[i].sim);
     }
     fflush(stdout);
@@ -153,7 +182,7 @@ int main(int argc, char **argv)
     static const size_t all[] = { 32, 64, 128, 256, 512, 1000, 2000 };
     const size_t count = argc > 1 ? (size_t)argc - 1 : sizeof all / sizeof all[0];
     FILE *csv = bench_csv("growth", "cloth,side,threads,ns_per_particle,bytes_per_"
-                                    "particle,triad_GB_per_s");
+                                    "particle,triad_GB_per_s,by_stages_ns");
     for (size_t i = 0; i < count; ++i) {
         const size_t n = argc > 1 ? (size_t)atoi(argv[i + 1]) : all[i];
         grow_grid(csv, n);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* steps.c -- whole runs, against the lecture's way (lecture.h) at equal tolerance: the
  * sheets P(32) and P(100), four scenes under eight steppers, each with its largest
- * error [m] at the end against a solution of far smaller tolerance; and how a step of
- * Dormand and Prince's grows with the sheet, on one thread and on two, in one pass over
- * the rows and stage by stage, where the simulation has been running for a while. */
+ * error [m] at the end against a solution of far smaller tolerance. growth.c measures
+ * how a step grows with the sheet. */
 #include "bench.h"
 
 #include "weft/weft.h"
@@ -40,7 +39,6 @@ typedef struct trial {
     size_t threads;
     double tolerance;
     double fixed_step; /* [s]; 0: adaptive */
-    bool by_stages;    /* no pass over the rows */
     weft_sim *sim;
     lecture lecture;
 } trial;
@@ -63,7 +61,6 @@ static void run_lecture(trial *self)
 
 static void start(trial *self)
 {
-    static const weft_pass none;
     weft_error err = { 0 };
     weft_sim_def def = weft_sim_def_default();
     def.cloth = self->of->cloth;
@@ -73,7 +70,6 @@ static void start(trial *self)
     def.config.first_step = FIRST_STEP;
     def.config.fixed_step = self->fixed_step;
     def.config.threads = self->threads;
-    def.config.pass = self->by_stages ? &none : NULL;
     weft_sim_destroy(self->sim);
     bench_must(weft_sim_create(&def, &self->sim, &err), &err);
 }
@@ -248,82 +244,6 @@ static void compare_scene(FILE *csv, const char *name, double duration, size_t r
     free(found);
 }
 
-/* ---- growth ---------------------------------------------------------------------- */
-
-enum { WARM_UP = 8 }; /* steps: each of the solver's vectors has been touched */
-
-/* A simulation that has been running for a while. */
-typedef struct steady {
-    weft_sim *sim;
-    int steps; /* of one measurement */
-} steady;
-
-static void take_steps(void *ctx)
-{
-    const steady *self = ctx;
-    weft_error err = { 0 };
-    for (int i = 0; i < self->steps; ++i) {
-        bench_must(weft_sim_step(self->sim, 1e9, &err), &err);
-    }
-}
-
-/* A step of P(n): on one thread and on two, each also stage by stage. */
-enum { GROWN = 4 };
-
-static void report_growth(FILE *csv, size_t n, const trial *of, const bench_case *cases,
-                          int steps)
-{
-    for (size_t i = 0; i < GROWN; ++i) {
-        const weft_stepper_stats stats = weft_sim_stats(of[i].sim);
-        const double us = 1e6 * cases[i].median / steps;
-        printf("growth %zux%zu threads=%zu %s: %.4g us/step, %.4g ns/particle, speedup "
-               "%.2f, by the pass %.2f, %llu steps, %llu rejected\n",
-               n, n, of[i].threads, of[i].by_stages ? "stages" : "pass", us,
-               1e3 * us / (double)(n * n), cases[i % 2].median / cases[i].median,
-               cases[i | 1].median / cases[i].median, (unsigned long long)stats.steps,
-               (unsigned long long)stats.rejected);
-        fprintf(csv, "growth %zux%zu %s,arkode,dormand_prince,%zu,%.6g,,,%d,,,\n", n, n,
-                of[i].by_stages ? "stages" : "pass", of[i].threads, cases[i].median,
-                steps);
-    }
-    fflush(stdout);
-}
-
-static void grow(FILE *csv, size_t n)
-{
-    task of = { .cloth = make_sheet(n) };
-    trial trials[GROWN];
-    steady runs[GROWN];
-    bench_case cases[GROWN];
-    for (size_t i = 0; i < GROWN; ++i) {
-        trials[i] = (trial){ .of = &of,
-                             .plugin = weft_plugin_arkode(),
-                             .method = "dormand_prince",
-                             .threads = 1 + i / 2,
-                             .tolerance = TOLERANCE,
-                             .by_stages = i % 2 == 1 };
-        start(&trials[i]);
-        runs[i] = (steady){ trials[i].sim, WARM_UP };
-        take_steps(&runs[i]);
-        runs[i].steps = 1 + (int)(200000 / (n * n));
-        cases[i] = (bench_case){ "grow", take_steps, &runs[i], 0.0 };
-    }
-    bench_interleaved(cases, GROWN, 15);
-    report_growth(csv, n, trials, cases, runs[0].steps);
-    for (size_t i = 0; i < GROWN; ++i) {
-        const size_t bytes = weft_cloth_dim(of.cloth) * sizeof(double);
-        if (memcmp(weft_sim_state(trials[0].sim), weft_sim_state(trials[i].sim), bytes)
-            != 0) {
-            fprintf(stderr, "growth %zux%zu: the states differ\n", n, n);
-            exit(1);
-        }
-    }
-    for (size_t i = 0; i < GROWN; ++i) {
-        end(&trials[i]);
-    }
-    weft_cloth_destroy(of.cloth);
-}
-
 /* One run of P(n) in so many equal steps, the shorter time of two, for a program that
  * alternates it with a peer's. */
 static void time_euler(size_t n, double duration, double steps)
@@ -363,15 +283,6 @@ int main(int argc, char **argv)
         compare_scene(csv, "provot", 1.0, 5);
         compare_scene(csv, "trampoline", 0.5, 5);
         compare_scene(csv, "curtain", 0.25, 5);
-    }
-    if (*only == '\0' || strcmp(only, "growth") == 0) {
-        static const size_t sides[] = { 16, 32, 64, 100, 128, 256, 512, 1000 };
-        for (size_t i = 0; argc <= 2 && i < sizeof sides / sizeof sides[0]; ++i) {
-            grow(csv, sides[i]);
-        }
-        for (int i = 2; i < argc; ++i) { /* sides that are asked for */
-            grow(csv, (size_t)atoi(argv[i]));
-        }
     }
     return bench_csv_close(csv);
 }
