@@ -18,14 +18,14 @@ const char *weft__sun_mistake(const weft_stepper_type *type, const weft_ode *ode
                : wrong;
 }
 
-/* 32 KiB for tables and all else that does not grow with the state. Much of SUNDIALS
+/* 40 KiB for tables and all else that does not grow with the state. Much of SUNDIALS
  * does not check the result of malloc, and without a solver it prints a message if
  * memory fails: the same amount is first allocated at once, and freed. A granted malloc
  * must not be optimised away. */
 weft_status weft__sun_memory(const char *name, size_t dim, int vectors, weft_error *err)
 {
     const double gib = 0x1p30;
-    const double bytes = 0x1p15 + sizeof(double) * (double)dim * vectors;
+    const double bytes = 0xap12 + sizeof(double) * (double)dim * vectors;
     const double most = sizeof(sunindextype) > 4 ? 0x1p60 : 0x1p31 - 1.0;
     void *volatile probe = NULL;
     if ((double)dim <= most && bytes <= 0x1p38) { /* 256 GiB */

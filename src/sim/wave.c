@@ -33,15 +33,15 @@ enum {
 
 /* Stage i of a band. Rows [low, made) of its state are in z, those of its rates below
  * `done` in a ring. */
-typedef struct level {
+typedef struct window {
     double *z, *k;
     size_t ring; /* rows of k */
     size_t low, made, done, end_made, end_done;
     weft_cloth cloth; /* rows of the whole from `low` on */
-} level;
+} window;
 
 typedef struct band {
-    level *levels; /* from 1 on */
+    window *windows; /* from 1 on */
     void *room;
     double *error; /* of a block; then come the windows */
     bool failed;
@@ -127,7 +127,7 @@ bool weft__wave_pays(const weft__forces *forces, size_t stages)
 size_t weft__wave_bytes(const weft_cloth *cloth, size_t threads, size_t stages)
 {
     return bands_of(threads, cloth, stages)
-           * (sizeof(band) + stages * sizeof(level)
+           * (sizeof(band) + stages * sizeof(window)
               + room_of(stages, stride_of(cloth, stages)) * sizeof(double));
 }
 
@@ -137,7 +137,7 @@ void weft__wave_destroy(weft__wave *wave)
         const weft_allocator memory = wave->memory;
         for (size_t b = 0; wave->of != NULL && b < wave->bands; ++b) {
             band *of = &wave->of[b];
-            WEFT__FREE_ALL(&memory, of->room, of->levels);
+            WEFT__FREE_ALL(&memory, of->room, of->windows);
         }
         WEFT__FREE_ALL(&memory, wave->of, wave);
     }
@@ -146,17 +146,17 @@ void weft__wave_destroy(weft__wave *wave)
 static bool make_band(const weft__wave *wave, band *of)
 {
     const size_t stride = wave->stride;
-    of->levels = weft__zeroed(&wave->memory, wave->stages, sizeof *of->levels);
+    of->windows = weft__zeroed(&wave->memory, wave->stages, sizeof *of->windows);
     of->room
         = weft__alloc(&wave->memory, room_of(wave->stages, stride), sizeof *of->error);
-    if (of->levels == NULL || of->room == NULL) {
+    if (of->windows == NULL || of->room == NULL) {
         return false;
     }
     const uintptr_t past = (uintptr_t)of->room / sizeof(double) % LINE;
     of->error = (double *)of->room + (past == 0 ? 0 : LINE - past);
     for (size_t i = 1; i < wave->stages; ++i) {
-        of->levels[i].z = of->error + stride * (12 * i - 11);
-        of->levels[i].k = of->levels[i].z + 6 * stride;
+        of->windows[i].z = of->error + stride * (12 * i - 11);
+        of->windows[i].k = of->windows[i].z + 6 * stride;
     }
     return true;
 }
@@ -304,16 +304,16 @@ WIDE static double take(const double *from, double *to, size_t n, double most)
 
 /* ---- the pass -------------------------------------------------------------------- */
 
-typedef struct job {
+typedef struct wave_job {
     const weft__wave *wave;
     const weft_cloth *cloth;
     weft_attempt *of;
-} job;
+} wave_job;
 
 /* A band on its way. Before a round the front is `front`, and rows below `left` have
  * left the wave. */
 typedef struct way {
-    const job *of;
+    const wave_job *of;
     band *band;
     size_t last; /* stage */
     size_t start, first, end, front, left;
@@ -321,7 +321,7 @@ typedef struct way {
 
 static size_t slot(const way *by, size_t i, size_t row)
 {
-    return (row - by->start + REACH * i) % by->band->levels[i].ring;
+    return (row - by->start + REACH * i) % by->band->windows[i].ring;
 }
 
 /* Plane p of row `row` of the rates of stage i. */
@@ -329,7 +329,7 @@ static const double *rates_at(const way *by, size_t i, size_t p, size_t row)
 {
     const weft__mesh *mesh = &by->of->cloth->mesh;
     return i == 0 ? by->of->of->k + p * mesh->particles + row * mesh->cols
-                  : by->band->levels[i].k + p * by->of->wave->stride
+                  : by->band->windows[i].k + p * by->of->wave->stride
                         + slot(by, i, row) * mesh->cols;
 }
 
@@ -358,13 +358,13 @@ static size_t rows_together(const way *by, size_t count, size_t row, size_t end)
 {
     size_t rows = end - row;
     for (size_t i = 1; i < count; ++i) {
-        rows = least(rows, by->band->levels[i].ring - slot(by, i, row));
+        rows = least(rows, by->band->windows[i].ring - slot(by, i, row));
     }
     return rows;
 }
 
 /* Moves the rows that are still needed to the front of the window. */
-static void slide(const way *by, level *at)
+static void slide(const way *by, window *at)
 {
     const size_t cols = by->of->cloth->mesh.cols, keep = less(at->done, REACH);
     for (size_t p = 0; keep > at->low && p < 6; ++p) {
@@ -377,7 +377,7 @@ static void slide(const way *by, level *at)
 
 static bool make_state(const way *by, size_t i, size_t end)
 {
-    level *at = &by->band->levels[i];
+    window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, stride = by->of->wave->stride;
     const double *factors = by->of->of->a + i * (i - 1) / 2;
     bool good = true;
@@ -397,7 +397,7 @@ static bool make_state(const way *by, size_t i, size_t end)
 }
 
 /* The window as a cloth: its forces see rows from at->low on. */
-static void place(const way *by, level *at)
+static void place(const way *by, window *at)
 {
     const weft__mesh *whole = &by->of->cloth->mesh;
     weft__mesh *mesh = &at->cloth.mesh;
@@ -417,7 +417,7 @@ static void place(const way *by, level *at)
  * another. */
 static bool make_rates(const way *by, size_t i, size_t end)
 {
-    level *at = &by->band->levels[i];
+    window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
     const weft__state state = { .t = t, .y = at->z };
@@ -435,7 +435,7 @@ static bool make_rates(const way *by, size_t i, size_t end)
 static void leave(const way *by, size_t end)
 {
     const weft_attempt *of = by->of->of;
-    const level *at = &by->band->levels[by->last];
+    const window *at = &by->band->windows[by->last];
     const weft__mesh *mesh = &by->of->cloth->mesh;
     const size_t cols = mesh->cols, count = by->last + (of->k_end != NULL);
     double *e = by->band->error;
@@ -464,7 +464,7 @@ static void begin(const way *by)
 {
     const size_t rows = by->of->cloth->mesh.rows;
     for (size_t i = 1; i <= by->last; ++i) {
-        level *at = &by->band->levels[i];
+        window *at = &by->band->windows[i];
         const size_t halo = REACH * (by->last - i);
         at->ring = ring_rows(by->of->wave->block, by->last + 1, i);
         at->done = less(by->first, halo);
@@ -482,7 +482,7 @@ static void begin(const way *by)
 
 static void do_band(void *ctx, size_t b)
 {
-    const job *of = ctx;
+    const wave_job *of = ctx;
     const size_t rows = of->cloth->mesh.rows, last = (size_t)of->of->stages - 1;
     const size_t first = b * rows / of->wave->bands;
     way by = { .of = of,
@@ -498,7 +498,7 @@ static void do_band(void *ctx, size_t b)
     for (by.front = by.start; by.left < by.end && !by.band->failed;) {
         by.front += of->wave->block;
         for (size_t i = 1; i <= last; ++i) {
-            level *at = &by.band->levels[i];
+            window *at = &by.band->windows[i];
             const size_t made = least(at->end_made, less(by.front, REACH * (i - 1)));
             const size_t done = least(at->end_done, less(by.front, REACH * i));
             bool good = made <= at->made || make_state(&by, i, made);
@@ -510,7 +510,7 @@ static void do_band(void *ctx, size_t b)
             }
             by.band->failed |= !good;
         }
-        const size_t end = least(by.end, by.band->levels[last].done);
+        const size_t end = least(by.end, by.band->windows[last].done);
         if (end > by.left) {
             leave(&by, end);
             by.left = end;
@@ -520,7 +520,7 @@ static void do_band(void *ctx, size_t b)
 
 int weft__wave_run(weft__wave *wave, const weft__forces *forces, weft_attempt *attempt)
 {
-    job of = { wave, forces->cloth, attempt };
+    wave_job of = { wave, forces->cloth, attempt };
     weft__pool_run(forces->pool, do_band, &of, wave->bands);
     bool failed = false;
     attempt->norm = attempt->most[0] = attempt->most[1] = 0.0;
