@@ -19,8 +19,10 @@
 typedef struct thread_band {
     struct thread_bands *all;
     int rank;
-    double number;    /* of max */
-    weft_rows rows;   /* of begin and end */
+    double number;              /* of max */
+    weft_rows rows;             /* of begin and end */
+    const weft_parcel *parcels; /* of post and end; else NULL */
+    size_t count;
     const void *data; /* of share and gather */
     size_t bytes;
 } thread_band;
@@ -58,6 +60,29 @@ static inline void thread_bands_begin(void *self, const weft_rows *rows)
     thread_bands_wait(band->all);
 }
 
+static inline void thread_bands_post(void *self, const weft_parcel *parcels,
+                                     size_t count)
+{
+    thread_band *band = (thread_band *)self;
+    band->parcels = parcels;
+    band->count = count;
+    thread_bands_wait(band->all);
+}
+
+/* What the others have for this band. */
+static inline void thread_bands_take(const thread_band *band)
+{
+    for (size_t p = 0; p < band->count; ++p) {
+        const weft_parcel *mine = &band->parcels[p];
+        const thread_band *other = &band->all->band[mine->rank];
+        for (size_t q = 0; q < other->count; ++q) {
+            if (other->parcels[q].rank == band->rank && mine->ins > 0) {
+                memcpy(mine->in, other->parcels[q].out, mine->ins * sizeof *mine->in);
+            }
+        }
+    }
+}
+
 static inline void thread_bands_copy(const weft_rows *to, size_t row,
                                      const weft_rows *from, size_t from_row)
 {
@@ -72,6 +97,12 @@ static inline void thread_bands_end(void *self)
 {
     thread_band *band = (thread_band *)self;
     const weft_rows *mine = &band->rows;
+    if (band->parcels != NULL) {
+        thread_bands_take(band);
+        thread_bands_wait(band->all);
+        band->parcels = NULL;
+        return;
+    }
     if (mine->above > 0) { /* the last own rows of the band before this one */
         const weft_rows *other = &(band - 1)->rows;
         thread_bands_copy(mine, 0, other, other->above + other->own - WEFT_GHOST_ROWS);
@@ -159,7 +190,8 @@ static inline weft_comm thread_bands_comm(thread_bands *all, int rank)
                         .end = thread_bands_end,
                         .share = thread_bands_share,
                         .gather = thread_bands_gather,
-                        .stop = thread_bands_stop };
+                        .stop = thread_bands_stop,
+                        .post = thread_bands_post };
 }
 
 #endif

@@ -58,7 +58,7 @@ typedef struct guard {
     weft_comm real;
     weft_rows rows;
     double *before; /* all planes as they were at begin, ghosts poisoned */
-    bool *good;
+    bool *good, posted;
     pthread_t thread; /* that alone makes calls */
 } guard;
 
@@ -104,6 +104,10 @@ static inline void guard_end(void *self)
     const weft_rows *rows = &of->rows;
     const size_t n = present(rows);
     bool ghost;
+    if (of->posted) {
+        of->real.end(of->real.self);
+        return;
+    }
     for (size_t j = 0; j < rows->planes * n; ++j) {
         const double *now = rows->first + j / n * rows->stride + j % n;
         if (exchanged(rows, j % n, &ghost)) {
@@ -112,6 +116,19 @@ static inline void guard_end(void *self)
     }
     free(of->before);
     of->real.end(of->real.self);
+}
+
+/* Nothing is there before `end`. */
+static inline void guard_post(void *self, const weft_parcel *parcels, size_t count)
+{
+    guard *of = self;
+    of->posted = true;
+    for (size_t p = 0; p < count; ++p) {
+        for (size_t j = 0; j < parcels[p].ins; ++j) {
+            parcels[p].in[j] = poison;
+        }
+    }
+    of->real.post(of->real.self, parcels, count);
 }
 
 static inline double guard_max(void *self, double mine)
@@ -150,6 +167,7 @@ static inline weft_comm guarded(guard *of, const weft_comm *real, bool *good)
     comm.end = guard_end;
     comm.share = guard_share;
     comm.gather = guard_gather;
+    comm.post = guard_post;
     return comm;
 }
 
@@ -235,16 +253,31 @@ static inline void put_frame(const weft_sim *sim, char *text)
     }
 }
 
+/* Rows, or blocks of triangles; particles of each, the last one perhaps fewer. */
+static inline size_t blocks_of(const weft_cloth_def *of)
+{
+    const size_t block = WEFT_BLOCK_VERTICES;
+    return of->mesh != NULL ? (of->mesh->vertices + block - 1) / block : of->rows;
+}
+
+static inline size_t particles_of(const weft_cloth_def *of)
+{
+    return of->mesh != NULL ? of->mesh->vertices : of->rows * of->cols;
+}
+
 /* The own rows, to their place in the whole. */
-static inline void keep_state(const weft_sim *sim, double *whole)
+static inline void keep_state(const weft_cloth_def *of, const weft_sim *sim,
+                              double *whole)
 {
     const weft_cloth *cloth = weft_sim_cloth(sim);
     const weft_band band = weft_cloth_band(cloth);
-    const size_t cols = weft_cloth_cols(cloth), n = weft_cloth_particles(cloth);
+    const size_t block = of->mesh != NULL ? WEFT_BLOCK_VERTICES : of->cols;
+    const size_t n = weft_cloth_particles(cloth), all = particles_of(of);
+    const size_t rest = all - band.first * block;
+    const size_t own = band.own * block < rest ? band.own * block : rest;
     for (size_t k = 0; k < 6; ++k) {
-        memcpy(whole + (k * band.rows + band.first) * cols,
-               weft_sim_state(sim) + k * n + band.above * cols,
-               band.own * cols * sizeof *whole);
+        memcpy(whole + k * all + band.first * block,
+               weft_sim_state(sim) + k * n + band.above * block, own * sizeof *whole);
     }
 }
 
@@ -281,8 +314,9 @@ static inline weft_status start(job *self, weft_cloth **cloth, weft_sim **sim,
     weft_sim_def def = self->of->sim;
     const weft_comm *comm = def.comm = self->comm;
     if (comm != NULL && !is_odd(self, WHOLE_CLOTH)) {
-        ck_assert(weft_comm_band(model.rows, (size_t)comm->rank, (size_t)comm->size,
-                                 &model.band_first, &model.band_rows));
+        ck_assert(weft_comm_band(blocks_of(&model), (size_t)comm->rank,
+                                 (size_t)comm->size, &model.band_first,
+                                 &model.band_rows));
     }
     *cloth = test_cloth(&model);
     def.cloth = *cloth;
@@ -363,7 +397,7 @@ static inline void *play(void *ctx)
     if (sim != NULL) {
         const bool failed = weft_sim_failure(sim, &out->failure);
         ck_assert(failed || out->failure.status == WEFT_OK);
-        keep_state(sim, out->y);
+        keep_state(&self->of->cloth, sim, out->y);
         out->totals = weft_sim_totals(sim);
     }
     if (out->status == WEFT_OK) {
@@ -383,7 +417,7 @@ static inline void *play(void *ctx)
 
 static inline size_t numbers(const scenario *of)
 {
-    return 6 * of->cloth.rows * of->cloth.cols;
+    return 6 * particles_of(&of->cloth);
 }
 
 static inline void make(const scenario *of, outcome *out)

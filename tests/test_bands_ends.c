@@ -2,7 +2,6 @@
 /* test_bands_ends.c -- where bands end: failures, stops and refusals, which all bands
  * share; saved bytes on another number of bands; the cloth of one band. */
 #include "bands_run.h"
-#include "meshes.h"
 #include "shell.h"
 
 static void check_failure(const scenario *of, weft_status status, const char *part)
@@ -132,7 +131,6 @@ START_TEST(refuses_what_needs_the_whole_state)
     scenario of = in_wind(11, 6, "arkode/dormand_prince");
     weft_sim_def def = of.sim, good;
     weft_cloth *cloth = test_cloth(&of.cloth);
-    test_mesh sheet;
     def.cloth = cloth;
     def.comm = &comm;
     good = def;
@@ -154,12 +152,6 @@ START_TEST(refuses_what_needs_the_whole_state)
     def = good, def.force = force;
     check_refused(def, WEFT_UNSUPPORTED, "`force`");
     weft_cloth_destroy(cloth);
-    mesh_sheet(&sheet, 3, 3, 0.1, MESH_RIGHT, 0.0, 1);
-    of.cloth = mesh_cloth(&sheet);
-    def = good, def.cloth = cloth = test_cloth(&of.cloth);
-    check_refused(def, WEFT_UNSUPPORTED, "bands need a grid");
-    weft_cloth_destroy(cloth);
-    mesh_free(&sheet);
     thread_bands_destroy(all);
 }
 END_TEST

@@ -67,12 +67,43 @@ START_TEST(bands_refuse_what_needs_the_whole_cloth)
 }
 END_TEST
 
+/* 1686 vertices. */
+START_TEST(triangles_run_in_bands_of_two_blocks_with_straight_edges)
+{
+    static const struct {
+        size_t bands;
+        const char *membrane, *told;
+    } cases[] = { { 2, "chord", NULL },
+                  { 2, "arc", "3:88: error: membrane arc does not run in bands" },
+                  { 3, "chord",
+                    "3:15: error: 4 blocks of 512 vertices are too few for 3 bands" } };
+    char text[600];
+    (void)snprintf(text, sizeof text,
+                   "weft: 1\nname: bands\n"
+                   "cloth: {mesh: {file: scenes/skirt.obj}, fabric: {preset: "
+                   "tango-red-jet-set}, membrane: %s}\n"
+                   "run: {duration: 1}\nstepper: {plugin: own, method: together}\n",
+                   cases[_i].membrane);
+    weft_scene_def def = scene_of_text(text);
+    def.find_plugin = find_own;
+    def.bands = cases[_i].bands;
+    if (cases[_i].told == NULL) {
+        weft_scene_destroy(good_scene(&def));
+    } else {
+        const char *told = bad_scene(&def);
+        ck_assert_msg(strstr(told, cases[_i].told) != NULL, "%s", told);
+    }
+}
+END_TEST
+
 TEST_SUITE(scene_bands)
 {
     Suite *suite = suite_create("scene bands");
     TCase *bands = tcase_create("bands");
     tcase_add_loop_test(bands, bands_refuse_what_needs_the_whole_cloth, 0,
                         sizeof scenes / sizeof scenes[0]);
+    tcase_add_loop_test(bands, triangles_run_in_bands_of_two_blocks_with_straight_edges,
+                        0, 3);
     suite_add_tcase(suite, bands);
     return suite;
 }

@@ -279,10 +279,11 @@ typedef struct weft_cloth_def {
                        band_first + band_rows), 2 or more, and up to 2 ghost rows of
                        each neighbour (weft/comm.h). The cloth created has these rows
                        alone, and its index 0 is the first of them; all else in the
-                       definition is that of the whole. band_rows 0: the whole cloth */
+                       definition is that of the whole. Of triangles blocks, 1 or more.
+                       band_rows 0: the whole cloth */
     const weft_mesh_def *mesh; /* triangles instead of a grid; NULL: a grid. Then rows
-                       to scale, mass, density, law, springs, across, bending, rim_half
-                       and bands are not used, and pins and loads have vertices */
+                       to scale, mass, density, law, springs, across, bending and
+                       rim_half are not used, and pins and loads have vertices */
     weft_track wind;           /* [m/s] unless count is 0, instead of wind_velocity */
     double untangle; /* [s] >= 0; > 0: a start may pass through itself and shapes, and
                        weft_sim_create calls weft_cloth_untangle */
@@ -292,6 +293,14 @@ typedef struct weft_cloth_def {
 static inline size_t weft_cloth_def_particles(const weft_cloth_def *def)
 {
     return def->mesh != NULL ? def->mesh->vertices : def->rows * def->cols;
+}
+
+/* Its rows, or of triangles its blocks, which weft_comm_band divides among bands. */
+static inline size_t weft_cloth_def_blocks(const weft_cloth_def *def)
+{
+    return def->mesh == NULL
+               ? def->rows
+               : (def->mesh->vertices + WEFT_BLOCK_VERTICES - 1) / WEFT_BLOCK_VERTICES;
 }
 
 /* A spring between two particles, given by family and indices. Fixed for ever. */
@@ -427,7 +436,8 @@ WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* instructions in
 /* 0 of triangles. rows, particles, dim and what has an index or is as long as a state
  * include the ghost rows of a band; springs (by the row where they begin), pins, mass,
  * energies, powers, momenta, gaps and loads are those of its own rows. Forces are right
- * in own rows. */
+ * in own rows. A band of triangles has its own order of particles, which is that of the
+ * state, in place of vertices; its triangles, edges and places are of no use. */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);

@@ -2,10 +2,13 @@
 /* weft/comm.h -- one cloth in bands of rows, each in a process or thread of its own.
  *
  * A band is its own rows and the WEFT_GHOST_ROWS nearest rows of each neighbour, its
- * ghosts. The ghosts are part of the state and are integrated as the own rows are; only
- * their accelerations come from the neighbour, once per right-hand side. So all bands
- * have the bits of the whole cloth in one process, on any number of bands.
- * docs/cluster.md describes this.
+ * ghosts. Of triangles it is blocks of WEFT_BLOCK_VERTICES vertices, in an order in
+ * which neighbours are near one another, and as ghosts the particles of other bands
+ * that forces on its own depend on: what is said of rows here then holds for blocks.
+ * The ghosts are part of the state and are integrated as the own rows are; only their
+ * accelerations come from the neighbour, once per right-hand side. So all bands have
+ * the bits of the whole cloth in one process, on any number of bands. docs/cluster.md
+ * describes this.
  *
  * A weft_comm joins the bands. weft calls it and knows nothing of what is behind: MPI
  * (weft-mpi.so), threads, or the embedder's own. All calls are collective: every band
@@ -22,7 +25,7 @@ extern "C" {
 #endif
 
 /* How far the forces reach, and the smallest number of own rows of a band. */
-enum { WEFT_GHOST_ROWS = 2 };
+enum { WEFT_GHOST_ROWS = 2, WEFT_BLOCK_VERTICES = 512 };
 
 /* Rows of a cloth. Row 0 of a band's own arrays is its first ghost row, or else its
  * first own row: row r of them is row first - above + r of the whole cloth. Fixed for
@@ -30,7 +33,8 @@ enum { WEFT_GHOST_ROWS = 2 };
 typedef struct weft_band {
     size_t rows;         /* of the whole cloth */
     size_t first, own;   /* own rows: [first, first + own) of the whole */
-    size_t above, below; /* ghost rows before and after them, at most WEFT_GHOST_ROWS */
+    size_t above, below; /* ghost rows before and after them, at most WEFT_GHOST_ROWS;
+                            of triangles blocks of ghosts, any number */
 } weft_band;
 
 /* Planes of rows in memory: above ghost rows, then own rows, then ghost rows below. The
@@ -41,6 +45,14 @@ typedef struct weft_rows {
     size_t cols;              /* [doubles] of a row */
     size_t above, own, below; /* rows; above and below 0 or WEFT_GHOST_ROWS */
 } weft_rows;
+
+/* Numbers for another band, and room for those from it. Fixed for ever. */
+typedef struct weft_parcel {
+    int rank;
+    size_t outs, ins;
+    const double *out;
+    double *in;
+} weft_parcel;
 
 typedef struct weft_comm {
     uint32_t struct_size;
@@ -69,9 +81,15 @@ typedef struct weft_comm {
     /* Ends all bands at once, with an exit code; does not return. Not collective. For
      * programs: libweft never calls it. */
     void (*stop)(void *self, int code);
+
+    /* Of bands of triangles, in place of begin: sends each parcel and receives those of
+     * the same bands, of which each appears once; `end` waits until all are there. The
+     * same bands have parcels for this one, of these sizes. NULL: rows alone. */
+    void (*post)(void *self, const weft_parcel *parcels, size_t count);
 } weft_comm;
 
-/* The rows of band `rank` of `size` of a cloth of `rows` rows: as even as possible, the
+/* The rows of band `rank` of `size` of a cloth of `rows` rows, or of a cloth of
+ * triangles with so many blocks (weft_cloth_def_blocks): as even as possible, the
  * first ones one row larger. Returns false if they would be fewer than WEFT_GHOST_ROWS
  * or rank is not below size. */
 static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t *first,

@@ -338,8 +338,8 @@ static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
 {
     weft_cloth_def band = *weft_scene_cloth(scene);
     if (comm != NULL) { /* the scene was checked for bands */
-        (void)weft_comm_band(band.rows, (size_t)comm->rank, (size_t)comm->size,
-                             &band.band_first, &band.band_rows);
+        (void)weft_comm_band(weft_cloth_def_blocks(&band), (size_t)comm->rank,
+                             (size_t)comm->size, &band.band_first, &band.band_rows);
     }
     TRY(scene_supported(scene, err));
     return cloth_create(scene, &band, cloth, err);

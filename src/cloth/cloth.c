@@ -154,6 +154,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     if (!weft__grids_init(cloth, def)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for grids");
     }
+    TRY(weft__cloth_slice(cloth, def, err));
     TRY(list_pins(cloth, err));
     return weft__start_crossing_error(cloth, err);
 }
@@ -256,7 +257,7 @@ static weft_status check(const weft_cloth_def *def, weft__triangles **triangles,
     if (first.status == WEFT_OK && no_memory) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for triangles");
     }
-    return first.status;
+    return first.status != WEFT_OK ? first.status : weft__slice_check(def, err);
 }
 
 static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_error *err)
@@ -313,7 +314,8 @@ void weft_cloth_destroy(weft_cloth *cloth)
     if (cloth != NULL) {
         const weft_allocator memory = cloth->memory;
         if (!cloth->copied) {
-            WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions, cloth->rows);
+            WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions, cloth->rows,
+                           cloth->mesh.whole_of);
             weft__triangles_destroy(cloth->mesh.triangles, &memory);
         }
         WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
@@ -478,10 +480,10 @@ double weft_cloth_mass(const weft_cloth *cloth)
 
 double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i)
 {
-    return cloth->mesh.mass[weft__particle_of(&cloth->mesh, i)];
+    return cloth->mesh.mass[weft__meant(&cloth->mesh, i)];
 }
 
 bool weft_cloth_pinned(const weft_cloth *cloth, size_t i)
 {
-    return cloth->mesh.pin[weft__particle_of(&cloth->mesh, i)] != 0;
+    return cloth->mesh.pin[weft__meant(&cloth->mesh, i)] != 0;
 }

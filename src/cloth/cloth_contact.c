@@ -88,7 +88,7 @@ double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
 {
     const weft_measures found = gap(cloth, t, y);
     if (particle != NULL) {
-        *particle = weft__vertex_of(&cloth->mesh, found.gap_particle);
+        *particle = weft__shown(&cloth->mesh, found.gap_particle);
     }
     if (shape != NULL) {
         *shape = found.gap_shape;

@@ -9,12 +9,12 @@
 
 size_t weft_cloth_index(const weft_cloth *cloth, size_t vertex)
 {
-    return weft__particle_of(&cloth->mesh, vertex);
+    return weft__meant(&cloth->mesh, vertex);
 }
 
 size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index)
 {
-    return weft__vertex_of(&cloth->mesh, index);
+    return weft__shown(&cloth->mesh, index);
 }
 
 size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex)
@@ -83,8 +83,10 @@ const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size)
             (void)snprintf(in, sizeof in, " in %zu cloth%s", parts,
                            parts > 1 ? "s" : "");
         }
-        (void)weft_text_format(text, size, "%zu vertices, %zu triangles%s",
-                               mesh->particles, weft__surface_triangles(mesh, NULL),
+        (void)weft_text_format(text, size, "%zu vertices, %zu triangles%s", mesh->whole,
+                               mesh->whole_of != NULL
+                                   ? mesh->triangles->all
+                                   : weft__surface_triangles(mesh, NULL),
                                in);
     } else {
         (void)weft_text_format(text, size, "%zu x %zu particles", mesh->band.rows,

@@ -186,8 +186,8 @@ void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, doubl
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
     weft_spring worst = measure(cloth, 0.0, y, weft__block_worst).worst;
-    worst.p = weft__vertex_of(&cloth->mesh, worst.p);
-    worst.q = weft__vertex_of(&cloth->mesh, worst.q);
+    worst.p = weft__shown(&cloth->mesh, worst.p);
+    worst.q = weft__shown(&cloth->mesh, worst.q);
     return worst;
 }
 

@@ -16,8 +16,9 @@ struct weft_cloth {
     double *rows; /* row_count of them, of all tracks: of paths, then of the wind */
     size_t row_count;
     weft__isa isa;
-    double untangle; /* [s] */
-    bool copied;     /* shares masses, motions and rows with its model */
+    double untangle;     /* [s] */
+    bool copied;         /* shares masses, motions and rows with its model */
+    uint64_t whole_hash; /* of a band of triangles: weft__cloth_hash of the whole */
     weft_allocator memory;
     struct weft_cloth *grids; /* grid_count of them: grids.h */
     size_t grid_count, first; /* of a grid: the whole's particle that is its first */
@@ -110,6 +111,12 @@ void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
  * cloth). */
 uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks);
 uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
+
+/* cloth_slice.c: makes the whole cloth of a definition of a band of triangles this
+ * band; and what of a definition has none. Of others they do nothing. */
+weft_status weft__cloth_slice(weft_cloth *cloth, const weft_cloth_def *def,
+                              weft_error *err);
+weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err);
 
 /* validate.c: reports every fault of a definition; a field may be an offset in a part.
  * *triangles: as weft__mesh_check makes them, NULL of a grid. */

@@ -10,6 +10,7 @@
 
 #include "base/isa.h"
 #include "mesh/blocks.h"
+#include "mesh/slice.h"
 #include "weft/stepper.h"
 
 /* A state of a cloth, at a time. */
@@ -61,6 +62,12 @@ typedef struct weft__force {
     void (*free)(void *own, const weft_allocator *memory);
     size_t (*bytes)(const void *own); /* of its tables of triangles */
 
+    /* Of a whole cloth of triangles: the particles that block b reads beyond its own
+     * and its triangles' corners; and what becomes its band, after that of the mesh.
+     * False: no memory. */
+    size_t (*halo)(const void *own, size_t b, const uint32_t **particles);
+    bool (*slice)(void *own, const weft__slice *slice);
+
     /* Whether a cloth has it, else all below is left out; NULL: always. */
     bool (*present)(const void *own);
 
@@ -75,7 +82,7 @@ typedef struct weft__force {
     weft__block_fn *energy, *power; /* [J]; [W] */
     weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
 
-    /* Raises strain[v], v = weft__vertex_of(mesh, i), to the largest strain at each
+    /* Raises strain[v], v = weft__shown(mesh, i), to the largest strain at each
      * particle i that block b has. */
     void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
 

@@ -14,7 +14,7 @@ void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
         return;
     }
     mesh->triangles = triangles;
-    mesh->particles = mesh->stride = def->mesh->vertices;
+    mesh->particles = mesh->stride = mesh->whole = def->mesh->vertices;
     mesh->block = WEFT__MESH_BLOCK;
     mesh->band = (weft_band){ .rows = weft__blocks(mesh), .own = weft__blocks(mesh) };
     memcpy(mesh->velocity, def->velocity, sizeof mesh->velocity);
@@ -59,8 +59,9 @@ void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])
 const double *weft__start_velocity(const weft__mesh *mesh, size_t i)
 {
     const weft__triangles *of = mesh->triangles;
-    return of == NULL || of->part_count == 0 ? mesh->velocity
-                                             : of->parts[weft__part_of(of, i)].velocity;
+    return of == NULL || of->part_count == 0
+               ? mesh->velocity
+               : of->parts[weft__part_of(of, weft__whole_index(mesh, i))].velocity;
 }
 
 double weft__area(const weft__mesh *mesh, size_t i)
@@ -72,7 +73,7 @@ double weft__area(const weft__mesh *mesh, size_t i)
 void weft__rest_positions(const weft__mesh *mesh, double *xyz)
 {
     for (size_t i = 0; i < mesh->particles; ++i) {
-        double *x = &xyz[3 * weft__vertex_of(mesh, i)];
+        double *x = &xyz[3 * weft__shown(mesh, i)];
         const weft__part *part = weft__grid_at(mesh, i);
         if (part != NULL) {
             weft__grid_rest(&part->grid, i - part->first, x);

@@ -49,7 +49,10 @@ typedef struct weft__mesh {
     double *coast;               /* [m/s] of a copy: 3 N, x y z of each that coasts */
     weft__motion *motions;       /* motion_count of them, and one that coasts */
     size_t motion_count;
-    weft_band band; /* which blocks of the whole these are: rows of a grid */
+    weft_band band;     /* which blocks of the whole these are: rows of a grid */
+    size_t whole;       /* of triangles: particles of the whole */
+    uint32_t *whole_of; /* of a band of triangles (slice.h): what the whole calls
+                           particle i, ascending; else NULL */
     double velocity[3];
     struct weft__triangles *triangles; /* triangles.h; NULL: a grid */
     /* grid.c; 0 of triangles */
@@ -105,17 +108,19 @@ size_t weft__triangles_of(const weft__mesh *mesh, size_t i, uint32_t triangles[2
 /* Particles of the whole cloth; its shape, with the number of blocks. */
 static inline size_t weft__whole_particles(const weft__mesh *mesh)
 {
-    return mesh->triangles != NULL ? mesh->particles : mesh->band.rows * mesh->cols;
+    return mesh->triangles != NULL ? mesh->whole : mesh->band.rows * mesh->cols;
 }
 static inline size_t weft__width_of(const weft__mesh *mesh)
 {
-    return mesh->triangles != NULL ? mesh->particles : mesh->cols;
+    return mesh->triangles != NULL ? mesh->whole : mesh->cols;
 }
 
 /* The number of particle i in the whole cloth. */
 static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)
 {
-    return (mesh->band.first - mesh->band.above) * mesh->block + i;
+    return mesh->whole_of != NULL
+               ? mesh->whole_of[i]
+               : (mesh->band.first - mesh->band.above) * mesh->block + i;
 }
 
 /* ---- motion.c -------------------------------------------------------------------- */

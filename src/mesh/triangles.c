@@ -552,7 +552,7 @@ static void allocate(weft__work *at)
     at->place_key = weft__work_take(at, at->def->places, sizeof *at->place_key);
     at->order = weft__work_take(at, most, sizeof *at->order);
     at->other = weft__work_take(at, most, sizeof *at->other);
-    of->count = t;
+    of->count = of->all = t;
     of->fabric_count = at->def->fabric_count;
     of->part_count = at->def->part_count;
     of->seams = at->def->seams;

@@ -33,6 +33,7 @@ typedef struct weft__part {
 
 typedef struct weft__triangles {
     size_t count, places, edges, pieces;
+    size_t all;            /* `count` of the whole */
     uint32_t (*corner)[3]; /* particles, counterclockwise in (u, v), the lowest first */
     uint32_t (*place)[3];  /* their places */
     uint32_t (*edge)[3];   /* its edges: [k] is opposite corner k */
@@ -46,7 +47,8 @@ typedef struct weft__triangles {
     weft__edge *edge_list;
     double *start;                /* [m] x y z of each particle */
     double *lumped;               /* [m^2] a third of the triangles of each particle */
-    uint32_t *vertex, *of_vertex; /* of particle i in the definition, and back */
+    uint32_t *vertex, *of_vertex; /* of particle i of the whole in the definition, and
+                                     back */
     size_t *name;                 /* of vertices; NULL: their numbers */
     weft_fabric *fabrics;         /* twist >= 0 */
     size_t fabric_count;
@@ -69,7 +71,8 @@ static inline const weft__part *weft__grid_at(const weft__mesh *mesh, size_t i)
     return part != NULL && part->grid.rows > 0 ? part : NULL;
 }
 
-/* The number in the definition of particle i, and the particle of a number. */
+/* The number in the definition of particle i of the whole, and the particle of a
+ * number. */
 static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)
 {
     return mesh->triangles != NULL ? mesh->triangles->vertex[i] : i;
@@ -78,6 +81,17 @@ static inline size_t weft__vertex_of(const weft__mesh *mesh, size_t i)
 static inline size_t weft__particle_of(const weft__mesh *mesh, size_t vertex)
 {
     return mesh->triangles != NULL ? mesh->triangles->of_vertex[vertex] : vertex;
+}
+
+/* What the functions of a cloth call particle i, and back: its vertex; in a band i. */
+static inline size_t weft__shown(const weft__mesh *mesh, size_t i)
+{
+    return mesh->whole_of != NULL ? i : weft__vertex_of(mesh, i);
+}
+
+static inline size_t weft__meant(const weft__mesh *mesh, size_t number)
+{
+    return mesh->whole_of != NULL ? number : weft__particle_of(mesh, number);
 }
 
 /* Receives a fault of vertex, place or triangle `index` of a definition. */

@@ -7,16 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DOWN, UP, SIZE, DATA }; /* tags */
-#define MOST ((size_t)1 << 30) /* [bytes] of a message: MPI counts in int */
+enum { DOWN, UP, SIZE, DATA, PARCEL }; /* tags */
+#define MOST ((size_t)1 << 30)         /* [bytes] of a message: MPI counts in int */
 
 typedef struct over_mpi {
     comm_mpi base;
     MPI_Comm all;
     MPI_Datatype edge; /* the edge rows of each plane, where they stand */
     size_t planes, stride, cols;
-    MPI_Request requests[4];
-    MPI_Status statuses[4]; /* MPICH's way to ignore them makes gcc warn */
+    MPI_Request *requests; /* room for four, and two for each other rank */
+    MPI_Status *statuses;  /* MPICH's way to ignore them makes gcc warn */
     int count;
     char library[MPI_MAX_LIBRARY_VERSION_STRING];
 } over_mpi;
@@ -86,6 +86,22 @@ static void begin(void *ctx, const weft_rows *rows)
     }
     if (rows->below > 0) {
         exchange(self, rank + 1, end - edge, end, DOWN, UP);
+    }
+}
+
+/* Fewer than 2^31 numbers: those of a surface between two bands. */
+static void post(void *ctx, const weft_parcel *parcels, size_t count)
+{
+    over_mpi *self = ctx;
+    self->count = 0;
+    for (size_t p = 0; p < count; ++p) {
+        const weft_parcel *at = &parcels[p];
+        MPI_Request *next = self->requests + self->count;
+        MPI_Irecv(at->in, (int)at->ins, MPI_DOUBLE, at->rank, PARCEL, self->all,
+                  &next[0]);
+        MPI_Isend(at->out, (int)at->outs, MPI_DOUBLE, at->rank, PARCEL, self->all,
+                  &next[1]);
+        self->count += 2;
     }
 }
 
@@ -166,6 +182,8 @@ static void close_mpi(comm_mpi *base)
     free_edge(self);
     MPI_Comm_free(&self->all);
     MPI_Finalize();
+    free(self->requests);
+    free(self->statuses);
     free(self);
 }
 
@@ -189,10 +207,18 @@ comm_mpi *weft_comm_mpi_1(void)
                                        .end = end,
                                        .share = share,
                                        .gather = gather,
-                                       .stop = stop },
+                                       .stop = stop,
+                                       .post = post },
                              .library = self->library,
                              .close = close_mpi };
     MPI_Comm_rank(self->all, &self->base.comm.rank);
     MPI_Comm_size(self->all, &self->base.comm.size);
+    const size_t most = 4 + 2 * (size_t)self->base.comm.size;
+    self->requests = malloc(most * sizeof(MPI_Request));
+    self->statuses = malloc(most * sizeof(MPI_Status));
+    if (self->requests == NULL || self->statuses == NULL) {
+        close_mpi(&self->base);
+        return NULL;
+    }
     return &self->base;
 }

@@ -125,6 +125,17 @@ bool record_unfinished(const char *directory);
 /* The names of all files that weft writes there, NULL at their end. */
 extern const char *const record_names[];
 
+/* The own particles of a cloth, or of its band: how many, behind *skip others. Blocks
+ * of ghosts fill up what is before them, and are behind them if there are any. */
+static inline size_t record_own(const weft_cloth *cloth, size_t *skip)
+{
+    const weft_band band = weft_cloth_band(cloth);
+    const size_t cols = weft_cloth_cols(cloth);
+    const size_t block = cols > 0 ? cols : WEFT_BLOCK_VERTICES;
+    *skip = band.above * block;
+    return band.below > 0 ? band.own * block : weft_cloth_particles(cloth) - *skip;
+}
+
 /* ---- files that rank 0 makes, in which each band has places of its own ---- */
 
 /* Opens the file that rank 0 has made; *file < 0: not open. Collective. Errors:

@@ -113,8 +113,7 @@ weft_status record_vtkhdf_create(const record_vtkhdf_def *def, record_vtkhdf **o
     TRY(record_path(def->directory, "run.vtkhdf", path, err));
     record_vtkhdf *self = calloc(1, sizeof *self);
     vtkhdf_rows rows = { .file = -1 };
-    if (self == NULL
-        || !vtkhdf_rows_begin(&rows, def->comm, def->cloth, def->record->doubles)) {
+    if (self == NULL || !vtkhdf_rows_begin(&rows, def)) {
         vtkhdf_rows_end(&rows);
         free(self);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a frame");

@@ -12,7 +12,8 @@ typedef struct record_vtkhdf record_vtkhdf;
 typedef struct record_vtkhdf_def {
     const char *directory;
     const weft_cloth *cloth; /* of the simulation; outlives it */
-    const weft_cloth *whole; /* in bands, on rank 0, until the first frame; else NULL */
+    const weft_cloth *whole; /* in bands, on rank 0: of a grid until the first frame, of
+                                triangles it outlives it; else NULL */
     const weft_comm *comm;   /* in bands: all functions are collective. NULL: alone */
     const weft_record_def *record;
     size_t last; /* frame of the run: room is made for all, if there is any */

@@ -67,19 +67,21 @@ enum {
 };
 
 typedef struct vtkhdf_rows {
-    const weft_comm *comm; /* NULL: one band, the whole cloth */
-    weft_band band;        /* of triangles a single row of all */
+    const weft_comm *comm;   /* NULL: one band, the whole cloth */
+    const weft_cloth *whole; /* of bands of triangles, on rank 0; else NULL */
+    weft_band band;          /* of triangles a single row of all, which rank 0 has */
     size_t cols;
+    size_t skip, own; /* particles of bands of triangles */
     bool doubles;
     int file;                         /* < 0: not open */
     uint64_t places[VTKHDF_ROW_SETS]; /* [bytes] in the file; 0: not recorded */
-    double *buffer;                   /* 3 values for each particle of the band */
-    uint64_t *sums, *all_sums;        /* of rows: own; rank 0: of all bands */
+    double *buffer; /* 3 values for each particle of the band, or of a row */
+    double *all;    /* rank 0, of bands of triangles: the same in their order */
+    uint64_t *sums, *all_sums; /* of rows: own; rank 0: of all bands */
 } vtkhdf_rows;
 
 /* Allocates; false: no memory. The file is not open yet. */
-bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
-                       const weft_cloth *cloth, bool doubles);
+bool vtkhdf_rows_begin(vtkhdf_rows *self, const record_vtkhdf_def *def);
 void vtkhdf_rows_end(vtkhdf_rows *self);
 
 /* Opens the file that rank 0 has made, with rank 0's places. Collective. Errors:

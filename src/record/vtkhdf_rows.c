@@ -7,22 +7,36 @@
 
 #include "base/bytes.h"
 
-bool vtkhdf_rows_begin(vtkhdf_rows *self, const weft_comm *comm,
-                       const weft_cloth *cloth, bool doubles)
+/* Triangles are in the order of files: of bands, rank 0 has them all. */
+static void take_triangles(vtkhdf_rows *self, const weft_cloth *cloth)
 {
-    *self = (vtkhdf_rows){ .comm = comm,
-                           .band = weft_cloth_band(cloth),
-                           .cols = weft_cloth_cols(cloth),
-                           .doubles = doubles,
+    const bool first = self->comm == NULL || self->comm->rank == 0;
+    self->own = record_own(cloth, &self->skip);
+    self->cols = weft_cloth_particles(self->whole != NULL ? self->whole : cloth);
+    self->band = (weft_band){ .rows = 1, .own = first ? 1 : 0 };
+}
+
+bool vtkhdf_rows_begin(vtkhdf_rows *self, const record_vtkhdf_def *def)
+{
+    size_t n = weft_cloth_particles(def->cloth);
+    *self = (vtkhdf_rows){ .comm = def->comm,
+                           .band = weft_cloth_band(def->cloth),
+                           .cols = weft_cloth_cols(def->cloth),
+                           .doubles = def->record->doubles,
                            .file = -1 };
-    if (self->cols == 0) { /* triangles, in their order of files */
-        self->cols = weft_cloth_particles(cloth);
-        self->band = (weft_band){ .rows = 1, .own = 1 };
+    if (self->cols == 0) {
+        self->whole = def->whole;
+        take_triangles(self, def->cloth);
+        n = n < self->cols ? self->cols : n;
     }
-    self->buffer = malloc(3 * weft_cloth_particles(cloth) * sizeof *self->buffer);
-    self->sums = malloc(self->band.own * sizeof *self->sums);
+    if (self->whole != NULL) {
+        self->all = malloc(3 * n * sizeof *self->all);
+    }
+    self->buffer = malloc(3 * n * sizeof *self->buffer);
+    self->sums = malloc((self->band.own + 1) * sizeof *self->sums);
     self->all_sums = malloc(self->band.rows * sizeof *self->all_sums);
-    return self->buffer != NULL && self->sums != NULL && self->all_sums != NULL;
+    return self->buffer != NULL && self->sums != NULL && self->all_sums != NULL
+           && (self->whole == NULL || self->all != NULL);
 }
 
 static void close_file(vtkhdf_rows *self)
@@ -37,6 +51,7 @@ void vtkhdf_rows_end(vtkhdf_rows *self)
 {
     close_file(self);
     free(self->buffer);
+    free(self->all);
     free(self->sums);
     free(self->all_sums);
 }
@@ -79,10 +94,25 @@ static double *own_rows(const vtkhdf_rows *self, size_t set, size_t width, size_
     return self->buffer + self->band.above * self->cols * width;
 }
 
+/* The own particles of all bands of triangles, to the buffer of rank 0. */
+static void gather(vtkhdf_rows *self, size_t width)
+{
+    const size_t bytes = width * sizeof *self->buffer;
+    self->comm->gather(self->comm->self, self->buffer + self->skip * width,
+                       self->own * bytes, self->all);
+    for (size_t i = 0; self->whole != NULL && i < self->cols; ++i) {
+        memcpy(self->buffer + weft_cloth_vertex(self->whole, i) * width,
+               self->all + i * width, bytes);
+    }
+}
+
 bool vtkhdf_rows_write(vtkhdf_rows *self, size_t set, size_t width, size_t frame)
 {
     size_t size;
     uint64_t at;
+    if (self->comm != NULL && self->own > 0) {
+        gather(self, width);
+    }
     double *own = own_rows(self, set, width, frame, &size, &at);
     sum_rows(self, own, width);
     /* little-endian and in place: single precision is before what is still to be read

@@ -88,13 +88,17 @@ weft__mark weft__place_in(const weft__match *root, const char *section, const ch
 void weft__check_bands(weft__reader *reader, const weft__match *root)
 {
     const weft_scene *scene = reader->scene;
-    const size_t bands = reader->def->bands, rows = scene->cloth.rows;
+    const size_t bands = reader->def->bands;
+    const size_t rows = weft_cloth_def_blocks(&scene->cloth);
+    const char *cloth = scene->part_count > 0 ? "cloths" : "cloth";
     const struct {
         bool wrong;
         const char *section, *key, *message;
     } rules[] = {
-        { scene->meshed, scene->part_count > 0 ? "cloths" : "cloth", "mesh",
-          "a mesh of triangles does not run in bands, which are rows of a grid" },
+        { scene->meshed && scene->obj.def.grids != NULL, cloth, NULL,
+          "a grid among several cloths does not run in bands" },
+        { scene->meshed && scene->obj.def.arc, cloth, "membrane",
+          "membrane arc does not run in bands" },
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
           "a strain limit does not run in bands: it corrects springs one after "
           "another, from row to row" },
@@ -106,10 +110,12 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
           "contact of the cloth with itself does not run in bands: any two rows may "
           "touch" },
     };
-    if (!scene->meshed && rows / bands < WEFT_GHOST_ROWS) {
-        weft__report_error(reader->report, weft__place_in(root, "cloth", "grid"),
-                           "%zu rows are too few for %zu bands: each needs %d", rows,
-                           bands, WEFT_GHOST_ROWS);
+    if (rows / bands < WEFT_GHOST_ROWS) {
+        weft__report_error(reader->report,
+                           weft__place_in(root, cloth, scene->meshed ? "mesh" : "grid"),
+                           "%zu %s are too few for %zu bands: each needs %d", rows,
+                           scene->meshed ? "blocks of 512 vertices" : "rows", bands,
+                           WEFT_GHOST_ROWS);
     }
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; ++i) {
         if (rules[i].wrong) {

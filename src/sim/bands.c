@@ -54,9 +54,11 @@ static weft_status check_band(const weft_sim_def *def, weft_error *err)
 
 weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
 {
-    if (def->comm != NULL && def->cloth->mesh.triangles != NULL) {
+    const weft_comm *comm = def->comm;
+    if (comm != NULL && def->cloth->mesh.triangles != NULL
+        && !(WEFT_HAS(comm, weft_comm, post) && comm->post != NULL)) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "bands need a grid: they are rows of it");
+                              "bands of triangles need a comm with `post`");
     }
     TRY(check_band(def, err));
     if (def->comm == NULL) {
@@ -180,6 +182,9 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
 {
     const weft_cloth *cloth = forces->cloth;
     uint64_t *own = (uint64_t *)(void *)forces->measures, hash = 0;
+    if (cloth->mesh.whole_of != NULL) {
+        return cloth->whole_hash;
+    }
     for (size_t r = 0; r < cloth->mesh.band.own; ++r) {
         own[r] = weft__cloth_block_hash(cloth, cloth->mesh.band.above + r);
     }
@@ -189,6 +194,143 @@ uint64_t weft__bands_cloth_hash(const weft__forces *forces)
     }
     weft__bands_share(forces->comm, &hash, sizeof hash);
     return hash;
+}
+
+/* ---- who needs whose particles ----------------------------------------------------
+ */
+
+static bool is_ghost(const weft__mesh *mesh, size_t i)
+{
+    const size_t first = mesh->band.above * mesh->block;
+    return i < first || i >= first + mesh->band.own * mesh->block;
+}
+
+/* The particles of band `rank` of the whole. */
+static void owned(const weft__mesh *mesh, const weft_comm *comm, size_t rank,
+                  size_t *first, size_t *end)
+{
+    size_t count = mesh->band.rows;
+    *first = 0;
+    (void)weft_comm_band(count, rank, (size_t)comm->size, first, &count);
+    *end = (*first + count) * mesh->block;
+    *first *= mesh->block;
+}
+
+/* How many of an ascending list are in [first, end), and which is the first of them. */
+static size_t between(const uint32_t *list, size_t count, size_t first, size_t end,
+                      size_t *at)
+{
+    size_t in = 0;
+    *at = 0;
+    for (size_t j = 0; j < count; ++j) {
+        *at += list[j] < first;
+        in += list[j] >= first && list[j] < end;
+    }
+    return in;
+}
+
+/* The ghosts here in numbers of the whole; returns how many there are. */
+static size_t list_ghosts(weft__forces *forces, uint32_t *list)
+{
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    size_t count = 0;
+    forces->mail.missing = 0;
+    for (size_t i = 0; mesh->whole_of != NULL && i < mesh->particles; ++i) {
+        if (is_ghost(mesh, i) && count > 0 && list[count - 1] == mesh->whole_of[i]) {
+            ++forces->mail.missing;
+        } else if (is_ghost(mesh, i)) {
+            list[count++] = mesh->whole_of[i];
+        }
+    }
+    return count;
+}
+
+/* Parcels of the lists of all bands, one behind the other. False: no memory. */
+static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t *counts)
+{
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    const weft_comm *comm = forces->comm;
+    const size_t me = (size_t)comm->rank, size = (size_t)comm->size;
+    const size_t skip = (mesh->band.first - mesh->band.above) * mesh->block;
+    weft__mail *mail = &forces->mail;
+    size_t sent = 0, room = 0, first, end, low, high, at;
+    const uint32_t *mine = lists, *list = lists;
+    for (size_t r = 0; r < me; ++r) {
+        mine += counts[r];
+    }
+    owned(mesh, comm, me, &first, &end);
+    mail->parcels = weft__zeroed(&forces->memory, size, sizeof *mail->parcels);
+    for (size_t pass = 0; mail->parcels != NULL && pass < 2; ++pass, list = lists) {
+        double *out = mail->room, *in = out + 3 * sent;
+        mail->count = sent = 0;
+        for (size_t r = 0; r < size; list += counts[r++]) {
+            owned(mesh, comm, r, &low, &high);
+            const size_t ins = 3 * between(mine, counts[me], low, high, &at);
+            const size_t outs = 3 * between(list, counts[r], first, end, &at);
+            mail->before = r == me ? mail->count : mail->before;
+            if (r == me || outs + ins == 0) {
+                continue;
+            }
+            mail->parcels[mail->count++] = (weft_parcel){ (int)r, outs, ins, out, in };
+            for (size_t j = 0; pass == 1 && j < outs / 3; ++j) {
+                mail->sent[sent + j] = (uint32_t)(list[at + j] - skip);
+            }
+            sent += outs / 3;
+            room += pass == 0 ? outs + ins : 0;
+            out = pass == 1 ? out + outs : out, in = pass == 1 ? in + ins : in;
+        }
+        if (pass == 0) {
+            mail->sent = weft__alloc(&forces->memory, sent, sizeof *mail->sent);
+            mail->room = weft__alloc(&forces->memory, room, sizeof *mail->room);
+        }
+        if (mail->sent == NULL || mail->room == NULL) {
+            return false;
+        }
+    }
+    return mail->parcels != NULL;
+}
+
+static weft_status no_memory(const weft_comm *comm, bool made, weft_error *err)
+{
+    return weft_comm_agree(
+        comm,
+        made ? WEFT_OK : weft_error_set(err, WEFT_NO_MEMORY, "no memory for ghosts"),
+        err);
+}
+
+/* All bands get the lists of all. */
+static weft_status meet(weft__forces *forces, uint32_t *own, size_t *counts,
+                        uint32_t **lists, weft_error *err)
+{
+    const weft_comm *comm = forces->comm;
+    size_t all = 0;
+    const size_t size = (size_t)comm->size, mine = list_ghosts(forces, own);
+    comm->gather(comm->self, &mine, sizeof mine, counts);
+    comm->share(comm->self, counts, size * sizeof *counts);
+    for (size_t r = 0; r < size; ++r) {
+        all += counts[r];
+    }
+    *lists = weft__alloc(&forces->memory, all, sizeof **lists);
+    TRY(no_memory(comm, *lists != NULL, err));
+    comm->gather(comm->self, own, mine * sizeof *own, *lists);
+    comm->share(comm->self, *lists, all * sizeof **lists);
+    return no_memory(comm, make_mail(forces, *lists, counts), err);
+}
+
+weft_status weft__bands_meet(weft__forces *forces, weft_error *err)
+{
+    const weft_comm *comm = forces->comm;
+    const weft_allocator *memory = &forces->memory;
+    uint32_t *lists = NULL;
+    if (comm == NULL || forces->cloth->mesh.triangles == NULL) {
+        return WEFT_OK;
+    }
+    uint32_t *own = weft__alloc(memory, forces->cloth->mesh.particles, sizeof *own);
+    size_t *counts = weft__alloc(memory, (size_t)comm->size, sizeof *counts);
+    weft_status status = no_memory(comm, own != NULL && counts != NULL, err);
+    status = status == WEFT_OK ? meet(forces, own, counts, &lists, err) : status;
+    WEFT__FREE_ALL(memory, own, counts, lists);
+    return status;
 }
 
 /* ---- right-hand side ------------------------------------------------------------- */
@@ -226,7 +368,8 @@ static void do_inner(void *ctx, size_t i)
     const size_t rows = self->high - self->low;
     evaluate(self, self->low + rows * i / self->parts,
              self->low + rows * (i + 1) / self->parts);
-    if (comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
+    const bool waits = self->forces->cloth->mesh.triangles == NULL;
+    if (waits && comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
         comm->poke(comm->self);
     }
 }
@@ -239,6 +382,37 @@ static size_t inner_parts(const weft__forces *forces, size_t rows)
     return parts < WEFT_PARTS ? parts : WEFT_PARTS;
 }
 
+/* v' of ghosts of triangles, from those that own them. */
+static void fetch(const weft__forces *forces, double *dvdt)
+{
+    const weft_comm *comm = forces->comm;
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    const weft__mail *mail = &forces->mail;
+    const size_t n = mesh->particles;
+    const size_t end = (mesh->band.above + mesh->band.own) * mesh->block;
+    const uint32_t *sent = mail->sent;
+    double *out = mail->room;
+    for (size_t p = 0; p < mail->count; sent += mail->parcels[p++].outs / 3) {
+        for (size_t j = 0; j < mail->parcels[p].outs; ++j) {
+            *out++ = dvdt[j % 3 * n + sent[j / 3]];
+        }
+    }
+    comm->post(comm->self, mail->parcels, mail->count);
+    comm->end(comm->self);
+    size_t i = mail->missing;
+    for (size_t p = 0; p < mail->count; ++p) {
+        const weft_parcel *from = &mail->parcels[p];
+        i = p == mail->before ? end : i;
+        for (size_t j = 0; j < from->ins; ++j) {
+            dvdt[j % 3 * n + i + j / 3] = from->in[j];
+        }
+        i += from->ins / 3;
+    }
+    for (size_t j = 0; j < 3 * mail->missing; ++j) {
+        dvdt[j % 3 * n + j / 3] = dvdt[j % 3 * n + mail->missing];
+    }
+}
+
 /* The ghosts' own v' is not touched after begin: it is being received. */
 int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt)
 {
@@ -247,8 +421,9 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
     const weft_band band = cloth->mesh.band;
     const size_t n = cloth->mesh.particles, edge = WEFT_GHOST_ROWS;
     const size_t first = band.above, end = first + band.own;
-    size_t low = first + (band.above > 0 ? edge : 0);
-    size_t high = end - (band.below > 0 ? edge : 0);
+    const bool grid = cloth->mesh.triangles == NULL;
+    size_t low = first + (grid && band.above > 0 ? edge : 0);
+    size_t high = end - (grid && band.below > 0 ? edge : 0);
     if (low > high) { /* less than four: all are edges */
         low = high = end;
     }
@@ -269,10 +444,16 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                              .below = band.below };
     weft__pool_run(forces->pool, do_edge, &all, 2);
     weft__ghost_blocks(cloth, of, dydt, 0, first);
-    weft__ghost_blocks(cloth, of, dydt, end, cloth->mesh.rows);
-    comm->begin(comm->self, &rows);
+    weft__ghost_blocks(cloth, of, dydt, end, weft__blocks(&cloth->mesh));
+    if (grid) {
+        comm->begin(comm->self, &rows);
+    }
     weft__pool_run(forces->pool, do_inner, &all, all.parts);
-    comm->end(comm->self);
+    if (grid) {
+        comm->end(comm->self);
+    } else {
+        fetch(forces, dydt + 3 * n);
+    }
     return atomic_load(&all.failed);
 }
 

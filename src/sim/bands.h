@@ -34,6 +34,9 @@ bool weft__bands_is_first(const weft_comm *comm);
 /* From band 0 to all. */
 void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
 
+/* Of triangles: who needs whose particles. */
+weft_status weft__bands_meet(weft__forces *forces, weft_error *err);
+
 /* As weft_cloth_rhs in own blocks; x' and the other bands' v' in ghosts. */
 int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt);
 

@@ -29,7 +29,7 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
     for (size_t k = 0; k < 3; ++k) {
         out->position[k] = x[k * n + out->particle];
     }
-    out->particle = weft__whole_index(mesh, weft__vertex_of(mesh, out->particle));
+    out->particle = weft__vertex_of(mesh, weft__whole_index(mesh, out->particle));
     (void)weft__bands_first(comm, weft__bands_max(comm, out->speed) == out->speed, out,
                             sizeof *out);
 }

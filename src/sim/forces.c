@@ -62,7 +62,8 @@ void weft__forces_destroy(weft__forces *forces)
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
-    WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all);
+    WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all, forces->mail.parcels,
+                   forces->mail.sent, forces->mail.room);
 }
 
 /* The first block of a band, the last that of none. */

@@ -6,6 +6,15 @@
 #include "cloth/model.h"
 #include "forces/self/self_list.h"
 
+/* What the bands of triangles tell each other in an evaluation: v' of particles. */
+typedef struct weft__mail {
+    weft_parcel *parcels; /* by rank; NULL: a grid, or a whole cloth */
+    size_t count, before; /* parcels; those of bands before this one */
+    uint32_t *sent; /* own particles that are ghosts elsewhere, parcel by parcel */
+    double *room;   /* what is sent, then what is received */
+    size_t missing; /* particles for which the first ghost stands */
+} weft__mail;
+
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__pool *pool; /* NULL: one thread */
@@ -16,6 +25,7 @@ typedef struct weft__forces {
     weft_measures *measures;    /* of each own block; NULL: no memory */
     const weft_comm *comm;      /* NULL: the cloth is whole */
     weft_measures *all;         /* band 0: of all blocks of the whole cloth */
+    weft__mail mail;
     weft_allocator memory;
 } weft__forces;
 

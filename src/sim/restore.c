@@ -101,16 +101,33 @@ static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
                : weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state");
 }
 
+/* Of a plane that begins at `at`, the particles here: runs that follow one another in
+ * the whole, too. */
+static weft_status read_plane(const weft_sim *sim, const source *from, size_t at,
+                              unsigned char *plane, weft_error *err)
+{
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t i = 0, run = 0; i < n; i += run) {
+        const size_t first = weft__whole_index(mesh, i);
+        for (run = 1; i + run < n && weft__whole_index(mesh, i + run) == first + run;) {
+            ++run;
+        }
+        TRY(get_words(from, at + first, plane + i * WEFT__WORD, run, err));
+    }
+    return WEFT_OK;
+}
+
 static weft_status read_planes(const weft_sim *sim, const source *from, restored *to,
                                weft_error *err)
 {
     const size_t n = sim->cloth->mesh.particles;
-    size_t at = to->front_words + weft__whole_index(&sim->cloth->mesh, 0);
+    size_t at = to->front_words;
     for (size_t k = 0; k < weft__save_planes(sim); ++k) {
         void *plane = k < 6    ? (void *)(to->y + k * n)
                       : k == 6 ? (void *)to->holds
                                : (void *)(to->s + (k - 7) * n);
-        TRY(get_words(from, at, plane, n, err));
+        TRY(read_plane(sim, from, at, plane, err));
         weft__words_get(plane, plane, n);
         at += weft__save_particles(sim);
     }

@@ -158,7 +158,7 @@ size_t weft_sim_limit_held(const weft_sim *sim)
 static void interleave(const weft__mesh *mesh, const double *planes, double *xyz)
 {
     for (size_t i = 0; i < mesh->particles; ++i) {
-        double *x = &xyz[3 * weft__vertex_of(mesh, i)];
+        double *x = &xyz[3 * weft__shown(mesh, i)];
         for (size_t k = 0; k < 3; ++k) {
             x[k] = planes[k * mesh->particles + i];
         }
@@ -182,7 +182,7 @@ void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
     const weft__mesh *mesh = &sim->cloth->mesh;
     const size_t n = mesh->particles, step = stride != 0 ? stride : 3 * sizeof(float);
     for (size_t i = 0; i < n; ++i) {
-        const size_t at = weft__vertex_of(mesh, i) * step;
+        const size_t at = weft__shown(mesh, i) * step;
         double normal[3] = { 0.0, 0.0, 0.0 };
         if (normals != NULL) {
             weft__surface_normal(mesh, sim->y, i, normal);

@@ -101,7 +101,7 @@ weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double 
 {
     weft__breach out = { .t = t };
     out.gap = weft_cloth_gap(cloth, t, y, &out.particle, &out.shape);
-    out.particle = weft__particle_of(&cloth->mesh, out.particle);
+    out.particle = weft__meant(&cloth->mesh, out.particle);
     out.found = out.gap <= 0.0;
     return out;
 }
@@ -141,7 +141,7 @@ weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *brea
                                const char *what, weft_error *err)
 {
     const weft__mesh *mesh = &cloth->mesh;
-    const size_t i = weft__whole_index(mesh, weft__vertex_of(mesh, breach->particle));
+    const size_t i = weft__vertex_of(mesh, weft__whole_index(mesh, breach->particle));
     char name[64];
     return weft_error_set(err, WEFT_INVALID, "%s %s %.3g mm inside shapes[%zu]",
                           weft__particle_name(mesh, i, name, sizeof name), what,

@@ -44,9 +44,10 @@ weft_status run_state(const run *self, const double **y, double **gathered,
                       weft_error *err)
 {
     const weft_comm *comm = self->comm;
-    const weft_band band = weft_cloth_band(self->cloth);
-    const size_t cols = weft_cloth_cols(self->cloth), own = band.own * cols;
-    const size_t here = weft_cloth_particles(self->cloth), all = band.rows * cols;
+    size_t skip;
+    const size_t own = record_own(self->cloth, &skip);
+    const size_t here = weft_cloth_particles(self->cloth);
+    const size_t all = weft_cloth_def_particles(weft_scene_cloth(self->scene));
     const bool needed = comm != NULL && comm->rank == 0;
     *gathered = needed ? malloc(6 * all * sizeof **gathered) : NULL;
     *y = comm == NULL ? weft_sim_state(self->sim) : *gathered;
@@ -56,7 +57,7 @@ weft_status run_state(const run *self, const double **y, double **gathered,
     }
     status = run_agree(self, status, err);
     for (size_t k = 0; comm != NULL && status == WEFT_OK && k < 6; ++k) {
-        const double *mine = weft_sim_state(self->sim) + k * here + band.above * cols;
+        const double *mine = weft_sim_state(self->sim) + k * here + skip;
         comm->gather(comm->self, mine, own * sizeof *mine,
                      needed ? *gathered + k * all : NULL);
     }

@@ -43,14 +43,15 @@ static weft_status write_planes(const run *self, const char *name,
                                 weft_error *err)
 {
     record_surface surface = { .doubles = true };
-    weft_status status = record_faces_of(self->cloth, &surface.faces, err);
+    const weft_cloth *cloth = self->whole != NULL ? self->whole : self->cloth;
+    weft_status status = record_faces_of(cloth, &surface.faces, err);
     const size_t n = surface.faces.particles;
     double *values = malloc(6 * n * sizeof *values);
     if (status == WEFT_OK && values == NULL) {
         status = weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s", name);
     }
     for (size_t i = 0; status == WEFT_OK && i < n; ++i) { /* a band has n here */
-        const size_t at = surface.faces.cols > 0 ? i : weft_cloth_index(self->cloth, i);
+        const size_t at = surface.faces.cols > 0 ? i : weft_cloth_index(cloth, i);
         for (size_t k = 0; k < 6; ++k) {
             values[k / 3 * 3 * n + 3 * i + k % 3] = y[k * n + at];
         }
@@ -99,8 +100,10 @@ static weft_status add_frame(run *self, size_t index, weft_error *err)
     TRY(run_agree(self, record_series_add(&self->series, &frame, err), err));
     TRY(run_agree(self, record_shapes_add(&self->shapes, &frame, err), err));
     TRY(record_vtkhdf_add(self->frames, &frame, err));
-    weft_cloth_destroy(self->whole); /* the first frame needed it */
-    self->whole = NULL;
+    if (weft_cloth_cols(self->cloth) > 0) { /* the first frame alone needed it */
+        weft_cloth_destroy(self->whole);
+        self->whole = NULL;
+    }
     if (self->given->frames != NULL) {
         char name[64];
         (void)snprintf(name, sizeof name, "frames/frame-%06zu.obj", index);
@@ -463,7 +466,7 @@ const verb verb_run = {
       "  --force              replace the files of an earlier run\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         also write frames/frame-000000.obj ...\n"
-      "  --bands N            one cloth in N bands of rows, a process each: mpirun -n "
+      "  --bands N            one cloth in N bands, a process each: mpirun -n "
       "N weft run SCENE.yaml --bands N (docs/cluster.md)\n"
       "  --view               also write run.html, a page that plays the run, and "
       "print its URL\n"

@@ -19,7 +19,7 @@ typedef struct run {
     const weft_scene *scene;
     const weft_comm *comm;   /* NULL: one process; else all functions are collective */
     weft_cloth *cloth;       /* of the sim: in bands, this one */
-    weft_cloth *whole;       /* in bands, on rank 0, up to the first frame; else NULL */
+    weft_cloth *whole;       /* in bands, on rank 0; of a grid up to the first frame */
     weft_scene_twins *twins; /* of sensitivities; NULL: none */
     weft_sim *sim;
     record_series series;

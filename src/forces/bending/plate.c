@@ -247,9 +247,14 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
                size_t first, size_t end)
 {
     const weft__plate *of = own;
-    weft__add_fn *form
-        = of->matrix.near > WEFT__PLATE_ROOM ? weft__plate_loops : of->fast;
-    return form(own, at, unit, to, first, end);
+    int failed = 0;
+    for (size_t b = first; b < end; ++b) {
+        const size_t near = weft__block(of->mesh, b + 1) - weft__block(of->mesh, b)
+                            + of->matrix.reach[b + 1] - of->matrix.reach[b];
+        weft__add_fn *form = near > WEFT__PLATE_ROOM ? weft__plate_loops : of->fast;
+        failed |= form(own, at, unit, to, b, b + 1);
+    }
+    return failed;
 }
 
 /* ---- energy and powers ----------------------------------------------------------- */
@@ -351,6 +356,66 @@ static size_t bytes(const void *own)
            + 2 * k->particles * sizeof *of->most;
 }
 
+static size_t halo(const void *own, size_t b, const uint32_t **particles)
+{
+    const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
+    *particles = of->halo + of->reach[b];
+    return of->reach[b + 1] - of->reach[b];
+}
+
+/* Of `count` offsets those from `from` on become those from `to` on, up to `end`; all
+ * before are 0, all up to `last` the end. */
+static void move_offsets(size_t *of, size_t from, size_t to, size_t end, size_t last)
+{
+    const size_t start = of[from];
+    memmove(of + to, of + from, (end - to + 1) * sizeof *of);
+    for (size_t j = 0; j <= last; ++j) {
+        of[j] = j < to ? 0 : j <= end ? of[j] - start : of[end];
+    }
+}
+
+/* K of all rows, and bounds, come from the whole: only the order of the particles is
+ * another one. */
+static bool slice_matrix(void *own, const weft__slice *slice)
+{
+    enum { GROUPS = WEFT__MESH_BLOCK / WEFT__PLATE_ROWS };
+    weft__plate *plate = own;
+    weft__plate_matrix *of = &plate->matrix;
+    const size_t n = of->particles, above = slice->above, end = above + slice->own;
+    const size_t whole = (n + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
+    const size_t after = (slice->first + slice->own) * GROUPS;
+    const size_t begin = of->first[slice->first * GROUPS];
+    const size_t entries = of->first[after < whole ? after : whole] - begin;
+    const size_t halo_begin = of->reach[slice->first];
+    const size_t halos = of->reach[slice->first + slice->own] - halo_begin;
+    double *most = weft__alloc(slice->memory, slice->particles, 2 * sizeof *most);
+    if (most == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < slice->particles; ++i) {
+        most[i] = plate->most[slice->whole[i]];
+        most[slice->particles + i] = plate->most[n + slice->whole[i]];
+    }
+    weft__free(slice->memory, plate->most);
+    plate->most = most;
+    of->particles = slice->particles;
+    weft__slice_range(slice, &of->column, begin, entries, sizeof *of->column);
+    weft__slice_range(slice, &of->entry, begin, entries, sizeof *of->entry);
+    if (of->damping != NULL) {
+        weft__slice_range(slice, &of->damping, begin, entries, sizeof *of->damping);
+    }
+    weft__slice_range(slice, &of->halo, halo_begin, halos, sizeof *of->halo);
+    for (size_t j = 0; j < halos; ++j) {
+        of->halo[j] = slice->here[of->halo[j]];
+    }
+    const size_t groups = (of->particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
+    const size_t blocks = (of->particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
+    move_offsets(of->first, slice->first * GROUPS, above * GROUPS,
+                 end * GROUPS < groups ? end * GROUPS : groups, groups);
+    move_offsets(of->reach, slice->first, above, end, blocks);
+    return true;
+}
+
 const weft__force weft__plate_force = { .name = "plate",
                                         .check = check,
                                         .init = init,
@@ -359,6 +424,8 @@ const weft__force weft__plate_force = { .name = "plate",
                                         .copy = copy,
                                         .free = free_matrix,
                                         .bytes = bytes,
+                                        .halo = halo,
+                                        .slice = slice_matrix,
                                         .present = present,
                                         .add = add,
                                         .linear = true,

@@ -25,7 +25,6 @@ typedef struct weft__plate_matrix {
     double *damping;  /* [N s/m] as `entry`, where they differ; else tau of each */
     size_t *reach;    /* the first of each block's halo, and their number */
     uint32_t *halo;   /* particles beyond a block that its rows have as columns */
-    size_t near;      /* particles of the largest block and its halo */
 } weft__plate_matrix;
 
 /* `pin` is not 0 of pinned particles. All NULL where no triangle resists bending.

@@ -420,8 +420,6 @@ static bool add_rows(const stencils *of, growth *to)
             of->slot[out->halo[j]] = 0;
         }
         out->reach[b + 1] = to->halo;
-        const size_t near = to->own + to->halo - out->reach[b];
-        out->near = near > out->near ? near : out->near;
     }
     (void)resize_entries(of, to, to->entries); /* gives back what is not needed */
     return true;

@@ -178,11 +178,11 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    for (size_t next = 0; weft__membrane_each_own(of, b, &next, &tri);) {
+    for (size_t next = 0; weft__membrane_each(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
             const weft_spring edge = strain_of(of, &tri, at->y, i);
-            const size_t p = weft__vertex_of(of->mesh, edge.p);
-            const size_t q = weft__vertex_of(of->mesh, edge.q);
+            const size_t p = weft__shown(of->mesh, edge.p);
+            const size_t q = weft__shown(of->mesh, edge.q);
             strain[p] = fmax(strain[p], edge.strain);
             strain[q] = fmax(strain[q], edge.strain);
         }
@@ -201,6 +201,13 @@ static size_t bytes(const void *own)
            + (blocks + 1) * sizeof *of->blocks;
 }
 
+static size_t halo(const void *own, size_t b, const uint32_t **particles)
+{
+    const weft__membrane *of = own;
+    *particles = of->halo + of->blocks[b].halo;
+    return of->blocks[b + 1].halo - of->blocks[b].halo;
+}
+
 const weft__force weft__membrane_force = { .name = "membrane",
                                            .check = weft__membrane_check,
                                            .init = weft__membrane_init,
@@ -209,6 +216,8 @@ const weft__force weft__membrane_force = { .name = "membrane",
                                            .copy = weft__membrane_copy,
                                            .free = weft__membrane_free,
                                            .bytes = bytes,
+                                           .halo = halo,
+                                           .slice = weft__membrane_slice,
                                            .present = present,
                                            .add = add,
                                            .change = add,

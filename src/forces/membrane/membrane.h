@@ -127,6 +127,7 @@ WEFT_FORMS(weft__add_fn, membrane);
 void weft__membrane_check(const weft_cloth_def *def, const weft__faults *to);
 bool weft__membrane_init(void *own, const weft_cloth_def *def,
                          const weft_allocator *memory);
+bool weft__membrane_slice(void *own, const weft__slice *slice);
 bool weft__membrane_copy(void *own, const weft_allocator *memory);
 void weft__membrane_free(void *own, const weft_allocator *memory);
 

@@ -112,6 +112,12 @@ static bool make_block(maker *by, size_t b)
     return true;
 }
 
+/* Batches in `room`, which has space for so many. */
+static weft__batch *aligned(void *room)
+{
+    return (void *)((char *)room + (LINE - (uintptr_t)room % LINE) % LINE);
+}
+
 static bool make_constants(maker *by)
 {
     weft__membrane *own = by->own;
@@ -119,8 +125,7 @@ static bool make_constants(maker *by)
     if (own->room == NULL) {
         return false;
     }
-    own->batches
-        = (void *)((char *)own->room + (LINE - (uintptr_t)own->room % LINE) % LINE);
+    own->batches = aligned(own->room);
     for (size_t j = 0; j < by->batches * WEFT__WIDTH; ++j) {
         const size_t g = j / WEFT__WIDTH, lane = j % WEFT__WIDTH;
         const uint32_t t = own->corners[g].triangle[lane];
@@ -176,6 +181,42 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
                       && weft__membrane_number_links(of, memory);
     WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);
     return made;
+}
+
+bool weft__membrane_slice(void *own, const weft__slice *slice)
+{
+    weft__membrane *of = own;
+    const weft__membrane_block from = of->blocks[slice->first],
+                               end = of->blocks[slice->first + slice->own];
+    const size_t batches = end.batch - from.batch, halos = end.halo - from.halo;
+    const size_t last = (slice->particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
+    void *room = weft__alloc(slice->memory, batches + 1, sizeof *of->batches);
+    if (room == NULL || !weft__slice_list(slice, &of->weight, sizeof *of->weight)) {
+        weft__free(slice->memory, room);
+        return false;
+    }
+    memcpy(aligned(room), of->batches + from.batch, batches * sizeof *of->batches);
+    weft__free(slice->memory, of->room);
+    of->room = room;
+    of->batches = aligned(room);
+    weft__slice_range(slice, &of->corners, from.batch, batches, sizeof *of->corners);
+    weft__slice_range(slice, &of->halo, from.halo, halos, sizeof *of->halo);
+    for (size_t j = 0; j < halos; ++j) {
+        of->halo[j] = slice->here[of->halo[j]];
+    }
+    for (size_t j = 0; j < batches * WEFT__WIDTH; ++j) {
+        uint32_t *t = &of->corners[j / WEFT__WIDTH].triangle[j % WEFT__WIDTH];
+        *t = *t != WEFT__NONE ? slice->triangle[*t] : WEFT__NONE;
+    }
+    memmove(of->blocks + slice->above, of->blocks + slice->first,
+            (slice->own + 1) * sizeof *of->blocks);
+    for (size_t b = 0; b <= last; ++b) { /* ghosts have nothing */
+        weft__membrane_block *at = &of->blocks[b];
+        const bool before = b<slice->above, after = b> slice->above + slice->own;
+        at->batch = before ? 0 : after ? batches : at->batch - from.batch;
+        at->halo = before ? 0 : after ? halos : at->halo - from.halo;
+    }
+    return true;
 }
 
 /* K is at most some 100 C L / h^3 of a triangle's longest edge and height. */
