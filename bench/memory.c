@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* memory.c -- peak memory of a run in bytes a particle, and in state vectors of 6 N
  * doubles: of a simulation in a process of its own, and of `weft run`, which records
- * frames. What the process has without a cloth is taken off. */
+ * frames. What the process has without a cloth is taken off. Beside it what weft says
+ * of the simulation and its cloth, which `weft check` prints with a state for frames.
+ */
 #include "bench.h"
 
 #include "weft/weft.h"
@@ -57,6 +59,13 @@ static void simulate(const job *what)
         if (weft_sim_step(sim, 1.0, NULL) != WEFT_OK) {
             exit(1);
         }
+    }
+    if (what->side > 4) {
+        const double said
+            = (double)weft_sim_stats(sim).bytes + (double)weft_cloth_bytes(cloth);
+        printf("memory said %zux%zu %s/%s: %.0f bytes/particle\n", what->side,
+               what->side, what->plugin->id, what->method,
+               said / (double)weft_cloth_particles(cloth));
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);

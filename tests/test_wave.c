@@ -5,8 +5,10 @@
 #include "support.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cloth/model.h"
 #include "sim/simulation.h"
@@ -304,6 +306,7 @@ static void same(const twins *both, const char *after)
     weft_stepper_stats stats[2];
     for (int i = 0; i < 2; ++i) {
         stats[i] = weft_sim_stats(both->of[i]);
+        stats[i].bytes = 0;
     }
     ck_assert_msg(weft_sim_time(both->of[0]) == weft_sim_time(both->of[1]), "%s",
                   after);
@@ -459,6 +462,52 @@ START_TEST(no_pass_where_it_would_change_something)
 }
 END_TEST
 
+#if defined __linux__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
+static double resident(void) /* [bytes] */
+{
+    long pages = 0;
+    FILE *from = fopen("/proc/self/statm", "r");
+    ck_assert(from != NULL && fscanf(from, "%*d %ld", &pages) == 1);
+    (void)fclose(from);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE);
+}
+
+static const struct {
+    const char *method;
+    double fixed_step;
+    bool by_stages;
+} kept[] = { { "arkode/dormand_prince", 0.0, false },
+             { "arkode/dormand_prince", 0.0, true },
+             { "arkode/dormand_prince", 1e-5, true },
+             { "arkode/cash_karp", 0.0, false },
+             { "arkode/bogacki_shampine", 0.0, true },
+             { "verlet/velocity_verlet", 1e-5, false },
+             { "verlet/symplectic_euler", 1e-5, false },
+             { "gsl/rkf45", 0.0, false },
+             { "gsl/rk2", 1e-5, false },
+             { "gsl/rk8pd", 0.0, false } };
+
+START_TEST(a_run_takes_the_memory_that_stats_say)
+{
+    static const weft_pass none;
+    weft_cloth *cloth = made(400, 400, 1);
+    weft_sim_def def = plain_def(cloth, kept[_i].method);
+    def.config.fixed_step = kept[_i].fixed_step;
+    def.config.pass = kept[_i].by_stages ? &none : NULL;
+    const double before = resident();
+    weft_sim *sim = test_sim(cloth, def.method, &def.config);
+    for (int i = 0; i < 4; ++i) {
+        ck_assert_int_eq(weft_sim_step(sim, 1.0, NULL), WEFT_OK);
+    }
+    const double took = resident() - before, said = (double)weft_sim_stats(sim).bytes;
+    ck_assert_msg(fabs(took / said - 1.0) < 0.1, "%s: %.0f bytes instead of %.0f",
+                  kept[_i].method, took, said);
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+#endif
+
 TEST_SUITE(wave)
 {
     Suite *suite = suite_create("wave");
@@ -474,6 +523,10 @@ TEST_SUITE(wave)
     tcase_add_test(tests, a_stop_ends_the_step_in_the_same_call);
     tcase_add_loop_test(tests, failures_are_those_of_stages, 0, 6);
     tcase_add_test(tests, no_pass_where_it_would_change_something);
+#if defined __linux__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
+    tcase_add_loop_test(tests, a_run_takes_the_memory_that_stats_say, 0,
+                        (int)(sizeof kept / sizeof kept[0]));
+#endif
     suite_add_tcase(suite, tests);
     return suite;
 }

@@ -402,6 +402,10 @@ typedef struct weft_stepper_stats {
     uint64_t linear_iterations; /* of conjugate gradients */
     uint64_t factorisations;    /* Jacobians computed */
     uint64_t newton_failures;   /* systems that could not be solved */
+
+    /* appended: memory of the instance in a run, as far as it grows with y; 0: not
+     * known. Of a simulation: and its own, without the cloth of its definition. */
+    uint64_t bytes;
 } weft_stepper_stats;
 
 /* An option in force, as text: "safety", "0.96". */

@@ -121,6 +121,7 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
     const bool max = self->fixed_step > 0.0 || config->norm == WEFT_NORM_MAX;
     if (made && pass != NULL && max && table != NULL && !self->implicit
         && self->agree == NULL && self->ode.dim == 2 * self->half) {
+        self->passes = true;
         weft__sun_pass(self->y, pass,
                        (weft__sun_stages){ self, weft__ark_stage, weft__ark_passed });
     }

@@ -76,6 +76,7 @@ typedef struct arkode_stepper {
     int stages;              /* of the table; 0: there is none */
     bool implicit;
     bool fsal;    /* the last stage of the table is the first of the next step */
+    bool passes;  /* attempts are made in one pass */
     bool hidden;  /* a stage that is not finite need not show in the step */
     double h;     /* [s] what to try next */
     bool own_h;   /* h is ours: ARKODE would try another */

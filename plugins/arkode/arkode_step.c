@@ -397,10 +397,19 @@ void weft__ark_ode_changed(void *instance)
     self->spectrum.known = false;
 }
 
+/* How many an explicit table touches: others stay unused. */
+static int vectors(const arkode_stepper *self)
+{
+    return self->implicit || self->stages == 0 ? 0
+           : self->passes                      ? 5 - self->fsal
+                          : self->stages + 2 + 2 * (self->fixed_step == 0.0);
+}
+
 void weft__ark_stats(const void *instance, weft_stepper_stats *out)
 {
     const arkode_stepper *self = instance;
     weft_stepper_stats stats = self->stats;
     weft__sun_count_equations(&self->equations, &stats);
+    stats.bytes = (uint64_t)vectors(self) * self->ode.dim * sizeof(double);
     weft__sun_stats(&stats, self->h, out);
 }

@@ -45,6 +45,7 @@ typedef struct method {
     int (*advance)(stepper *self, double t, double h,
                    double *y); /* what the RHS returned; > 0, too: not finite. Then y
                                   is as it was */
+    int halves;                /* of the length of y, that it keeps */
 } method;
 
 static int rhs(stepper *self, double t, const double *y)
@@ -276,7 +277,9 @@ static void ode_changed(void *instance)
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
-    weft_stepper_stats_copy(&self->stats, out);
+    weft_stepper_stats all = self->stats;
+    all.bytes = self->ode.dim * sizeof(double) * (uint64_t)self->method->halves / 2;
+    weft_stepper_stats_copy(&all, out);
 }
 
 static void destroy(void *instance)
@@ -291,7 +294,7 @@ enum {
     FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_AGREES
 };
 
-#define METHOD(id, p, calls, more, source)                                             \
+#define METHOD(id, p, calls, more, kept, source)                                       \
     {                                                                                  \
         .type = { .abi = WEFT_STEPPER_ABI,                                             \
                   .struct_size = sizeof(weft_stepper_type),                            \
@@ -307,15 +310,15 @@ enum {
                   .stats = stats,                                                      \
                   .destroy = destroy,                                                  \
                   .ode_changed = ode_changed },                                        \
-        .advance = id                                                                  \
+        .advance = id, .halves = (kept)                                                \
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
-    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
+    METHOD(symplectic_euler, 1, 1, 0, 2, "X. Provot, Graphics Interface, 1995"),
+    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL, 5,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
-    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
-    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
+    METHOD(euler, 1, 1, 0, 2, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, 0, 4, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)

@@ -124,11 +124,13 @@ bool weft__wave_pays(const weft__forces *forces, size_t stages)
            && bands_of(threads, cloth, stages) == threads;
 }
 
-size_t weft__wave_bytes(const weft_cloth *cloth, size_t threads, size_t stages)
+size_t weft__wave_bytes(const weft__wave *wave)
 {
-    return bands_of(threads, cloth, stages)
-           * (sizeof(band) + stages * sizeof(window)
-              + room_of(stages, stride_of(cloth, stages)) * sizeof(double));
+    return wave == NULL
+               ? 0
+               : wave->bands
+                     * (sizeof(band) + wave->stages * sizeof(window)
+                        + room_of(wave->stages, wave->stride) * sizeof(double));
 }
 
 void weft__wave_destroy(weft__wave *wave)

@@ -25,8 +25,7 @@ weft__wave *weft__wave_create(const weft__forces *forces, size_t stages,
                               const weft_allocator *given);
 void weft__wave_destroy(weft__wave *wave); /* NULL is allowed */
 
-/* [bytes] with a pool of so many threads */
-size_t weft__wave_bytes(const weft_cloth *cloth, size_t threads, size_t stages);
+size_t weft__wave_bytes(const weft__wave *wave); /* NULL: 0 */
 
 /* As weft_pass.run, of a cloth under `forces` as it is now; does not ask `stop`. */
 int weft__wave_run(weft__wave *wave, const weft__forces *forces, weft_attempt *attempt);

@@ -80,6 +80,23 @@ static void print_cloths(const weft_mesh_def *mesh, const weft_cloth *cloth)
     }
 }
 
+/* sim NULL: not known. A run also keeps a state for its frames. */
+static void print_memory(const weft_cloth *cloth, const weft_sim *sim)
+{
+    const double vector = (double)weft_cloth_dim(cloth) * sizeof(double);
+    const double own = (double)weft_cloth_bytes(cloth);
+    const double run = sim != NULL ? (double)weft_sim_stats(sim).bytes : 0.0;
+    fputs("  memory     ", stdout);
+    print_bytes("cloth", own);
+    print_bytes(", each state vector", vector);
+    if (run > 0.0) {
+        print_bytes(", a run", own + run + vector);
+        printf(" or %.0f bytes per particle",
+               (own + run + vector) / (double)weft_cloth_particles(cloth));
+    }
+    putchar('\n');
+}
+
 static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     char size[HUMAN_SIZE];
@@ -103,10 +120,6 @@ static void print_cloth(const weft_cloth_def *def, const weft_cloth *cloth)
     printf("  masses     %.6g kg in all, %.6g to %.6g kg a particle\n",
            weft_cloth_mass(cloth), least, most);
     print_pins(def, cloth);
-    fputs("  memory     ", stdout);
-    print_bytes("cloth", (double)weft_cloth_bytes(cloth));
-    print_bytes(", each state vector", (double)weft_cloth_dim(cloth) * sizeof(double));
-    putchar('\n');
 }
 
 static void print_stepper(const weft_scene *scene, size_t particles)
@@ -138,13 +151,15 @@ static void print_stepper(const weft_scene *scene, size_t particles)
 }
 
 static void print_scene(const char *file, const weft_scene *scene,
-                        const weft_cloth *cloth, const survey *found, bool all)
+                        const weft_cloth *cloth, const weft_sim *sim,
+                        const survey *found, bool all)
 {
     const weft_run_def *run = weft_scene_run(scene);
     const weft_limit_def *limit = weft_scene_limit(scene);
     weft_error err;
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
+    print_memory(cloth, sim);
     fabric_print(scene, cloth);
     contact_print(weft_scene_cloth(scene));
     if (limit->method != WEFT_LIMIT_NONE) {
@@ -212,7 +227,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
     } else if (out != NULL) {
         scene_yaml(out, file, scene, cloth, &found);
     } else {
-        print_scene(file, scene, cloth, &found, given->all);
+        print_scene(file, scene, cloth, sim, &found, given->all);
     }
     survey_destroy(&found);
     weft_sim_destroy(sim);
