@@ -90,8 +90,8 @@ static void print_memory(const weft_cloth *cloth, const weft_sim *sim)
     print_bytes("cloth", own);
     print_bytes(", each state vector", vector);
     if (run > 0.0) {
-        print_bytes(", a run", own + run + vector);
-        printf(" or %.0f bytes per particle",
+        print_bytes("\n             in a run", own + run + vector);
+        printf(", %.0f bytes per particle",
                (own + run + vector) / (double)weft_cloth_particles(cloth));
     }
     putchar('\n');
