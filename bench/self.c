@@ -111,12 +111,12 @@ void __wrap_weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *
     current = outer;
 }
 
-void __real_weft__self_chunk_begin(weft__self_chunk *of);
-void __wrap_weft__self_chunk_begin(weft__self_chunk *of);
-void __wrap_weft__self_chunk_begin(weft__self_chunk *of)
+void __real_weft__self_chunk_begin(weft__self_chunk *of, bool stays);
+void __wrap_weft__self_chunk_begin(weft__self_chunk *of, bool stays);
+void __wrap_weft__self_chunk_begin(weft__self_chunk *of, bool stays)
 {
     ++chunks_made;
-    __real_weft__self_chunk_begin(of);
+    __real_weft__self_chunk_begin(of, stays);
 }
 
 bool __real_weft__path_clear(const weft__forces *forces, const weft__path *path);

@@ -149,7 +149,7 @@ static inline double meet(const weft__self_law *law, weft__pair_kind kind,
 }
 
 /* One function for each kind, as it is a constant. */
-static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
+static inline bool push_kind(weft__pair_kind kind, const weft__self_law *law,
                              const weft__pair *pair, const double *y, weft__pushes *out,
                              size_t lane, double *bad)
 {
@@ -178,15 +178,7 @@ static inline bool push_kind(const weft__self_law *law, weft__pair_kind kind,
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__pushes *out, size_t lane, double *bad)
 {
-    switch ((weft__pair_kind)pair->kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        return push_kind(law, kind, pair, y, out, lane, bad);
-        EACH_KIND(CASE)
-#undef CASE
-    default:
-        return false;
-    }
+    return BY_KIND(pair->kind, push_kind, law, pair, y, out, lane, bad);
 }
 
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
@@ -259,7 +251,7 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
 }
 
 /* One function for each kind, as above. */
-static inline void add_kind(const weft__self *own, weft__pair_kind kind,
+static inline void add_kind(weft__pair_kind kind, const weft__self *own,
                             const weft__pushes *pushes, size_t count, weft__unit unit,
                             double *to)
 {
@@ -287,14 +279,7 @@ void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count)
 {
     const weft__self_sums *of = ctx;
-    switch (kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        add_kind(of->own, kind, pushes, count, of->unit, of->to);                      \
-        break;
-        EACH_KIND(CASE)
-#undef CASE
-    }
+    BY_KIND(kind, add_kind, of->own, pushes, count, of->unit, of->to);
 }
 
 typedef struct measuring {

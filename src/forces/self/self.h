@@ -216,7 +216,8 @@ weft__push_fn weft__pair_push;
 weft__push_fn weft__pair_slope;
 
 /* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
- * or NaN if a force is not finite. Has room for all pairs. */
+ * or NaN if a force is not finite. Has room for all pairs. Waits become negative where
+ * pairs push, and 0 where they no longer do. */
 typedef size_t weft__pushes_fn(const weft__self_law *law, weft__pair_kind kind,
                                const weft__near *near, const weft__span *spans,
                                size_t span_count, const double *y, weft__pushes *out,

@@ -2,7 +2,7 @@
 /* self_chunk.c -- the pairs of a weft__self_list and their room. */
 #include "forces/self/self_list.h"
 
-enum { STRETCH = 256, ROOM = 512 };
+enum { STRETCH = 256, ROOM = 512, STRIP = 256 };
 
 static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
 {
@@ -77,26 +77,45 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
     WEFT__FREE_ALL(memory, of->now.at, of->now.spans, of->before.at, of->before.spans);
 }
 
+void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
+                          const double *numbers, double most, weft__self_pairs *to)
+{
+    uint32_t which[STRIP];
+    while (first < end) {
+        const size_t begin = first, stop = end - first < STRIP ? end : first + STRIP;
+        size_t count = 0;
+        for (; first < stop; ++first) {
+            which[count] = (uint32_t)first;
+            count += !(numbers[first] > most);
+        }
+        const bool stay = from == to && to->count == begin && count == stop - begin;
+        for (size_t k = 0; k < WEFT__NEAR_PLANES && !stay; ++k) {
+            for (size_t j = 0; j < count; ++j) {
+                to->near.particle[k][to->count + j] = from->near.particle[k][which[j]];
+            }
+        }
+        for (size_t k = 0; k < 4 && !stay; ++k) {
+            for (size_t j = 0; j < count; ++j) {
+                to->numbers[k][to->count + j] = from->numbers[k][which[j]];
+            }
+        }
+        to->count += count;
+    }
+}
+
 void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
 {
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
-        weft__self_pairs *to = &of->bins[kind].now;
-        const weft__self_pairs *from = &of->bins[kind].before;
+        weft__self_bin *in = &of->bins[kind];
         const size_t first = weft__self_first(&of->before, i, kind);
         const size_t count = of->before.spans[i].end[kind] - first;
-        if (to->count + count > of->room) {
+        if (in->now.count + count > of->room) {
             of->full = true;
             return;
         }
-        for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
-            memcpy(to->near.particle[k] + to->count, from->near.particle[k] + first,
-                   count * sizeof(int32_t));
-        }
-        for (size_t k = 0; k < 4; ++k) {
-            memcpy(to->numbers[k] + to->count, from->numbers[k] + first,
-                   count * sizeof(double));
-        }
-        to->count += count;
+        const weft__self_pairs *from = of->stays ? &in->now : &in->before;
+        weft__self_pairs_add(from, first, first + count, from->distances,
+                             (double)INFINITY, &in->now);
     }
 }
 
@@ -127,15 +146,16 @@ bool weft__self_chunk_full(weft__self_chunk *of)
     return of->full;
 }
 
-void weft__self_chunk_begin(weft__self_chunk *of)
+void weft__self_chunk_begin(weft__self_chunk *of, bool stays)
 {
     const weft__self_groups old = of->now;
     of->now = of->before, of->before = old;
     of->now.count = 0;
+    of->stays = stays;
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *in = &of->bins[kind];
-        const weft__self_pairs other = in->now;
-        in->now = in->before, in->before = other;
+        const weft__self_pairs other = stays ? in->before : in->now;
+        in->now = stays ? in->now : in->before, in->before = other;
         in->now.count = 0;
     }
 }

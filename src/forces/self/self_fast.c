@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_fast.c -- contact of a cloth with itself, LANES pairs of one kind at a time:
- * the law of cloth/self_law.h. Pairs that push are found first, then their forces fill
- * all lanes. */
+ * the law of cloth/self_law.h. Pairs that pushed in the last evaluation are taken to do
+ * so again, and others are found; then their forces fill all lanes. */
 #include <string.h>
 
 #include "forces/lanes.h"
@@ -32,7 +32,7 @@ INLINE void particles_of(const weft__near *near, weft__pair_kind kind,
 /* ---- forces ---------------------------------------------------------------------- */
 
 /* Pairs by their numbers. */
-enum { STRETCH = 128 };
+enum { STRETCH = 512 };
 typedef struct queue {
     uint32_t at[STRETCH + 3 * LANES];
     size_t count;
@@ -47,18 +47,8 @@ typedef struct work {
     weft__pushes *out;
     size_t span, next, done; /* next: pair, in `span` */
     vec bad;
-    queue close,
-        found; /* those that have not waited long enough, and those that push */
+    queue close, found; /* those that may have begun to push, and those that push */
 } work;
-
-/* Drops the first ones. */
-INLINE void drop(queue *of, size_t taken)
-{
-    of->count = taken < of->count ? of->count - taken : 0;
-    for (size_t l = 0; taken > 0 && l < of->count; ++l) {
-        of->at[l] = of->at[taken + l];
-    }
-}
 
 /* The last one fills the lanes. */
 INLINE void fill(queue *of)
@@ -68,16 +58,34 @@ INLINE void fill(queue *of)
     }
 }
 
-/* Adds those of at[0], at[1], ... whose bits are set, of `count` at most. */
-INLINE void add(queue *to, const uint32_t at[LANES], unsigned set, size_t count)
+/* The bits that are set of four, and their number. */
+static const uint32_t bits_of[16][5]
+    = { { 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 1 }, { 1, 0, 0, 0, 1 }, { 0, 1, 0, 0, 2 },
+        { 2, 0, 0, 0, 1 }, { 0, 2, 0, 0, 2 }, { 1, 2, 0, 0, 2 }, { 0, 1, 2, 0, 3 },
+        { 3, 0, 0, 0, 1 }, { 0, 3, 0, 0, 2 }, { 1, 3, 0, 0, 2 }, { 0, 1, 3, 0, 3 },
+        { 2, 3, 0, 0, 2 }, { 0, 2, 3, 0, 3 }, { 1, 2, 3, 0, 3 }, { 0, 1, 2, 3, 4 } };
+
+/* Adds pairs first, first + 1, ... whose bits are set. */
+INLINE void add(queue *to, size_t first, unsigned set)
 {
-    set &= count < LANES ? (1U << count) - 1U : ~0U;
-    for (size_t l = 0; l < LANES; ++l) {
-        to->at[to->count] = at[l];
-        to->count += set >> l & 1U;
+    for (size_t l = 0; l < LANES; l += 4) {
+        const uint32_t *four = bits_of[set >> l & 15U];
+        for (size_t k = 0; k < 4; ++k) {
+            to->at[to->count + k] = (uint32_t)(first + l) + four[k];
+        }
+        to->count += four[4];
     }
 }
 
+/* Drops the last ones from pair `end` on. */
+INLINE void end_at(queue *of, size_t end)
+{
+    while (of->count > 0 && of->at[of->count - 1] >= end) {
+        --of->count;
+    }
+}
+
+/* Of pairs close.at[i], ...: those that push wait no more. */
 INLINE void find(work *of, weft__pair_kind kind, size_t i)
 {
     const weft__self *own = of->law->own;
@@ -87,9 +95,9 @@ INLINE void find(work *of, weft__pair_kind kind, size_t i)
     particles_of(of->near, kind, pairs, at);
     gather_points(of->y, own->points, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
-    const unsigned pushes = bits(law_pushes(kind, &gram, own->law.thickness));
-    if (pushes != 0) {
-        add(&of->found, pairs, pushes, of->close.count - i);
+    unsigned pushes = bits(law_pushes(kind, &gram, own->law.thickness));
+    for (; pushes != 0; pushes &= pushes - 1) {
+        of->near->waits[pairs[__builtin_ctz(pushes)]] = -1.0;
     }
 }
 
@@ -127,32 +135,36 @@ INLINE void find_windows(const work *of, weft__pair_kind kind,
     }
 }
 
-/* LANES pairs of `found` are the next pushes. */
-INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
+/* LANES pairs of `found` are the next pushes, unless some no longer push: returns their
+ * bits. */
+INLINE unsigned push_pairs(work *of, weft__pair_kind kind, size_t i)
 {
     const weft__self *own = of->law->own;
-    const weft_contact_def contact = own->law;
+    const weft_contact_def *contact = &own->law;
     const uint32_t *pairs = of->found.at + i;
     const size_t n = own->points, first = of->done + i;
     weft__pushes *to = &of->out[first / WEFT__BLOCK];
     int32_t at[4][LANES];
-    vec x[4][3], v[4][3], mass = splat(0.0), rest = splat(0.0), window[3];
-    vec mu = splat(contact.friction), share = splat(of->law->share);
+    vec x[4][3], v[4][3], rest = splat(0.0), window[3];
+    vec mu = splat(contact->friction);
     law_push out;
     particles_of(of->near, kind, pairs, at);
+    gather_points(of->y, n, kind, at, x);
+    const law_gram gram = law_gram_of(kind, x);
+    const unsigned rests = bits(~law_pushes(kind, &gram, own->law.thickness));
+    if (rests != 0) {
+        return rests;
+    }
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         memcpy(&to->particle[j][first % WEFT__BLOCK], at[j], sizeof at[j]);
     }
-    for (size_t l = 0; l < LANES; ++l) {
-        mass[l] = of->near->mass[pairs[l]];
-        rest[l] = kind == WEFT__EDGES ? of->near->rest[pairs[l]] : 0.0;
-        if (mass[l] < 0.0) {
-            mass[l] = -mass[l], share[l] = WEFT__GRID_SHARE;
-        }
+    const vec mass = gather(of->near->mass, (const int32_t *)pairs);
+    const vec share
+        = choose(mass < 0.0, splat(WEFT__GRID_SHARE), splat(of->law->share));
+    if (kind == WEFT__EDGES) {
+        rest = gather(of->near->rest, (const int32_t *)pairs);
     }
-    gather_points(of->y, n, kind, at, x);
     gather_points(of->y + 3 * n, n, kind, at, v);
-    const law_gram gram = law_gram_of(kind, x);
     law_feet feet = law_feet_of(kind, &gram);
     find_windows(of, kind, pairs, window);
     law_weigh(kind, of->law, rest, window, &feet);
@@ -164,64 +176,80 @@ INLINE void push_pairs(work *of, weft__pair_kind kind, size_t i)
         }
         mu = gather(own->friction, side);
     }
-    law_push_of(kind, &contact, share, mu, own->rough, &feet, mass, v, &out);
+    law_push_of(kind, contact, share, mu, own->rough, &feet, most(mass, -mass), v,
+                &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;
     }
+    return 0;
 }
 
-/* Pairs go from `close` to `found` to the pushes, as far as they fill lanes; at last
- * all do. */
-INLINE void pass_on(work *of, weft__pair_kind kind, bool last)
+/* Drops pairs i + l of a queue whose bits l are set: they wait again. */
+static void drop(queue *of, size_t i, unsigned set, double *waits)
 {
+    size_t kept = i;
+    for (size_t j = i; j < of->count; ++j) {
+        const bool drops = j < i + LANES && (set >> (j - i) & 1U) != 0;
+        const uint32_t pair = of->at[kept] = of->at[j];
+        waits[pair] = drops ? 0.0 : waits[pair];
+        kept += !drops;
+    }
+    of->count = kept;
+    fill(of);
+}
+
+/* Those that are found are the next pushes, as far as they fill lanes; at last all. */
+INLINE void push_found(work *of, weft__pair_kind kind, bool last)
+{
+    queue *found = &of->found;
     size_t taken = 0;
-    fill(&of->close);
-    for (; taken + (last ? 1 : LANES) <= of->close.count; taken += LANES) {
-        find(of, kind, taken);
+    fill(found);
+    while (taken + (last ? 1 : LANES) <= found->count) {
+        const unsigned rests = push_pairs(of, kind, taken);
+        if (rests != 0) {
+            drop(found, taken, rests, of->near->waits);
+        }
+        taken += rests == 0 ? LANES : 0;
     }
-    drop(&of->close, taken);
-    taken = 0;
-    fill(&of->found);
-    for (; taken + (last ? 1 : LANES) <= of->found.count; taken += LANES) {
-        push_pairs(of, kind, taken);
-    }
-    of->done += taken < of->found.count ? taken : of->found.count;
-    drop(&of->found, taken);
+    taken = taken < found->count ? taken : found->count;
+    of->done += taken, found->count -= taken;
+    memmove(found->at, found->at + taken, found->count * sizeof found->at[0]);
 }
 
-/* Takes pairs of `spans` that have not waited long enough, until there are many;
- * returns whether all have been seen. */
-INLINE bool scan(work *of, weft__pair_kind kind)
+/* Takes the pairs before `end` that have not waited long enough, but not those that
+ * pushed when they were last looked at. */
+INLINE void scan(work *of, size_t end, weft__pair_kind kind)
 {
-    for (; of->span < of->span_count; ++of->span) {
-        const size_t end = of->spans[of->span].end[kind];
+    of->close.count = 0;
+    while (of->next < end) {
+        const size_t stop = of->spans[of->span].end[kind];
+        const size_t to = stop < end ? stop : end;
         const vec moved = splat(of->spans[of->span].moved);
-        for (; of->next < end && of->close.count < STRETCH; of->next += LANES) {
-            const unsigned close = bits(~(load(of->near->waits + of->next) > moved));
-            if (close != 0) {
-                uint32_t here[LANES];
-                for (size_t l = 0; l < LANES; ++l) {
-                    here[l] = (uint32_t)(of->next + l);
-                }
-                add(&of->close, here, close, end - of->next);
-            }
+        for (; of->next < to; of->next += LANES) {
+            const vec wait = load(of->near->waits + of->next);
+            add(&of->close, of->next, bits(~(wait > moved) & ~(wait < 0.0)));
         }
-        if (of->next < end) {
-            return false;
-        }
-        of->next = end;
+        end_at(&of->close, to);
+        of->next = to, of->span += to == stop;
     }
-    return true;
+    fill(&of->close);
 }
 
-INLINE void push_kind(work *of, weft__pair_kind kind)
+INLINE void push_kind(weft__pair_kind kind, work *of)
 {
-    bool last;
-    do {
-        last = scan(of, kind);
-        pass_on(of, kind, last);
-    } while (!last);
+    const size_t all = of->span_count > 0 ? of->spans[of->span_count - 1].end[kind] : 0;
+    for (size_t first = 0; first < all; first = of->next) {
+        scan(of, first + STRETCH < all ? first + STRETCH : all, kind);
+        for (size_t i = 0; i < of->close.count; i += LANES) {
+            find(of, kind, i);
+        }
+        for (size_t i = first; i < of->next; i += LANES) {
+            add(&of->found, i, bits(load(of->near->waits + i) < 0.0));
+        }
+        end_at(&of->found, of->next);
+        push_found(of, kind, of->next == all);
+    }
 }
 
 size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
@@ -233,14 +261,7 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
     of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
     of.y = y, of.out = out, of.bad = splat(0.0);
     of.span = of.next = of.done = of.close.count = of.found.count = 0;
-    switch (kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        push_kind(&of, kind);                                                          \
-        break;
-        EACH_KIND(CASE)
-#undef CASE
-    }
+    BY_KIND(kind, push_kind, &of);
     *bad += sum(of.bad);
     return of.done;
 }
@@ -256,7 +277,7 @@ typedef struct waiting {
     double *distances;
 } waiting;
 
-INLINE void wait_kind(const waiting *of, weft__pair_kind kind)
+INLINE void wait_kind(weft__pair_kind kind, const waiting *of)
 {
     for (size_t i = of->first; i < of->end; i += LANES) {
         uint32_t pairs[LANES];
@@ -280,14 +301,7 @@ void NAME(waits, LEVEL)(const weft__self *own, weft__pair_kind kind,
                         const double *y, double most, double *distances)
 {
     const waiting of = { own, near, first, end, y, most, distances };
-    switch (kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        wait_kind(&of, kind);                                                          \
-        break;
-        EACH_KIND(CASE)
-#undef CASE
-    }
+    BY_KIND(kind, wait_kind, &of);
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */

@@ -10,9 +10,12 @@
 #define SOFT_ANGLE 0.25
 #define PARALLEL   1e-12
 
-/* For functions that have a kind as a constant. */
-#define EACH_KIND(X)                                                                   \
-    X(WEFT__VERTICES) X(WEFT__VERTEX_EDGE) X(WEFT__VERTEX_TRIANGLE) X(WEFT__EDGES)
+/* Calls a function that has the kind as a constant. */
+#define BY_KIND(kind, call, ...)                                                       \
+    ((kind) == WEFT__VERTICES          ? call(WEFT__VERTICES, __VA_ARGS__)             \
+     : (kind) == WEFT__VERTEX_EDGE     ? call(WEFT__VERTEX_EDGE, __VA_ARGS__)          \
+     : (kind) == WEFT__VERTEX_TRIANGLE ? call(WEFT__VERTEX_TRIANGLE, __VA_ARGS__)      \
+                                       : call(WEFT__EDGES, __VA_ARGS__))
 
 /* At a gap d windows are narrower by q = sqrt(1 + (thickness / (NARROWING d))^2), that
  * of the angle by q^2: W -> 1 as d -> 0, and no pass is left between two of them. */

@@ -20,7 +20,7 @@
 enum { SHELVES = 64 };
 
 /* Of the skin: what is left of it at least where pairs are not sought again, and how
- * far particles may have moved against each other where waits are not found again. */
+ * far particles may have moved where waits are not found again; beside bodies half. */
 #define LEAST 0.25
 #define STALE 0.4
 #define CLOSE 0.12 /* of the skin: pairs that may push within so much motion */
@@ -286,20 +286,7 @@ static void fill_part(void *ctx, size_t part)
     }
 }
 
-/* Adds pair i of others, or of the same from i on. */
-static inline void add_pair(const weft__self_pairs *from, size_t i,
-                            weft__self_pairs *to)
-{
-    for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
-        to->near.particle[k][to->count] = from->near.particle[k][i];
-    }
-    for (size_t k = 0; k < 4; ++k) {
-        to->numbers[k][to->count] = from->numbers[k][i];
-    }
-    ++to->count;
-}
-
-/* Measures the pairs of a bin from `first` on, which may be new, and drops those at
+/* Measures the pairs of a bin from `first` on, which may be new, and drops those beyond
  * `clear`. Pinned pairs do not push. */
 static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
                           weft__self_pairs *in, size_t first, double clear, bool new,
@@ -310,23 +297,18 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
     list->own->waits(list->own, kind, &in->near, first, all, list->y, list->skin,
                      in->distances);
     in->count = first;
-    for (size_t i = first; i < all; ++i) {
-        const double distance = in->distances[i];
-        if (distance >= clear) {
-            continue;
-        }
-        const size_t at = in->count;
-        add_pair(in, i, in);
+    weft__self_pairs_add(in, first, all, in->distances, clear, in);
+    for (size_t i = first; i < in->count; ++i) {
         if (new) {
-            const weft__pair pair = weft__near_pair(kind, &in->near, at);
-            in->near.mass[at] = weft__pair_mass(list->own, &pair);
-            in->near.rest[at] = weft__pair_rest(&law, &pair);
+            const weft__pair pair = weft__near_pair(kind, &in->near, i);
+            in->near.mass[i] = weft__pair_mass(list->own, &pair);
+            in->near.rest[i] = weft__pair_rest(&law, &pair);
         }
-        if (in->near.mass[at] == 0.0) {
-            in->near.waits[at] = INFINITY;
+        if (in->near.mass[i] == 0.0) {
+            in->near.waits[i] = INFINITY;
         }
-        if (kind >= WEFT__VERTEX_TRIANGLE && !(distance > to->nearest)) {
-            to->nearest = distance;
+        if (kind >= WEFT__VERTEX_TRIANGLE && !(in->distances[i] > to->nearest)) {
+            to->nearest = in->distances[i];
         }
     }
 }
@@ -340,7 +322,8 @@ static void add_group(const weft__self_list *list, weft__self_chunk *in, size_t 
     weft__self_group *to = &now->at[now->count];
     weft__span *span = &now->spans[now->count];
     bool any = list->clear[tiles] < weft__self_watched(list);
-    const bool stale = from == NULL || !(from->loss < STALE * list->skin);
+    const double most = (list->own->between ? 0.5 * STALE : STALE) * list->skin;
+    const bool stale = from == NULL || !(from->loss < most);
     *to = (weft__self_group){ .nearest = INFINITY };
     if (!stale) {
         *to = *from;
@@ -384,7 +367,11 @@ static void make_part(void *ctx, size_t part)
 {
     weft__self_list *list = ctx;
     weft__self_chunk *in = &list->chunks[part];
-    weft__self_chunk_begin(in);
+    bool stays = list->valid;
+    for (size_t i = in->first; i < in->end; ++i) {
+        stays = stays && list->clear[i] != UNKNOWN;
+    }
+    weft__self_chunk_begin(in, stays);
     const weft__self_group *old = in->before.at,
                            *end = old + (list->valid ? in->before.count : 0);
     for (size_t i = in->first; i < in->end && !in->full; ++i) {
@@ -548,11 +535,9 @@ static void find_close(weft__self_chunk *of, double more)
         in->before.count = 0;
         for (size_t g = 0, i = 0; g < now->count; ++g) {
             const double until = now->at[g].until = now->spans[g].moved + more;
-            for (; i < now->spans[g].end[kind]; ++i) {
-                if (!(in->now.near.waits[i] > until)) {
-                    add_pair(&in->now, i, &in->before);
-                }
-            }
+            weft__self_pairs_add(&in->now, i, now->spans[g].end[kind],
+                                 in->now.near.waits, until, &in->before);
+            i = now->spans[g].end[kind];
             of->before.spans[g].end[kind] = in->before.count;
         }
     }

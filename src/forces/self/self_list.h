@@ -88,6 +88,7 @@ typedef struct weft__self_chunk {
     weft__self_bin bins[WEFT__KINDS];
     size_t room, wanted; /* pairs of a kind; wanted: before the next step */
     bool full;           /* without some pairs */
+    bool stays;          /* is made anew from the pairs that it has, in their place */
 } weft__self_chunk;
 
 struct weft__self_list {
@@ -127,14 +128,19 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of);
 /* Makes the room that is wanted; false: no memory, and no pairs. */
 bool weft__self_chunk_grow(const weft_allocator *memory, weft__self_chunk *of);
 
-/* Begins anew: what was `now` is `before`. */
-void weft__self_chunk_begin(weft__self_chunk *of);
+/* Begins anew: what was `now` is `before`, but pairs stay where none is sought. */
+void weft__self_chunk_begin(weft__self_chunk *of, bool stays);
 
 /* A weft__pair_fn that adds to a chunk; more than its room are counted. */
 bool weft__self_chunk_keep(void *chunk, const weft__pair *pair);
 
 /* Adds the pairs of group i of `before`. */
 void weft__self_chunk_copy(weft__self_chunk *of, size_t i);
+
+/* Adds those of pairs [first, end) of others, or of the same from their end on, whose
+ * numbers are at most `most`. */
+void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
+                          const double *numbers, double most, weft__self_pairs *to);
 
 /* More room is wanted as soon as half of it is used. */
 bool weft__self_chunk_full(weft__self_chunk *of);

@@ -55,7 +55,7 @@ static inline law_feet feet_of(const weft__self_law *law, weft__pair_kind kind,
 
 /* ---- along a direction ----------------------------------------------------------- */
 
-static inline void push_kind(const weft__self_law *law, weft__pair_kind kind,
+static inline void push_kind(weft__pair_kind kind, const weft__self_law *law,
                              const weft__pair *pair, const double *y, double mass,
                              law_push *out)
 {
@@ -75,14 +75,7 @@ bool weft__pair_slope(const weft__self_law *law, const weft__pair *pair,
     if (mass == 0.0) {
         return false;
     }
-    switch ((weft__pair_kind)pair->kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        push_kind(law, kind, pair, y, mass, &push);                                    \
-        break;
-        EACH_KIND(CASE)
-#undef CASE
-    }
+    BY_KIND(pair->kind, push_kind, law, pair, y, mass, &push);
     for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -196,7 +189,7 @@ static inline void add_loss(const transposing *of, weft__pair_kind kind,
     }
 }
 
-static inline void transpose_kind(transposing *of, weft__pair_kind kind)
+static inline void transpose_kind(weft__pair_kind kind, transposing *of)
 {
     const weft__self *own = of->law.own;
     const size_t n = own->mesh->particles;
@@ -229,14 +222,7 @@ static bool transpose_pair(void *ctx, const weft__pair *pair)
     of->pair = pair;
     of->mass = weft__pair_pushes(of->law.own, pair, of->y);
     if (of->mass != 0.0) {
-        switch ((weft__pair_kind)pair->kind) {
-#define CASE(kind)                                                                     \
-    case kind:                                                                         \
-        transpose_kind(of, kind);                                                      \
-        break;
-            EACH_KIND(CASE)
-#undef CASE
-        }
+        BY_KIND(pair->kind, transpose_kind, of);
     }
     return true;
 }
