@@ -103,7 +103,7 @@ static steady start(const weft_cloth *cloth, size_t threads, bool by_stages)
     def.config.atol_position = def.config.atol_velocity = 1e-6;
     def.config.first_step = 1e-5;
     def.config.threads = threads;
-    def.config.pass = by_stages ? &none : NULL;
+    def.config.sweep = by_stages ? &none : NULL;
     bench_must(weft_sim_create(&def, &out.sim, &err), &err);
     take_steps(&out);
     out.steps = 1 + (int)(200000 / weft_cloth_particles(cloth));

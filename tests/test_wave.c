@@ -288,10 +288,10 @@ static void create(twins *both, weft_sim_def def)
     def.stop_ctx = both;
     for (int i = 0; i < 2; ++i) {
         weft_error err;
-        def.config.pass = i == 0 ? NULL : &none;
+        def.config.sweep = i == 0 ? NULL : &none;
         ck_assert_msg(weft_sim_create(&def, &both->of[i], &err) == WEFT_OK, "%s",
                       err.message);
-        ck_assert((both->of[i]->config.pass != NULL) == (i == 0));
+        ck_assert((both->of[i]->config.sweep != NULL) == (i == 0));
     }
 }
 
@@ -454,7 +454,7 @@ START_TEST(no_pass_where_it_would_change_something)
         def.method = i == 4 ? test_method_named("gsl/rkf45") : def.method;
         weft_sim *sim = NULL;
         ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
-        ck_assert((sim->config.pass != NULL) == (i == 5));
+        ck_assert((sim->config.sweep != NULL) == (i == 5));
         weft_sim_destroy(sim);
     }
     weft_cloth_destroy(small);

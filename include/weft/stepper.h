@@ -306,9 +306,10 @@ typedef struct weft_stepper_config {
     const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
     const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES and
                                 the max norm */
-    const weft_pass *pass;   /* for a method with WEFT_STEPPER_PASS, which need not use
-                                  it; NULL: none. In the definition of a simulation: NULL:
-                                  its own, where it is faster; one without run: none */
+    const weft_pass
+        *sweep; /* for a method with WEFT_STEPPER_SWEEP, which need not use
+                     it; NULL: none. In the definition of a simulation: NULL:
+                     its own, where it is faster; one without run: none */
 } weft_stepper_config;
 
 enum {
@@ -333,7 +334,7 @@ enum {
                                       which of its members it uses */
     WEFT_STEPPER_AGREES = 1 << 14, /* takes config->agree */
     WEFT_STEPPER_LINKS = 1 << 15,  /* knows the links and ties of config->structure */
-    WEFT_STEPPER_PASS = 1 << 16    /* may use config->pass */
+    WEFT_STEPPER_SWEEP = 1 << 16   /* may use config->sweep */
 };
 
 /* The fields that every version of the struct has. */
@@ -369,10 +370,10 @@ static inline const weft_agree *weft_stepper_agree(const weft_stepper_config *co
 }
 
 /* The pass of the ode, or NULL. */
-static inline const weft_pass *weft_stepper_pass(const weft_stepper_config *config)
+static inline const weft_pass *weft_stepper_sweep(const weft_stepper_config *config)
 {
     const weft_pass *pass
-        = WEFT_HAS(config, weft_stepper_config, pass) ? config->pass : NULL;
+        = WEFT_HAS(config, weft_stepper_config, sweep) ? config->sweep : NULL;
     return pass != NULL && pass->run != NULL ? pass : NULL;
 }
 

@@ -26,7 +26,7 @@ enum {
     ((flags) | ((flags)&IMPLICIT ? 0 : WEFT_STEPPER_QUADRATURES)                       \
      | ((flags) & (IMPLICIT | WEFT_STEPPER_STRUCTURE)                                  \
             ? 0                                                                        \
-            : WEFT_STEPPER_AGREES | WEFT_STEPPER_PASS)                                 \
+            : WEFT_STEPPER_AGREES | WEFT_STEPPER_SWEEP)                                \
      | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).

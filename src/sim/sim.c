@@ -114,11 +114,11 @@ static weft_status make_pass(weft_sim *sim, weft_error *err)
     const size_t stages
         = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
     const bool takes
-        = sim->config.pass == NULL && def->force == NULL && !def->ledger
+        = sim->config.sweep == NULL && def->force == NULL && !def->ledger
           && def->sensitivity == NULL
           && (sim->config.norm == WEFT_NORM_MAX || sim->config.fixed_step > 0.0)
-          && (def->method->flags & (uint32_t)WEFT_STEPPER_PASS) != 0;
-    sim->config.pass = NULL;
+          && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
+    sim->config.sweep = NULL;
     if (!takes || !weft__wave_pays(&sim->forces, stages)) {
         return WEFT_OK;
     }
@@ -127,7 +127,7 @@ static weft_status make_pass(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     sim->pass = (weft_pass){ sim, (int)stages, weft__sim_pass };
-    sim->config.pass = &sim->pass;
+    sim->config.sweep = &sim->pass;
     return WEFT_OK;
 }
 
