@@ -493,7 +493,7 @@ START_TEST(a_run_takes_the_memory_that_stats_say)
     weft_cloth *cloth = made(400, 400, 1);
     weft_sim_def def = plain_def(cloth, kept[_i].method);
     def.config.fixed_step = kept[_i].fixed_step;
-    def.config.pass = kept[_i].by_stages ? &none : NULL;
+    def.config.sweep = kept[_i].by_stages ? &none : NULL;
     const double before = resident();
     weft_sim *sim = test_sim(cloth, def.method, &def.config);
     for (int i = 0; i < 4; ++i) {
