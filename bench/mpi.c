@@ -2,8 +2,11 @@
 /* mpi.c -- one cloth in bands over MPI: P(n) on one and two ranks against weft's own
  * threads (strong scaling), and one rank against two with a band of that size each
  * (weak scaling). Prints per step of Dormand and Prince: time, allreduces and
- * exchanges, and the share of the time that rank 0 spends in MPI. Numbers as arguments
- * are the sides n; mpirun must have a processor for each rank. */
+ * exchanges, and the share of the time that rank 0 spends in MPI. Then the same of
+ * sheets of triangles, against two ranks that have nothing to do with each other, and
+ * what part of its own vertices a band has as ghosts. Numbers as arguments are the
+ * sides n; `mesh` alone: triangles alone. mpirun must have a processor for each rank.
+ */
 #include "bench.h"
 
 #include "mpi/comm_mpi.h"
@@ -15,6 +18,7 @@
 #ifdef HAVE_ARKODE
 
 #include "problem.h"
+#include "sheet.h"
 
 const weft_plugin *weft_plugin_arkode(void);
 
@@ -41,6 +45,15 @@ static void begin(void *ctx, const weft_rows *rows)
     measured *self = ctx;
     const double start = bench_now();
     self->inner->begin(self->inner->self, rows);
+    self->seconds += bench_now() - start;
+    ++self->exchanges;
+}
+
+static void post(void *ctx, const weft_parcel *parcels, size_t count)
+{
+    measured *self = ctx;
+    const double start = bench_now();
+    self->inner->post(self->inner->self, parcels, count);
     self->seconds += bench_now() - start;
     ++self->exchanges;
 }
@@ -84,7 +97,7 @@ static weft_comm measure(measured *self)
     weft_comm comm = *self->inner;
     comm.self = self;
     comm.max = max, comm.begin = begin, comm.poke = poke, comm.end = end;
-    comm.share = share, comm.gather = gather, comm.stop = stop;
+    comm.share = share, comm.gather = gather, comm.stop = stop, comm.post = post;
     return comm;
 }
 
@@ -96,22 +109,43 @@ typedef struct figures {
     double maxes, exchanges; /* per step */
 } figures;
 
-static figures run(size_t rows, size_t cols, size_t threads, const weft_comm *comm,
-                   measured *by)
+static weft_cloth *grid(size_t rows, size_t cols, const weft_comm *comm)
 {
     weft_error err = { 0 };
     weft_cloth_def def = problem(cols);
-    weft_sim_def run = weft_sim_def_default();
     weft_cloth *cloth = NULL;
-    weft_sim *sim = NULL;
-    const double work = WORK / ((double)rows * (double)cols);
-    const size_t warm = 3, steps = work < 5.0 ? 5 : work > 2000.0 ? 2000 : (size_t)work;
     def.rows = rows;
     if (comm != NULL) {
         (void)weft_comm_band(rows, (size_t)comm->rank, (size_t)comm->size,
                              &def.band_first, &def.band_rows);
     }
     bench_must(weft_cloth_create(&def, &cloth, &err), &err);
+    return cloth;
+}
+
+#define BEND 1e-5 /* [N m] */
+
+static weft_cloth *triangles(size_t side, size_t rank, size_t size)
+{
+    sheet of = sheet_create(side, true);
+    weft_cloth *cloth = sheet_band(&of, BEND, rank, size);
+    sheet_destroy(&of);
+    return cloth;
+}
+
+/* cols 0: a sheet of triangles of `rows` x `rows` vertices, in steps of one length. */
+static figures run(size_t rows, size_t cols, size_t threads, const weft_comm *comm,
+                   measured *by)
+{
+    weft_error err = { 0 };
+    weft_sim_def run = weft_sim_def_default();
+    weft_cloth *cloth = cols > 0
+                            ? grid(rows, cols, comm)
+                            : triangles(rows, (size_t)comm->rank, (size_t)comm->size);
+    weft_sim *sim = NULL;
+    const double work = WORK / ((double)rows * (double)(cols > 0 ? cols : rows));
+    const size_t warm = 3, steps = work < 5.0 ? 5 : work > 2000.0 ? 2000 : (size_t)work;
+    run.config.fixed_step = cols > 0 ? 0.0 : 1e-7;
     run.cloth = cloth;
     run.comm = comm;
     run.method = weft_plugin_method(weft_plugin_arkode(), "dormand_prince");
@@ -155,25 +189,34 @@ static int be_rank(size_t rows, size_t cols)
     return EXIT_SUCCESS;
 }
 
-static figures on_ranks(const char *self, int ranks, size_t rows, size_t cols)
+static FILE *begin_ranks(const char *self, int ranks, size_t rows, size_t cols)
 {
     char command[512];
-    figures got = { .step = 0.0 };
     (void)snprintf(
         command, sizeof command,
-        "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n "
+        "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun %s-n "
         "%d '%s' rank %zu %zu",
-        ranks, self, rows, cols);
-    FILE *pipe = popen(command, "r");
+        cols > 0 ? "" : "--bind-to none ", ranks, self, rows, cols);
+    return popen(command, "r");
+}
+
+static figures end_ranks(FILE *pipe)
+{
+    figures got = { .step = 0.0 };
     if (pipe == NULL
         || fscanf(pipe, "%lf %lf %lf %lf", &got.step, &got.share, &got.maxes,
                   &got.exchanges)
                != 4
         || pclose(pipe) != 0) {
-        fprintf(stderr, "bench mpi: %s: failed\n", command);
+        fprintf(stderr, "bench mpi: mpirun failed\n");
         exit(EXIT_FAILURE);
     }
     return got;
+}
+
+static figures on_ranks(const char *self, int ranks, size_t rows, size_t cols)
+{
+    return end_ranks(begin_ranks(self, ranks, rows, cols));
 }
 
 /* ---- tables ---------------------------------------------------------------------- */
@@ -197,6 +240,51 @@ static void weak(const char *self, size_t rows, size_t cols)
            100.0 * pair.share);
 }
 
+/* Medians of the ratios of so many pairs, one after the other: two ranks wait for the
+ * slower one, so that of two runs apart the slower counts, too. */
+static void weak_mesh(const char *self, size_t side)
+{
+    enum { PAIRS = 7 };
+    const size_t twice = (size_t)(sqrt(2.0) * (double)side + 0.5);
+    double ratio[PAIRS], slower[PAIRS], apart = 0.0, pair = 0.0, share = 0.0;
+    for (size_t i = 0; i < PAIRS; ++i) {
+        FILE *one = begin_ranks(self, 1, side, 0),
+             *other = begin_ranks(self, 1, side, 0);
+        const figures a = end_ranks(one), b = end_ranks(other);
+        const figures both = on_ranks(self, 2, twice, 0);
+        const double alone = 0.5 * (a.step + b.step);
+        ratio[i] = alone / both.step;
+        slower[i] = fmax(a.step, b.step) / both.step;
+        apart += alone / PAIRS, pair += both.step / PAIRS, share += both.share / PAIRS;
+    }
+    printf("%4zu^2         %9.3f %9.3f  %5.1f %%  %5.1f %%  %5.1f %%\n", side,
+           1e3 * apart, 1e3 * pair, 100.0 * bench_median(ratio, PAIRS),
+           100.0 * bench_median(slower, PAIRS), 100.0 * share);
+}
+
+static void ghosts(size_t side, size_t own)
+{
+    const size_t size = side * side / own;
+    weft_cloth *cloth = triangles(side, size / 2, size);
+    const size_t mine = weft_cloth_band(cloth).own * WEFT_BLOCK_VERTICES;
+    printf("%8zu  %5.1f %%\n", mine,
+           100.0 * (double)(weft_cloth_particles(cloth) - mine) / (double)mine);
+    weft_cloth_destroy(cloth);
+}
+
+static void meshes(const char *self)
+{
+    static const size_t owns[] = { 100000, 15625, 3906 };
+    puts("triangles, weak, ms per step; a rank has\n"
+         "                two apart      pair  mean of two / pair  slower / pair  in "
+         "MPI");
+    weak_mesh(self, 316);
+    puts("own vertices  ghosts");
+    for (size_t i = 0; i < sizeof owns / sizeof owns[0]; ++i) {
+        ghosts(i == 0 ? 632 : 400, owns[i]);
+    }
+}
+
 int main(int argc, char **argv)
 {
     static const size_t usual[] = { 100, 300, 1000, 2000 };
@@ -208,6 +296,10 @@ int main(int argc, char **argv)
     if (access(BUILD_DIR "/plugins/weft-mpi.so", R_OK) != 0
         || system("command -v mpirun >/dev/null") != 0) {
         puts("mpi: skipped: no weft-mpi.so was built, or there is no mpirun");
+        return EXIT_SUCCESS;
+    }
+    if (argc == 2 && strcmp(argv[1], "mesh") == 0) {
+        meshes(argv[0]);
         return EXIT_SUCCESS;
     }
     puts("strong, ms per step\n"
@@ -227,6 +319,7 @@ int main(int argc, char **argv)
             weak(argv[0], bands[i][0], bands[i][1]);
         }
     }
+    meshes(argv[0]);
     return EXIT_SUCCESS;
 }
 

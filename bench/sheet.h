@@ -94,7 +94,9 @@ static inline void sheet_destroy(sheet *of)
     free(of->start), free(of->rest), free(of->corners);
 }
 
-static inline weft_cloth *sheet_cloth(const sheet *of, double bend)
+/* Band `rank` of `size`; of 1: the whole. */
+static inline weft_cloth *sheet_band(const sheet *of, double bend, size_t rank,
+                                     size_t size)
 {
     const weft_fabric fabric = { .density = 0.15,
                                  .stretch = { 500.0, 500.0 },
@@ -112,8 +114,17 @@ static inline weft_cloth *sheet_cloth(const sheet *of, double bend)
     def.mesh = &mesh;
     def.drag = 1e-6;
     def.wind_velocity[0] = 3.0, def.wind_drag = 0.5;
+    if (size > 1) {
+        (void)weft_comm_band(weft_cloth_def_blocks(&def), rank, size, &def.band_first,
+                             &def.band_rows);
+    }
     weft_cloth *cloth;
     weft_error err;
     bench_must(weft_cloth_create(&def, &cloth, &err), &err);
     return cloth;
+}
+
+static inline weft_cloth *sheet_cloth(const sheet *of, double bend)
+{
+    return sheet_band(of, bend, 0, 1);
 }

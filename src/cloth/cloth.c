@@ -445,6 +445,12 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
         = cloth->mesh.triangles == NULL
               ? 0
               : weft__triangles_bytes(cloth->mesh.triangles, cloth->mesh.particles);
+    if (cloth->mesh.whole_of != NULL) { /* numbers and places of others */
+        const weft__triangles *of = cloth->mesh.triangles;
+        more += (cloth->mesh.whole - cloth->mesh.particles)
+                * (sizeof *of->vertex + sizeof *of->of_vertex + sizeof *of->rest
+                   + sizeof *of->particle + sizeof *of->mirrored);
+    }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         more += force != NULL && force->bytes != NULL

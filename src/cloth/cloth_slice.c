@@ -118,5 +118,9 @@ weft_status weft__cloth_slice(weft_cloth *cloth, const weft_cloth_def *def,
     const bool made = slice.whole != NULL && slice.here != NULL
                       && slice.triangle != NULL && slice_all(cloth, &slice);
     WEFT__FREE_ALL(memory, slice.here, slice.triangle);
+    if (made) {
+        weft__slice_range(&slice, &mesh->whole_of, 0, mesh->particles,
+                          sizeof *mesh->whole_of);
+    }
     return made ? WEFT_OK : weft_error_set(err, WEFT_NO_MEMORY, "no memory for a band");
 }

@@ -52,6 +52,29 @@ static void keep(weft__triangles *of, const weft__slice *slice, size_t t, size_t
     of->area[next] = of->area[t];
 }
 
+/* Gives back the room of what is not here. Places keep their numbers; of edges there is
+ * nothing. */
+static void shrink(weft__mesh *mesh, const weft__slice *slice)
+{
+    weft__triangles *of = mesh->triangles;
+#define SHRINK(array, count)                                                           \
+    weft__slice_range(slice, &(array), 0, count, sizeof *(array));
+    SHRINK(of->corner, of->count)
+    SHRINK(of->place, of->count)
+    SHRINK(of->edge, of->count)
+    SHRINK(of->piece, of->count)
+    SHRINK(of->fabric, of->count)
+    SHRINK(of->area, of->count)
+    SHRINK(of->around, 3 * of->count)
+    SHRINK(of->around_first, mesh->particles + 1)
+    SHRINK(of->rest, of->places)
+    SHRINK(of->mirrored, of->places)
+    SHRINK(of->particle, of->places)
+    of->edges = 0;
+    SHRINK(of->edge_list, 0)
+    SHRINK(mesh->inverse_mass, mesh->particles + WEFT_PAST)
+}
+
 bool weft__mesh_slice(weft__mesh *mesh, const weft__slice *slice)
 {
     weft__triangles *of = mesh->triangles;
@@ -76,6 +99,7 @@ bool weft__mesh_slice(weft__mesh *mesh, const weft__slice *slice)
     mesh->particles = mesh->stride = slice->particles;
     mesh->band.below = (slice->particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK
                        - slice->above - slice->own;
+    shrink(mesh, slice);
     mesh->pinned = 0;
     for (size_t i = 0; i < mesh->particles; ++i) {
         mesh->pinned += mesh->pin[i] != 0;

@@ -413,6 +413,7 @@ static bool slice_matrix(void *own, const weft__slice *slice)
     move_offsets(of->first, slice->first * GROUPS, above * GROUPS,
                  end * GROUPS < groups ? end * GROUPS : groups, groups);
     move_offsets(of->reach, slice->first, above, end, blocks);
+    weft__slice_range(slice, &of->first, 0, groups + 1, sizeof *of->first);
     return true;
 }
 

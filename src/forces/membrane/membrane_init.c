@@ -210,6 +210,10 @@ bool weft__membrane_slice(void *own, const weft__slice *slice)
     }
     memmove(of->blocks + slice->above, of->blocks + slice->first,
             (slice->own + 1) * sizeof *of->blocks);
+    weft__slice_range(slice, &of->link, 0, 0, sizeof *of->link); /* of implicit steps */
+    memset(of->link_first, 0, (slice->particles + 1) * sizeof *of->link_first);
+    weft__slice_range(slice, &of->link_first, 0, slice->particles + 1,
+                      sizeof *of->link_first);
     for (size_t b = 0; b <= last; ++b) { /* ghosts have nothing */
         weft__membrane_block *at = &of->blocks[b];
         const bool before = b<slice->above, after = b> slice->above + slice->own;
