@@ -123,6 +123,7 @@ static inline void guard_post(void *self, const weft_parcel *parcels, size_t cou
 {
     guard *of = self;
     of->posted = true;
+    of->thread = pthread_self();
     for (size_t p = 0; p < count; ++p) {
         for (size_t j = 0; j < parcels[p].ins; ++j) {
             parcels[p].in[j] = poison;

@@ -83,8 +83,9 @@ typedef struct weft_comm {
     void (*stop)(void *self, int code);
 
     /* Of bands of triangles, in place of begin: sends each parcel and receives those of
-     * the same bands, of which each appears once; `end` waits until all are there. The
-     * same bands have parcels for this one, of these sizes. NULL: rows alone. */
+     * the same bands, of which each appears once; `end` waits until all are there;
+     * between the two nobody writes to what is sent or received. The same bands have
+     * parcels for this one, of these sizes. NULL: rows alone. */
     void (*post)(void *self, const weft_parcel *parcels, size_t count);
 } weft_comm;
 

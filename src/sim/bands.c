@@ -8,7 +8,11 @@
 #include "base/try.h"
 #include "cloth/model.h"
 
-enum { CHUNK = 64 }; /* rows between two looks at what is under way */
+enum {
+    CHUNK = 64,
+    LIKE = 8
+}; /* rows between two looks at what is under way; and how
+      many of them are like a block of triangles */
 
 /* ---- what is possible ------------------------------------------------------------ */
 
@@ -260,6 +264,7 @@ static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t 
     }
     owned(mesh, comm, me, &first, &end);
     mail->parcels = weft__zeroed(&forces->memory, size, sizeof *mail->parcels);
+    mail->edge = weft__zeroed(&forces->memory, mesh->band.own, sizeof *mail->edge);
     for (size_t pass = 0; mail->parcels != NULL && pass < 2; ++pass, list = lists) {
         double *out = mail->room, *in = out + 3 * sent;
         mail->count = sent = 0;
@@ -274,6 +279,7 @@ static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t 
             mail->parcels[mail->count++] = (weft_parcel){ (int)r, outs, ins, out, in };
             for (size_t j = 0; pass == 1 && j < outs / 3; ++j) {
                 mail->sent[sent + j] = (uint32_t)(list[at + j] - skip);
+                mail->edge[(list[at + j] - first) / mesh->block] = true;
             }
             sent += outs / 3;
             room += pass == 0 ? outs + ins : 0;
@@ -283,7 +289,7 @@ static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t 
             mail->sent = weft__alloc(&forces->memory, sent, sizeof *mail->sent);
             mail->room = weft__alloc(&forces->memory, room, sizeof *mail->room);
         }
-        if (mail->sent == NULL || mail->room == NULL) {
+        if (mail->sent == NULL || mail->room == NULL || mail->edge == NULL) {
             return false;
         }
     }
@@ -342,6 +348,7 @@ typedef struct band_rhs {
     size_t first, end; /* own rows */
     size_t low, high;  /* of them those that no other band waits for */
     size_t parts;      /* of [low, high) */
+    bool edges;        /* of triangles: blocks that others wait for, or the others */
     atomic_int failed;
 } band_rhs;
 
@@ -368,8 +375,29 @@ static void do_inner(void *ctx, size_t i)
     const size_t rows = self->high - self->low;
     evaluate(self, self->low + rows * i / self->parts,
              self->low + rows * (i + 1) / self->parts);
-    const bool waits = self->forces->cloth->mesh.triangles == NULL;
-    if (waits && comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
+    if (comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
+        comm->poke(comm->self);
+    }
+}
+
+/* Blocks of triangles, of one kind. */
+static void do_kind(void *ctx, size_t i)
+{
+    band_rhs *self = ctx;
+    const weft_comm *comm = self->forces->comm;
+    const bool *edge = self->forces->mail.edge;
+    const size_t own = self->end - self->first;
+    const size_t last = own * (i + 1) / self->parts;
+    for (size_t b = own * i / self->parts, end = b; b < last; b = end) {
+        while (end < last && edge[end] == edge[b]) {
+            ++end;
+        }
+        if (edge[b] == self->edges) {
+            evaluate(self, self->first + b, self->first + end);
+        }
+    }
+    if (!self->edges && comm->poke != NULL
+        && weft__pool_in_caller(self->forces->pool)) {
         comm->poke(comm->self);
     }
 }
@@ -382,14 +410,12 @@ static size_t inner_parts(const weft__forces *forces, size_t rows)
     return parts < WEFT_PARTS ? parts : WEFT_PARTS;
 }
 
-/* v' of ghosts of triangles, from those that own them. */
-static void fetch(const weft__forces *forces, double *dvdt)
+/* v' of own particles of triangles, to those that have them as ghosts. */
+static void send(const weft__forces *forces, const double *dvdt)
 {
     const weft_comm *comm = forces->comm;
-    const weft__mesh *mesh = &forces->cloth->mesh;
+    const size_t n = forces->cloth->mesh.particles;
     const weft__mail *mail = &forces->mail;
-    const size_t n = mesh->particles;
-    const size_t end = (mesh->band.above + mesh->band.own) * mesh->block;
     const uint32_t *sent = mail->sent;
     double *out = mail->room;
     for (size_t p = 0; p < mail->count; sent += mail->parcels[p++].outs / 3) {
@@ -398,11 +424,20 @@ static void fetch(const weft__forces *forces, double *dvdt)
         }
     }
     comm->post(comm->self, mail->parcels, mail->count);
-    comm->end(comm->self);
+}
+
+static void receive(const weft__forces *forces, double *dvdt)
+{
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    const weft__mail *mail = &forces->mail;
+    const size_t n = mesh->particles;
     size_t i = mail->missing;
+    forces->comm->end(forces->comm->self);
     for (size_t p = 0; p < mail->count; ++p) {
         const weft_parcel *from = &mail->parcels[p];
-        i = p == mail->before ? end : i;
+        if (p == mail->before) {
+            i = (mesh->band.above + mesh->band.own) * mesh->block;
+        }
         for (size_t j = 0; j < from->ins; ++j) {
             dvdt[j % 3 * n + i + j / 3] = from->in[j];
         }
@@ -411,6 +446,22 @@ static void fetch(const weft__forces *forces, double *dvdt)
     for (size_t j = 0; j < 3 * mail->missing; ++j) {
         dvdt[j % 3 * n + j / 3] = dvdt[j % 3 * n + mail->missing];
     }
+}
+
+static int rhs_of_triangles(band_rhs *all)
+{
+    const weft__forces *forces = all->forces;
+    const weft_cloth *cloth = forces->cloth;
+    double *dvdt = all->dydt + 3 * cloth->mesh.particles;
+    all->edges = true;
+    weft__pool_run(forces->pool, do_kind, all, all->parts);
+    weft__ghost_blocks(cloth, all->of, all->dydt, 0, all->first);
+    weft__ghost_blocks(cloth, all->of, all->dydt, all->end, weft__blocks(&cloth->mesh));
+    send(forces, dvdt);
+    all->edges = false;
+    weft__pool_run(forces->pool, do_kind, all, all->parts);
+    receive(forces, dvdt);
+    return atomic_load(&all->failed);
 }
 
 /* The ghosts' own v' is not touched after begin: it is being received. */
@@ -434,7 +485,7 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                      .end = end,
                      .low = low,
                      .high = high,
-                     .parts = inner_parts(forces, high - low) };
+                     .parts = inner_parts(forces, (grid ? 1 : LIKE) * (high - low)) };
     const weft_rows rows = { .first = dydt + 3 * n,
                              .planes = 3,
                              .stride = n,
@@ -442,18 +493,15 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
+    if (!grid) {
+        return rhs_of_triangles(&all);
+    }
     weft__pool_run(forces->pool, do_edge, &all, 2);
     weft__ghost_blocks(cloth, of, dydt, 0, first);
-    weft__ghost_blocks(cloth, of, dydt, end, weft__blocks(&cloth->mesh));
-    if (grid) {
-        comm->begin(comm->self, &rows);
-    }
+    weft__ghost_blocks(cloth, of, dydt, end, cloth->mesh.rows);
+    comm->begin(comm->self, &rows);
     weft__pool_run(forces->pool, do_inner, &all, all.parts);
-    if (grid) {
-        comm->end(comm->self);
-    } else {
-        fetch(forces, dydt + 3 * n);
-    }
+    comm->end(comm->self);
     return atomic_load(&all.failed);
 }
 

@@ -63,7 +63,7 @@ void weft__forces_destroy(weft__forces *forces)
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
     WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all, forces->mail.parcels,
-                   forces->mail.sent, forces->mail.room);
+                   forces->mail.sent, forces->mail.room, forces->mail.edge);
 }
 
 /* The first block of a band, the last that of none. */

@@ -13,6 +13,7 @@ typedef struct weft__mail {
     uint32_t *sent; /* own particles that are ghosts elsewhere, parcel by parcel */
     double *room;   /* what is sent, then what is received */
     size_t missing; /* particles for which the first ghost stands */
+    bool *edge;     /* own blocks with particles that are sent */
 } weft__mail;
 
 typedef struct weft__forces {
