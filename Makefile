@@ -129,7 +129,7 @@ KERNEL_TESTS := kernel membrane
 # What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
 SLOW := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends conformance view untangle membrane cut bodies kernel batch_ends hostile_cost \
-        libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability
+        libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability wave
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
@@ -522,14 +522,14 @@ coverage:
 # TSAN_WITHOUT=, as make nightly: also the same with other widths, roundings and ends.
 TSAN_WITHOUT ?= bands_ends
 TSAN_SUITES := $(filter-out $(TSAN_WITHOUT),threads bands bands_ends)
-TSAN_TESTS := $(TSAN_SUITES) embed self_time steppers sundials_vector
+TSAN_TESTS := $(TSAN_SUITES) embed self_time wave steppers sundials_vector
 TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
 	$(if $(TSAN_WITHOUT),CK_EXCLUDE_TAGS=long) CK_FORK=no $(TSAN_RUN) $(TSAN_SUITES)
-	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed self_time
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed self_time wave
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
