@@ -73,7 +73,7 @@ static const flag_name flag_names[] = {
     { WEFT_STEPPER_STRUCTURE, "structure", true },
     { WEFT_STEPPER_LINEAR, "linear-solver", true },
     { WEFT_STEPPER_LINKS, "links", true },
-    { WEFT_STEPPER_SWEEP, "pass", true },
+    { WEFT_STEPPER_SWEEP, "sweep", true },
     { WEFT_STEPPER_LIBM, "libm", false },
     { WEFT_STEPPER_ADAPTIVE_ONLY, "adaptive", false },
 };

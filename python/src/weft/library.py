@@ -22,7 +22,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 FAMILIES = ("stretch", "shear", "bend")
 POWERS = ("springs", "drag", "wind", "pins", "contact", "friction", "shapes")
 FLAGS = ("fixed_only", "fsal", "multistep", "implicit", "legacy", "butcher", "dense", "controller",
-         "quadratures", "libm", "structure", "adaptive_only", "linear", "agrees", "links")
+         "quadratures", "libm", "structure", "adaptive_only", "linear", "agrees", "links", "sweep")
 
 
 class Error(RuntimeError):

@@ -70,6 +70,8 @@ class Stats(NamedTuple):
     linear_iterations: int
     factorisations: int
     newton_failures: int
+    bytes: int
+    """memory of the run without the cloth; 0: not known"""
     vetoed: int
     """steps taken back because a particle may have passed through a shape"""
 
