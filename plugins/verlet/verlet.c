@@ -45,7 +45,6 @@ typedef struct method {
     int (*advance)(stepper *self, double t, double h,
                    double *y); /* what the RHS returned; > 0, too: not finite. Then y
                                   is as it was */
-    int halves;                /* of the length of y, that it keeps */
 } method;
 
 static int rhs(stepper *self, double t, const double *y)
@@ -274,11 +273,15 @@ static void ode_changed(void *instance)
     ((stepper *)instance)->carries = false;
 }
 
+/* Each stage keeps rates; Verlet also those at the start, and positions. */
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
+    const weft_stepper_type *type = &self->method->type;
+    const bool verlet = (type->flags & (uint32_t)WEFT_STEPPER_FSAL) != 0;
+    const uint64_t halves = verlet ? 5 : 2 * (uint64_t)type->stages;
     weft_stepper_stats all = self->stats;
-    all.bytes = self->ode.dim * sizeof(double) * (uint64_t)self->method->halves / 2;
+    all.bytes = self->ode.dim * sizeof(double) * halves / 2;
     weft_stepper_stats_copy(&all, out);
 }
 
@@ -294,7 +297,7 @@ enum {
     FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_AGREES
 };
 
-#define METHOD(id, p, calls, more, kept, source)                                       \
+#define METHOD(id, p, calls, more, source)                                             \
     {                                                                                  \
         .type = { .abi = WEFT_STEPPER_ABI,                                             \
                   .struct_size = sizeof(weft_stepper_type),                            \
@@ -310,15 +313,15 @@ enum {
                   .stats = stats,                                                      \
                   .destroy = destroy,                                                  \
                   .ode_changed = ode_changed },                                        \
-        .advance = id, .halves = (kept)                                                \
+        .advance = id                                                                  \
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, 0, 2, "X. Provot, Graphics Interface, 1995"),
-    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL, 5,
+    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
+    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
-    METHOD(euler, 1, 1, 0, 2, "L. Euler, Institutiones calculi integralis I, 1768"),
-    METHOD(midpoint, 2, 2, 0, 4, "C. Runge, Math. Ann. 46, 1895"),
+    METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
+    METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),
 };
 
 WEFT_API const weft_plugin *weft_plugin_verlet(void)
