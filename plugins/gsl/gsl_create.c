@@ -149,6 +149,10 @@ weft_status weft__gsl_create(const weft_stepper_type *type, const weft_ode *ode,
     self->h = config->fixed_step > 0.0
                   ? config->fixed_step
                   : fmin(fmax(config->first_step, config->min_step), config->max_step);
+    if ((type->flags & WEFT_STEPPER_IMPLICIT) == 0 && type->stages > 0) {
+        const int touched = self->method->vectors - 2; /* measured: tests/test_wave.c */
+        self->stats.bytes = (uint64_t)touched * ode->dim * sizeof(double);
+    }
     if (!make_solver(self, config)) {
         weft__gsl_destroy(self);
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory for GSL", type->name);

@@ -166,10 +166,5 @@ void weft__gsl_stats(const void *instance, weft_stepper_stats *out)
     const gsl_stepper *self = instance;
     weft_stepper_stats stats = self->stats;
     stats.next_step = self->h;
-    if ((self->method->type.flags & WEFT_STEPPER_IMPLICIT) == 0
-        && self->method->type.stages > 0) {
-        const int touched = self->method->vectors - 2; /* measured: tests/test_wave.c */
-        stats.bytes = (uint64_t)touched * self->ode.dim * sizeof(double);
-    }
     weft_stepper_stats_copy(&stats, out);
 }

@@ -216,7 +216,9 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
     const weft_allocator memory = weft_stepper_memory(config);
-    const size_t arrays = 3 * ode->dim * sizeof(double);
+    const size_t arrays = 3 * ode->dim * sizeof(double); /* not all touched by all */
+    const bool verlet = (type->flags & (uint32_t)WEFT_STEPPER_FSAL) != 0;
+    const size_t touched = verlet ? arrays / 6 * 5 : arrays / 3 * (size_t)type->stages;
     stepper *self = memory.resize(memory.ctx, NULL, sizeof *self + arrays);
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
@@ -227,7 +229,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                        .agree = weft_stepper_agree(config),
                        .half = weft_stepper_half(ode, config),
                        .fixed_step = config->fixed_step,
-                       .stats = { .next_step = config->fixed_step } };
+                       .stats = { .next_step = config->fixed_step, .bytes = touched } };
     self->f = (double *)(self + 1), self->end = self->f + ode->dim;
     self->half_way = self->end + ode->dim;
     *out = self;
@@ -273,16 +275,10 @@ static void ode_changed(void *instance)
     ((stepper *)instance)->carries = false;
 }
 
-/* Each stage keeps rates; Verlet also those at the start, and positions. */
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = instance;
-    const weft_stepper_type *type = &self->method->type;
-    const bool verlet = (type->flags & (uint32_t)WEFT_STEPPER_FSAL) != 0;
-    const uint64_t halves = verlet ? 5 : 2 * (uint64_t)type->stages;
-    weft_stepper_stats all = self->stats;
-    all.bytes = self->ode.dim * sizeof(double) * halves / 2;
-    weft_stepper_stats_copy(&all, out);
+    weft_stepper_stats_copy(&self->stats, out);
 }
 
 static void destroy(void *instance)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* cloth_slice.c -- a band of a cloth of triangles: all is made of the whole, so that it
  * has the same bits, and then cut. */
-#include "mesh/slice.h"
+#include "cloth/cloth_slice.h"
 
-#include "cloth/model.h"
+#include "mesh/slice.h"
 
 weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
 {

@@ -112,12 +112,6 @@ void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
 uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks);
 uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
 
-/* cloth_slice.c: makes the whole cloth of a definition of a band of triangles this
- * band; and what of a definition has none. Of others they do nothing. */
-weft_status weft__cloth_slice(weft_cloth *cloth, const weft_cloth_def *def,
-                              weft_error *err);
-weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err);
-
 /* validate.c: reports every fault of a definition; a field may be an offset in a part.
  * *triangles: as weft__mesh_check makes them, NULL of a grid. */
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,

@@ -102,29 +102,16 @@ void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6])
 
 enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
-/* The first pin of particle `first` or later. */
-static size_t pin_from(const weft__mesh *mesh, size_t first)
-{
-    size_t low = 0, high = mesh->pinned;
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        if (mesh->pins[middle] < first) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
 void weft__move_pins(const weft__mesh *mesh, double t, double *to, size_t stride,
                      size_t first, size_t end)
 {
     uint32_t kept[KEPT] = { 0 };
     double rates[KEPT][6];
-    for (size_t j = pin_from(mesh, first); j < mesh->pinned && mesh->pins[j] < end;
-         ++j) {
+    for (size_t j = 0; j < mesh->pinned; ++j) {
         const size_t i = mesh->pins[j];
+        if (i < first || i >= end) {
+            continue;
+        }
         const uint32_t pin = mesh->pin[i], at = pin % KEPT;
         if (kept[at] != pin || mesh->motions[pin - 1].coasts) {
             kept[at] = pin;

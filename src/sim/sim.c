@@ -105,32 +105,6 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
     return WEFT_OK;
 }
 
-/* A pass over the rows, for a method that asks for one, where every evaluation of a
- * step is that of the cloth alone. */
-static weft_status make_pass(weft_sim *sim, weft_error *err)
-{
-    const weft_sim_def *def = &sim->def;
-    const weft_butcher *table = sim->config.butcher;
-    const size_t stages
-        = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
-    const bool takes
-        = sim->config.sweep == NULL && def->force == NULL && !def->ledger
-          && def->sensitivity == NULL
-          && (sim->config.norm == WEFT_NORM_MAX || sim->config.fixed_step > 0.0)
-          && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
-    sim->config.sweep = NULL;
-    if (!takes || !weft__wave_pays(&sim->forces, stages)) {
-        return WEFT_OK;
-    }
-    sim->wave = weft__wave_create(&sim->forces, stages, &sim->memory);
-    if (sim->wave == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
-    }
-    sim->pass = (weft_pass){ sim, (int)stages, weft__sim_pass };
-    sim->config.sweep = &sim->pass;
-    return WEFT_OK;
-}
-
 /* The log of the definition; ctx is the simulation. */
 static void write_log(void *ctx, weft_log_level level, const char *text)
 {
@@ -192,11 +166,13 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     TRY(take_config(sim, err));
     TRY(weft_cloth_untangle(sim->cloth, sim->y, err));
     TRY(make_forces(sim, err));
-    TRY(make_pass(sim, err));
+    TRY(weft__sim_make_pass(sim, err));
     TRY(weft__structure_init(sim, err));
     TRY(weft__sim_checks(sim) ? weft__sim_make_start(sim, err) : WEFT_OK);
     TRY(weft__between_init(sim, err));
-    return def->sensitivity != NULL ? weft__sensitivity_init(sim, err) : WEFT_OK;
+    TRY(def->sensitivity != NULL ? weft__sensitivity_init(sim, err) : WEFT_OK);
+    sim->bytes = weft__sim_bytes(sim);
+    return WEFT_OK;
 }
 
 weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_error *err)

@@ -84,24 +84,3 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     }
     return stop ? -1 : failed;
 }
-
-int weft__sim_pass(void *ctx, weft_attempt *attempt)
-{
-    weft_sim *sim = ctx;
-    const int calls = attempt->stages - 1 - (attempt->k_end == NULL);
-    if (sim->rates != NULL /* somebody takes those of each stage */
-        || weft__wave_run(sim->wave, &sim->forces, attempt) != 0) {
-        return 1;
-    }
-    if (weft__sim_checks(sim)) {
-        sim->calls += (uint64_t)calls;
-        sim->refused = (weft__breach){ .call = sim->calls };
-    }
-    for (attempt->calls = 1; attempt->calls <= calls; ++attempt->calls) {
-        if (weft__sim_must_stop(sim)) {
-            return -1;
-        }
-    }
-    attempt->calls = calls;
-    return 0;
-}

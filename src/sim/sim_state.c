@@ -91,23 +91,6 @@ weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y
     return weft__stiffness_within(sim->cloth, y, most);
 }
 
-/* 0 where more grows with the cloth than is counted here. */
-static uint64_t own_bytes(const weft_sim *sim)
-{
-    const weft__mesh *mesh = &sim->cloth->mesh;
-    if (mesh->triangles != NULL || sim->forces.self != NULL
-        || sim->between.start != NULL || sim->sensitivity.count > 0) {
-        return 0;
-    }
-    const size_t each = sizeof *mesh->pin + sizeof *mesh->inverse_mass
-                        + 2 * sizeof *sim->masses
-                        + (sim->added != NULL ? 3 * sizeof *sim->added : 0)
-                        + (weft__sim_limits(sim) ? 9 * sizeof *sim->limit.x : 0);
-    const size_t vectors = sim->start != NULL ? 2 : 1;
-    return each * mesh->particles + vectors * weft__sim_dim(sim) * sizeof *sim->y
-           + weft__wave_bytes(sim->wave);
-}
-
 void weft_sim_stats_sized(weft_stepper_stats *out, size_t size, const weft_sim *sim)
 {
     weft_stepper_stats stats = { .struct_size = sizeof stats };
@@ -119,8 +102,7 @@ void weft_sim_stats_sized(weft_stepper_stats *out, size_t size, const weft_sim *
     stats.linear_iterations += sim->earlier.linear_iterations;
     stats.factorisations += sim->earlier.factorisations;
     stats.newton_failures += sim->earlier.newton_failures;
-    const uint64_t own = own_bytes(sim);
-    stats.bytes = stats.bytes > 0 && own > 0 ? stats.bytes + own : 0;
+    stats.bytes = stats.bytes > 0 && sim->bytes > 0 ? stats.bytes + sim->bytes : 0;
     stats.struct_size = (uint32_t)size;
     weft__sized_write(out, size, &stats, sizeof stats);
 }

@@ -15,6 +15,11 @@
 #define WIDE
 #endif
 #define INLINE static inline __attribute__((always_inline))
+#if defined(__clang__) /* a sum may go on where it is, but not in a part of itself */
+#define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define ELEMENTWISE _Pragma("GCC ivdep")
+#endif
 
 /* BLOCK rows at least, and BLOCK_LEAST particles, in a call of the forces. A window
  * has room for SLACK blocks: then it moves its last four rows to the front. */
@@ -222,7 +227,7 @@ INLINE uint64_t add_up(const double *const *given, const double *factors, size_t
     for (size_t k = 0; k < count; ++k) {
         x[k] = given[k], c[k] = factors[k];
     }
-#pragma GCC ivdep
+    ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
         to[i] = sum_at(x, c, count, i);
         bad |= magnitude_bits(to[i]) + UINT64_C(0x0010000000000000);

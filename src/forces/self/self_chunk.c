@@ -80,7 +80,7 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
 void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
                           const double *numbers, double most, weft__self_pairs *to)
 {
-    uint32_t which[STRIP];
+    uint32_t which[STRIP] = { 0 };
     while (first < end) {
         const size_t begin = first, stop = end - first < STRIP ? end : first + STRIP;
         size_t count = 0;

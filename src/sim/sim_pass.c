@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* sim_pass.c -- what a simulation offers to a method that makes its attempts in one
+ * pass, and the memory that both take. */
+#include "cloth/model.h"
+#include "sim/simulation.h"
+
+/* An attempt, as weft_pass.run: each evaluation may be asked to stop. */
+static int run_pass(void *ctx, weft_attempt *attempt)
+{
+    weft_sim *sim = ctx;
+    const int calls = attempt->stages - 1 - (attempt->k_end == NULL);
+    if (sim->rates != NULL /* somebody takes those of each stage */
+        || weft__wave_run(sim->wave, &sim->forces, attempt) != 0) {
+        return 1;
+    }
+    if (weft__sim_checks(sim)) {
+        sim->calls += (uint64_t)calls;
+        sim->refused = (weft__breach){ .call = sim->calls };
+    }
+    for (attempt->calls = 1; attempt->calls <= calls; ++attempt->calls) {
+        if (weft__sim_must_stop(sim)) {
+            return -1;
+        }
+    }
+    attempt->calls = calls;
+    return 0;
+}
+
+weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
+{
+    const weft_sim_def *def = &sim->def;
+    const weft_butcher *table = sim->config.butcher;
+    const size_t stages
+        = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
+    const bool takes
+        = sim->config.sweep == NULL && def->force == NULL && !def->ledger
+          && def->sensitivity == NULL
+          && (sim->config.norm == WEFT_NORM_MAX || sim->config.fixed_step > 0.0)
+          && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
+    sim->config.sweep = NULL;
+    if (!takes || !weft__wave_pays(&sim->forces, stages)) {
+        return WEFT_OK;
+    }
+    sim->wave = weft__wave_create(&sim->forces, stages, &sim->memory);
+    if (sim->wave == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    }
+    sim->pass = (weft_pass){ sim, (int)stages, run_pass };
+    sim->config.sweep = &sim->pass;
+    return WEFT_OK;
+}
+
+uint64_t weft__sim_bytes(const weft_sim *sim)
+{
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    if (mesh->triangles != NULL || sim->forces.self != NULL
+        || sim->between.start != NULL || sim->sensitivity.count > 0) {
+        return 0;
+    }
+    const size_t each = sizeof *mesh->pin + sizeof *mesh->inverse_mass
+                        + 2 * sizeof *sim->masses
+                        + (sim->added != NULL ? 3 * sizeof *sim->added : 0)
+                        + (weft__sim_limits(sim) ? 9 * sizeof *sim->limit.x : 0);
+    const size_t vectors = sim->start != NULL ? 2 : 1;
+    return each * mesh->particles + vectors * weft__sim_dim(sim) * sizeof *sim->y
+           + weft__wave_bytes(sim->wave);
+}
