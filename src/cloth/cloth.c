@@ -447,10 +447,11 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
               ? 0
               : weft__triangles_bytes(cloth->mesh.triangles, cloth->mesh.particles);
     if (cloth->mesh.whole_of != NULL) { /* numbers and places of others */
-        const weft__triangles *of = cloth->mesh.triangles;
-        more += (cloth->mesh.whole - cloth->mesh.particles)
-                * (sizeof *of->vertex + sizeof *of->of_vertex + sizeof *of->rest
-                   + sizeof *of->particle + sizeof *of->mirrored);
+        const weft__mesh *by = &cloth->mesh;
+        more += (by->whole - by->particles)
+                * (sizeof *by->triangles->vertex + sizeof *by->triangles->of_vertex
+                   + sizeof *by->triangles->rest + sizeof *by->triangles->particle
+                   + sizeof *by->triangles->mirrored);
     }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);

@@ -3,7 +3,7 @@
  * particles. */
 #pragma once
 
-#include "weft/comm.h"
+#include "weft/sim.h"
 
 typedef struct weft__mail {
     weft_parcel *parcels; /* by rank; NULL: a grid, or a whole cloth */
