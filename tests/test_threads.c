@@ -17,6 +17,7 @@
 #endif
 
 #include "cloth/model.h"
+#include "moving_grid.h"
 #include "sim/forces.h"
 
 enum { PARTS = 97, JOBS = 3000, SIDE = 130, STEPS = 4 };
@@ -116,53 +117,9 @@ START_TEST(threads_are_no_more_than_pay)
 }
 END_TEST
 
-/* Wind, drag, dampers, pins and shapes that move: all that a right-hand side can have.
- * rigid: with a rigidity instead of bend springs, and rims that carry half. */
-static weft_cloth *made(size_t rows, size_t cols, bool rigid)
-{
-    static const double path[] = { 0, 0, 0, 0, 0.01, 0, 0.001, 0 };
-    static const double gust[] = { 0, 0, 0, 1, 0.02, 0, 0, 5 };
-    static const weft_pin pins[] = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
-                                     { .rows = { -1, -1 },
-                                       .cols = { -1, -1 },
-                                       .velocity = { 0, 0, 1 },
-                                       .amplitude = { 0.001, 0, 0 },
-                                       .frequency = 5.0,
-                                       .path = { path, 2 } } };
-    weft_cloth_def def = weft_cloth_def_default();
-    def.rows = rows, def.cols = cols;
-    def.spacing[0] = def.spacing[1] = 0.01;
-    def.scale = 1.02;
-    def.pins = pins;
-    def.pin_count = 2;
-    def.drag = 1e-5;
-    def.wind_drag = 0.5;
-    def.wind = (weft_track){ gust, 2 };
-    weft_shape shapes[]
-        = { weft_shape_default(WEFT_PLANE), weft_shape_default(WEFT_SPHERE) };
-    shapes[0].normal[1] = 0.0, shapes[0].normal[2] = 1.0, shapes[0].at[2] = -3e-3;
-    shapes[0].velocity[2] = 0.1, shapes[0].spin[2] = 1.0;
-    shapes[1].at[0] = 0.3, shapes[1].at[1] = -0.3, shapes[1].at[2] = 0.104;
-    shapes[1].radius = 0.1, shapes[1].velocity[0] = 0.5;
-    def.contact.shapes = shapes;
-    def.contact.shape_count = 2;
-    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f]
-            = (weft_spring_def){ .present = true, .stiffness = 20.0, .damping = 0.001 };
-    }
-    if (rigid) {
-        def.springs[WEFT_BEND].present = false;
-        def.across[WEFT_STRETCH].present = true;
-        def.across[WEFT_STRETCH].stiffness = 30.0;
-        def.rim_half = true;
-        def.bending = (weft_bending_def){ { 1e-4, 2e-4 }, -1.0, 1e-3 };
-    }
-    return test_cloth(&def);
-}
-
 static weft_cloth *flag(size_t rows, size_t cols)
 {
-    return made(rows, cols, false);
+    return moving_grid(rows, cols, GRID_FULL);
 }
 
 /* Set once a simulation is there. */
@@ -200,7 +157,8 @@ START_TEST(runs_have_the_same_bits_on_any_threads_and_instructions)
     if (_i % 2 != _i / 2 % 2 && test_rounds(1, 0)) {
         return; /* each method with one of the cloths, unless there is time */
     }
-    weft_cloth *cloth = made(SIDE, SIDE + 20, _i % 2);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE + 20,
+                                    _i % 2 == 0 ? GRID_FULL : GRID_FULL + GRID_RIGID);
     const weft_stepper_type *method = test_method_named(names[_i / 2]);
     uint64_t first = 0;
     for (size_t i = 0; i < 4 * (size_t)weft__isa_last(); ++i) {
@@ -391,7 +349,8 @@ END_TEST
 
 START_TEST(bands_on_one_thread_have_the_bits_of_the_whole)
 {
-    weft_cloth *cloth = made(1100, 240, _i);
+    weft_cloth *cloth
+        = moving_grid(1100, 240, _i == 0 ? GRID_FULL : GRID_FULL + GRID_RIGID);
     const size_t dim = weft_cloth_dim(cloth);
     double *y = malloc(3 * dim * sizeof *y), *whole = y + dim, *banded = whole + dim;
     ck_assert_ptr_nonnull(y);

@@ -11,60 +11,16 @@
 #include <unistd.h>
 
 #include "cloth/model.h"
+#include "moving_grid.h"
+#include "random.h"
 #include "sim/simulation.h"
 
 enum { MOST = WEFT__WAVE_STAGES };
 
-/* Numbers in (-1, 1) without a pattern. */
+/* Numbers in [-1, 1). */
 static double some(uint64_t *seed)
 {
-    uint64_t x = *seed += UINT64_C(0x9e3779b97f4a7c15);
-    x = (x ^ x >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    return (double)(int64_t)(x ^ x >> 27) * 0x1p-63;
-}
-
-/* What a cloth of a grid can have whose forces act within two rows. */
-static weft_cloth *made(size_t rows, size_t cols, unsigned with)
-{
-    static const double path[] = { 0, 0, 0, 0, 0.01, 0, 0.001, 0 };
-    static const double gust[] = { 0, 0, 0, 1, 0.02, 0, 0, 5 };
-    static const weft_pin pins[] = { { .cols = { 0, 0 }, .rows = { 0, -1 } },
-                                     { .rows = { -1, -1 },
-                                       .cols = { -1, -1 },
-                                       .velocity = { 0, 0, 1 },
-                                       .amplitude = { 0.001, 0, 0 },
-                                       .frequency = 5.0,
-                                       .path = { path, 2 } } };
-    weft_cloth_def def = weft_cloth_def_default();
-    weft_shape shapes[]
-        = { weft_shape_default(WEFT_PLANE), weft_shape_default(WEFT_SPHERE) };
-    def.rows = rows, def.cols = cols;
-    def.spacing[0] = def.spacing[1] = 0.01;
-    def.scale = 1.02;
-    def.pins = pins;
-    def.pin_count = with % 4;
-    def.drag = 1e-5;
-    def.wind_drag = (with & 4) != 0 ? 0.5 : 0.0;
-    def.wind = (weft_track){ gust, 2 };
-    shapes[0].normal[1] = 0.0, shapes[0].normal[2] = 1.0, shapes[0].at[2] = -3e-3;
-    shapes[0].velocity[2] = 0.1, shapes[0].spin[2] = 1.0;
-    shapes[1].at[0] = 0.3, shapes[1].at[1] = -0.3, shapes[1].at[2] = 0.104;
-    shapes[1].radius = 0.1, shapes[1].velocity[0] = 0.5;
-    def.contact.shapes = shapes;
-    def.contact.shape_count = (with & 8) != 0 ? 2 : 0;
-    for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
-        def.springs[f] = (weft_spring_def){ .present = (with & 32) == 0,
-                                            .stiffness = 20.0,
-                                            .damping = (with & 64) != 0 ? 0.0 : 0.001 };
-    }
-    if ((with & 16) != 0) {
-        def.springs[WEFT_BEND].present = false;
-        def.across[WEFT_STRETCH].present = true;
-        def.across[WEFT_STRETCH].stiffness = 30.0;
-        def.rim_half = true;
-        def.bending = (weft_bending_def){ { 1e-4, 2e-4 }, -1.0, 1e-3 };
-    }
-    return test_cloth(&def);
+    return 2.0 * random_uniform(seed) - 1.0;
 }
 
 /* An attempt with room for its results, made in one pass and then stage by stage. */
@@ -207,7 +163,7 @@ START_TEST(one_pass_has_the_bits_of_stage_after_stage)
     const size_t *of = shapes[_i];
     uint64_t seed = 7 + (uint64_t)_i;
     for (unsigned with = 0; with < 128; with += with % 3 == 0 ? 11 : 9) {
-        weft_cloth *cloth = made(of[0], of[1], with % 4 == 3 ? with - 1 : with);
+        weft_cloth *cloth = moving_grid(of[0], of[1], with % 4 == 3 ? with - 1 : with);
         weft__cloth_choose(cloth, (weft__isa)(with % (1u + weft__isa_last())));
         try_attempts(cloth, 1, with % 5 == 0 ? MOST : 7, &seed);
         weft_cloth_destroy(cloth);
@@ -218,7 +174,8 @@ END_TEST
 START_TEST(bands_of_threads_have_the_bits_of_one)
 {
     uint64_t seed = 99 + (uint64_t)_i;
-    weft_cloth *cloth = made(400, 30 + 7 * (size_t)_i, _i % 2 == 0 ? 14 : 30);
+    weft_cloth *cloth = moving_grid(400, 30 + 7 * (size_t)_i,
+                                    _i % 2 == 0 ? GRID_FULL : GRID_FULL + GRID_RIGID);
     for (size_t threads = 1; threads <= 4; ++threads) {
         try_attempts(cloth, threads, 7, &seed);
     }
@@ -229,7 +186,7 @@ END_TEST
 START_TEST(what_is_not_finite_is_left_to_the_stages)
 {
     uint64_t seed = 5;
-    weft_cloth *cloth = made(70, 50, 2);
+    weft_cloth *cloth = moving_grid(70, 50, 2);
     weft__forces forces = weft__forces_create(cloth, 1, NULL);
     weft__wave *wave = weft__wave_create(&forces, 5, NULL);
     for (size_t at = 0; at < 4; ++at) {
@@ -345,7 +302,7 @@ static const char *const methods[]
 
 START_TEST(steps_in_one_pass_are_those_of_stages)
 {
-    weft_cloth *cloth = made(SIDE, SIDE, 14);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE, GRID_FULL);
     weft_sim_def def = plain_def(cloth, methods[_i]);
     const bool adapts = def.config.fixed_step == 0.0;
     for (int fixed = adapts ? 0 : 1; fixed < 2; ++fixed) {
@@ -368,7 +325,7 @@ END_TEST
 START_TEST(changes_between_steps_reach_the_pass)
 {
     const double slow[3] = { 0.0, 0.0, 0.5 }, gust[3] = { 1.0, 0.0, -2.0 };
-    weft_cloth *cloth = made(SIDE, SIDE + 1, 14);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE + 1, GRID_FULL);
     twins both = { .stop_at = 0 };
     create(&both, plain_def(cloth, "arkode/dormand_prince"));
     for (size_t i = 0; i < 6; ++i) {
@@ -389,7 +346,7 @@ END_TEST
 
 START_TEST(a_stop_ends_the_step_in_the_same_call)
 {
-    weft_cloth *cloth = made(SIDE, SIDE, 1);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE, 1);
     for (int fixed = 0; fixed < 2; ++fixed) {
         for (int at = 1; at < 20; at += 6) {
             twins both = { .stop_at = at };
@@ -421,7 +378,7 @@ START_TEST(failures_are_those_of_stages)
                { "arkode/cash_karp", 0.0, 1e150, 1e-9 },
                { "arkode/dormand_prince", 0.0, 0.5, 0.4 },
                { "arkode/cash_karp", 0.0, 1e160, 1e150 } };
-    weft_cloth *cloth = made(SIDE, SIDE, 2);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE, 2);
     twins both = { .stop_at = 0 };
     weft_sim_def def = plain_def(cloth, of[_i].method);
     def.config.fixed_step = of[_i].fixed;
@@ -446,7 +403,8 @@ static int pull(void *ctx, double t, const double *y, double *f)
 /* What needs the whole state in an evaluation has no pass. */
 START_TEST(no_pass_where_it_would_change_something)
 {
-    weft_cloth *cloth = made(SIDE, SIDE, 1), *small = made(SIDE - 2, SIDE, 1);
+    weft_cloth *cloth = moving_grid(SIDE, SIDE, 1),
+               *small = moving_grid(SIDE - 2, SIDE, 1);
     for (int i = 0; i < 6; ++i) {
         weft_sim_def def = plain_def(i == 0 ? small : cloth, "arkode/dormand_prince");
         def.force = i == 1 ? pull : NULL;
@@ -491,7 +449,7 @@ static const struct {
 START_TEST(a_run_takes_the_memory_that_stats_say)
 {
     static const weft_pass none;
-    weft_cloth *cloth = made(400, 400, 1);
+    weft_cloth *cloth = moving_grid(400, 400, 1);
     weft_sim_def def = plain_def(cloth, kept[_i].method);
     def.config.fixed_step = kept[_i].fixed_step;
     def.config.sweep = kept[_i].by_stages ? &none : NULL;
