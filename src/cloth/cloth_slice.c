@@ -11,7 +11,7 @@ weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
     if (mesh == NULL || def->band_rows == 0) {
         return WEFT_OK;
     }
-    const size_t all = (mesh->vertices + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
+    const size_t all = weft_cloth_def_blocks(def);
     bool bodies = false;
     for (size_t k = 0; k < def->contact.shape_count; ++k) {
         bodies = bodies || def->contact.shapes[k].kind == WEFT_MESH;

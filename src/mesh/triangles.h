@@ -11,7 +11,7 @@
 #include "base/part.h"
 #include "mesh/mesh.h"
 
-enum { WEFT__MESH_BLOCK = 512 };
+enum { WEFT__MESH_BLOCK = WEFT_BLOCK_VERTICES };
 #define WEFT__NONE UINT32_MAX
 
 typedef struct weft__edge {
