@@ -583,6 +583,18 @@ static inline scenario in_wind(size_t rows, size_t cols, const char *method)
     return of;
 }
 
+/* How far the lowest particle is above *z; of a band its own and its ghosts. */
+static inline double lowest(void *z, const weft_cloth *cloth, double t, const double *y)
+{
+    const size_t n = weft_cloth_particles(cloth);
+    double least = (double)INFINITY;
+    (void)t;
+    for (size_t i = 0; i < n; ++i) {
+        least = fmin(least, y[2 * n + i]);
+    }
+    return least - *(const double *)z;
+}
+
 static inline scenario on_shapes(void)
 {
     scenario of = in_wind(11, 6, "arkode/dormand_prince");

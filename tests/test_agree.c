@@ -151,7 +151,7 @@ START_TEST(create_refuses_what_cannot_be_agreed_on)
     }
     if (can_adapt(type)) {
         config.norm = WEFT_NORM_RMS;
-        refused(type, config, "parts of a state agree on the max norm only");
+        refused(type, config, "parts of a state need `rms` for the rms norm");
     }
     config.norm = WEFT_NORM_MAX;
     config.agree = &empty;

@@ -19,7 +19,9 @@ START_TEST(every_method_that_agrees_has_the_same_bits)
     for (size_t i = 0; i < test_method_count(); ++i) {
         const weft_stepper_type *type = test_method(i);
         if ((type->flags & WEFT_STEPPER_AGREES) != 0 && !test_is_spared(type)) {
-            const scenario of = in_wind(11, 6, test_method_label(i));
+            scenario of = in_wind(11, 6, test_method_label(i));
+            check_runs(&of);
+            of.sim.config.norm = WEFT_NORM_RMS;
             check_runs(&of);
         }
     }
@@ -58,12 +60,16 @@ START_TEST(threads_of_bands_have_the_same_bits)
     outcome whole, parts;
     scenario of = in_wind(170, 50, "arkode/dormand_prince");
     of.duration = 0.01;
-    run_whole(&of, &whole);
-    of.sim.config.threads = 2;
-    run_bands(&of, 2, &parts);
-    check_bits(&of, &whole, &parts);
-    drop(&parts);
-    drop(&whole);
+    for (int norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS; ++norm) {
+        of.sim.config.norm = (weft_norm)norm;
+        of.sim.config.threads = 1;
+        run_whole(&of, &whole);
+        of.sim.config.threads = 2;
+        run_bands(&of, 2, &parts);
+        check_bits(&of, &whole, &parts);
+        drop(&parts);
+        drop(&whole);
+    }
 }
 END_TEST
 
@@ -93,6 +99,22 @@ START_TEST(ledgers_have_the_same_bits)
 }
 END_TEST
 
+/* With events that end a step. */
+static void check_event(scenario *of, weft_event_fn *event, void *ctx, const char *what)
+{
+    outcome whole;
+    bool found = false;
+    of->sim.event = event;
+    of->sim.event_ctx = ctx;
+    check_runs(of);
+    run_whole(of, &whole);
+    for (size_t f = 0; f < whole.frames; ++f) {
+        found = found || strstr(whole.series[f], "event 0x1") != NULL;
+    }
+    ck_assert_msg(found, "%s never ends a step: %s", what, whole.series[FRAMES]);
+    drop(&whole);
+}
+
 /* All bands find it, and end the step at the same time. */
 START_TEST(runs_stop_at_the_same_time)
 {
@@ -102,19 +124,37 @@ START_TEST(runs_stop_at_the_same_time)
                            { WEFT_STOP_REST, 3.0, 0.0 } };
     for (size_t i = 0; i < sizeof at / sizeof at[0]; ++i) {
         scenario of = on_shapes();
-        outcome whole;
-        of.sim.event = weft_stop_event;
-        of.sim.event_ctx = &at[i];
-        check_runs(&of);
-        run_whole(&of, &whole);
-        bool found = false;
-        for (size_t f = 0; f < whole.frames; ++f) {
-            found = found || strstr(whole.series[f], "event 0x1") != NULL;
-        }
-        ck_assert_msg(found, "%s never ends a step: %s", weft_stop_name(at[i].quantity),
-                      whole.series[FRAMES]);
-        drop(&whole);
+        check_event(&of, weft_stop_event, &at[i], weft_stop_name(at[i].quantity));
     }
+}
+END_TEST
+
+/* How far the first particle of the last row is above *z; NaN where it is not. */
+static double last_row(void *z, const weft_cloth *cloth, double t, const double *y)
+{
+    const weft_band band = weft_cloth_band(cloth);
+    const size_t n = weft_cloth_particles(cloth), i = n - n / weft_cloth_rows(cloth);
+    (void)t;
+    return band.first + band.own < band.rows ? (double)NAN
+                                             : y[2 * n + i] - *(const double *)z;
+}
+
+/* Of all bands' values the smallest counts, and NaN does not. */
+START_TEST(events_of_the_embedder_are_the_smallest_of_all_bands)
+{
+    double low = -0.0125, last = -0.002;
+    scenario of = on_shapes();
+    check_event(&of, lowest, &low, "the lowest particle");
+    check_event(&of, last_row, &last, "the last row");
+    of.sim.event_hold = 0.01;
+    check_event(&of, lowest, &low, "the lowest particle");
+    low = -0.005;
+    of = in_wind(11, 6, "verlet/velocity_verlet");
+    check_event(&of, lowest, &low, "the lowest particle");
+    const weft_stop_def never = { .quantity = WEFT_STOP_NEVER };
+    of.sim.event = weft_stop_event;
+    of.sim.event_ctx = (void *)&never;
+    check_runs(&of);
 }
 END_TEST
 
@@ -247,6 +287,7 @@ TEST_SUITE(bands)
     tcase_add_test(same, contact_has_the_same_bits);
     tcase_add_test(same, ledgers_have_the_same_bits);
     tcase_add_test(same, runs_stop_at_the_same_time);
+    tcase_add_test(same, events_of_the_embedder_are_the_smallest_of_all_bands);
     tcase_add_test(same, bands_take_steps_back_together);
     tcase_add_test(same, random_cloths_have_the_same_bits_or_failures);
     suite_add_tcase(suite, same);

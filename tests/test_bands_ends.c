@@ -109,12 +109,6 @@ static int force(void *ctx, double t, const double *y, double *f)
     return 0;
 }
 
-static double kinetic(void *ctx, const weft_cloth *cloth, double t, const double *y)
-{
-    (void)ctx;
-    return 1.0 - weft_cloth_energy(cloth, t, y).kinetic;
-}
-
 static void check_refused(weft_sim_def def, weft_status status, const char *message)
 {
     weft_sim *sim = NULL;
@@ -141,12 +135,8 @@ START_TEST(refuses_what_needs_the_whole_state)
             check_refused(def, WEFT_UNSUPPORTED, def.method->name);
         }
     }
-    def = good, def.config.norm = WEFT_NORM_RMS;
-    check_refused(def, WEFT_UNSUPPORTED, "rms norm");
     def = good, def.limit.method = WEFT_LIMIT_PROVOT;
     check_refused(def, WEFT_UNSUPPORTED, "strain limit");
-    def = good, def.event = kinetic;
-    check_refused(def, WEFT_UNSUPPORTED, "an event");
     def = good, def.correct = correct;
     check_refused(def, WEFT_UNSUPPORTED, "`correct`");
     def = good, def.force = force;

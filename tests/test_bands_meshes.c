@@ -82,6 +82,33 @@ START_TEST(methods_have_the_same_bits)
 }
 END_TEST
 
+/* And end a step where the lowest particle of all falls below a height. */
+START_TEST(the_rms_norm_and_events_have_the_same_bits)
+{
+    static const char *const methods[] = { "arkode/bogacki_shampine", "stiff/rkc2" };
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; ++i) {
+        test_mesh sheet;
+        outcome whole, parts;
+        double z = -1e-5;
+        scenario of = sewn(&sheet, 52, methods[i]);
+        of.sim.config.norm = WEFT_NORM_RMS;
+        of.sim.event = lowest;
+        of.sim.event_ctx = &z;
+        run_whole(&of, &whole);
+        ck_assert_int_eq(whole.status, WEFT_OK);
+        bool found = false;
+        for (size_t f = 0; f < whole.frames; ++f) {
+            found = found || strstr(whole.series[f], "event 0x1") != NULL;
+        }
+        ck_assert(found);
+        run_bands(&of, i == 0 ? 3 : 2, &parts);
+        check_bits(&of, &whole, &parts);
+        drop(&parts), drop(&whole);
+        mesh_free(&sheet);
+    }
+}
+END_TEST
+
 START_TEST(threads_of_bands_have_the_same_bits)
 {
     test_mesh sheet;
@@ -211,6 +238,7 @@ TEST_SUITE(bands_meshes)
     TCase *same = tcase_create("same bits");
     tcase_set_timeout(same, 240);
     tcase_add_test(same, methods_have_the_same_bits);
+    tcase_add_test(same, the_rms_norm_and_events_have_the_same_bits);
     tcase_add_test(same, threads_of_bands_have_the_same_bits);
     tcase_add_test(
         same, contact_and_ledger_have_the_same_bits_and_steps_are_taken_back_together);

@@ -34,8 +34,7 @@ static const struct {
       "of "
       "that plugin these do: together\n",
       2 },
-    { "stepper: {plugin: own, method: together, norm: rms}\n",
-      "scene.yaml:5:48: error: norm rms does not run in bands", 2 },
+    { "stepper: {plugin: own, method: together, norm: rms}\n", NULL, 2 },
     { "stepper: {plugin: own, method: together}\nlimit: {method: provot}\n",
       "scene.yaml:6:1: error: a strain limit does not run in bands", 2 },
     { "stepper: {plugin: own, method: together}\nrecord: {ledger: true}\nstop: {when: "

@@ -47,7 +47,11 @@ typedef bool weft_stop_fn(void *ctx);
 
 /* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
  * `cloth` is the one of weft_sim_cloth. Called after every accepted step, and of states
- * within those where it falls, in the thread that steps; NaN is no event. */
+ * within those where it falls, in the thread that steps; NaN is no event. In bands it
+ * is called on all of them alike, each with its own cloth and state, ghosts included,
+ * and the smallest number that they return counts; NaN counts if it is all there is. So
+ * a minimum over particles needs nothing more. A sum is one over own rows
+ * (weft_cloth_band), then over all bands through their comm, which it may call. */
 typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
                              const double *y);
 
@@ -125,9 +129,8 @@ typedef struct weft_sim_def {
  * weft_cloth_band describes. Callbacks of weft_play must return the same on all bands;
  * a `stop` of one stops all.
  *
- * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, the rms norm, a strain limit,
- * `correct`, `force`, an `event` other than weft_stop_event; functions that change the
- * state, pins or shapes. */
+ * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, a strain limit, `correct`,
+ * `force`; functions that change the state, pins or shapes. */
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition
  * only `energy` is filled, and the rest is 0. */

@@ -18,6 +18,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "weft/agree.h"
 #include "weft/base.h"
 #include "weft/pass.h"
 
@@ -226,20 +227,6 @@ typedef struct weft_linear {
     int max_order; /* of a method of variable order */
 } weft_linear;
 
-/* Other steppers that integrate parts of the same state at the same time (bands,
- * weft/comm.h) and must take the same decisions. max is collective: the largest of what
- * each gives, >= 0 or NaN, to all; NaN if one is NaN. Whatever decides -- the norm of
- * the error, whether y is finite, what the rhs returned, a failure -- is agreed on.
- * Every stepper calls rhs and max equally often and in the same order: rhs is called
- * also when y is not finite, and again after it returned a failure, as the rhs of the
- * others may wait for this one. All steps return the status and message, and stats the
- * counts, of one stepper of the whole: calls only for others are not counted. All
- * steppers of a state are created, stepped and told of changes alike. */
-typedef struct weft_agree {
-    void *self;
-    double (*max)(void *self, double mine);
-} weft_agree;
-
 /* The user's settings for the solver, which then decides every step by itself. With
  * fixed_step > 0 there is no error control: the norm, the tolerances and the other step
  * sizes are ignored. */
@@ -269,10 +256,12 @@ typedef struct weft_stepper_config {
     const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
                                         known. A simulation gives that of its cloth */
     const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
-    const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES and
-                                the max norm */
+    const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES, and
+                                for the rms norm `rms` */
     const weft_pass *sweep; /* see weft_stepper_sweep. In the definition of a simulation
                                NULL: its own, where faster; one without run: none */
+    const weft_rms *rms;    /* NULL: the solver's own sum. A simulation gives its own to
+                               methods with WEFT_STEPPER_AGREES */
 } weft_stepper_config;
 
 enum {
@@ -295,7 +284,7 @@ enum {
                                              refuses fixed_step */
     WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
                                       which of its members it uses */
-    WEFT_STEPPER_AGREES = 1 << 14, /* takes config->agree */
+    WEFT_STEPPER_AGREES = 1 << 14, /* takes config->agree and config->rms */
     WEFT_STEPPER_LINKS = 1 << 15,  /* knows the links and ties of config->structure */
     WEFT_STEPPER_SWEEP = 1 << 16   /* may use config->sweep */
 };
@@ -338,6 +327,12 @@ static inline const weft_pass *weft_stepper_sweep(const weft_stepper_config *con
     const weft_pass *pass
         = WEFT_HAS(config, weft_stepper_config, sweep) ? config->sweep : NULL;
     return pass != NULL && pass->run != NULL ? pass : NULL;
+}
+
+/* The rms norm of the whole state, or NULL: sum by yourself. */
+static inline const weft_rms *weft_stepper_rms(const weft_stepper_config *config)
+{
+    return WEFT_HAS(config, weft_stepper_config, rms) ? config->rms : NULL;
 }
 
 /* The largest of `mine` >= 0 or NaN among all that must agree; `mine` if agree is NULL.
@@ -486,8 +481,9 @@ static inline const char *weft_stepper_agree_mistake(const weft_stepper_type *ty
            : (type->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
                ? "cannot integrate a part of a state (agree)"
            : agree->max == NULL ? "agree without max"
-           : c->fixed_step == 0.0 && c->norm != WEFT_NORM_MAX
-               ? "parts of a state agree on the max norm only"
+           : c->fixed_step == 0.0 && c->norm == WEFT_NORM_RMS
+                   && weft_stepper_rms(c) == NULL
+               ? "parts of a state need `rms` for the rms norm"
                : NULL;
 }
 

@@ -109,8 +109,9 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
         self->y = weft__sun_vector(self->ode.dim, pool, self->context);
         made = self->y != NULL;
     }
-    if (made && self->agree != NULL) {
-        weft__sun_agree(self->y, (weft_agree){ self, weft__ark_agree });
+    if (made && !self->implicit) {
+        weft__sun_agree(self->y, (weft_agree){ self, weft__ark_agree },
+                        weft_stepper_rms(config));
     }
     if (made && self->fixed_step == 0.0) {
         weft__sun_judge_by(self->y, config->norm, 2 * self->half);

@@ -54,6 +54,7 @@ static void settle(stiff_stepper *self, const weft_ode *ode,
     self->ode = *ode;
     self->structure = config->structure;
     self->agree = weft_stepper_agree(config);
+    self->rms = solves(self->method) ? NULL : weft_stepper_rms(config);
     self->half = weft_stepper_half(ode, config);
     self->norm = config->norm;
     self->rtol = config->rtol;

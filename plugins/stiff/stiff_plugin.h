@@ -21,6 +21,7 @@ typedef struct stiff_stepper {
     weft_ode ode;
     const weft_structure *structure;
     const weft_agree *agree; /* with the steppers of other parts of y, or NULL */
+    const weft_rms *rms;     /* NULL: our own sum */
     weft_allocator memory;
     size_t half; /* of the positions; the velocities; then quadratures */
     weft_norm norm;
@@ -73,6 +74,7 @@ int weft__backward_euler_attempt(stiff_stepper *self, double t, double h,
 /* arithmetic.c: to = sum of c[k] x[k], k < count <= 5. */
 void weft__stiff_combine(size_t n, int count, const double *const *x, const double *c,
                          double *to);
-/* Of e[i] / (rtol |y[i]| + atol) over two halves; NaN if e is not finite. */
+/* Of e[i] / (rtol |y[i]| + atol) over two halves; NaN if e is not finite. May overwrite
+ * work[0]. */
 double weft__stiff_norm(const stiff_stepper *self, const double *e, const double *y);
 bool weft__stiff_finite(size_t n, const double *y);

@@ -94,12 +94,12 @@ static void accept(stiff_stepper *self, double h, bool last, double t_end, doubl
 /* The error of an attempt, at most 1 if it is good; NaN if it is not usable. */
 static double judge(const stiff_stepper *self, int failed, const double *y)
 {
-    const bool usable = failed == 0 && weft__stiff_finite(self->ode.dim, self->end);
-    const double error = !usable ? (double)NAN
+    const double error = failed != 0 ? (double)NAN
                          : self->fixed_step > 0.0
                              ? 0.0
                              : weft__stiff_norm(self, self->error, y);
-    return weft_stepper_agreed(self->agree, error);
+    const bool usable = failed == 0 && weft__stiff_finite(self->ode.dim, self->end);
+    return weft_stepper_agreed(self->agree, usable ? error : (double)NAN);
 }
 
 weft_status weft__stiff_step(void *instance, double t_end, double *t, double *y,

@@ -73,8 +73,9 @@ void weft__sun_stats(const weft_stepper_stats *stats, double next_step,
  * shared with the pool, which may be NULL, with the same results. NULL: no memory. What
  * NV_DATA_S points to may be shared: it is for reading. */
 N_Vector weft__sun_vector(size_t n, const weft_team *pool, SUNContext context);
-/* Every norm is agreed on with others, who hold other parts of the state. */
-void weft__sun_agree(N_Vector v, weft_agree agree);
+/* Every norm is agreed on with others, who hold other parts of the state; the rms norm
+ * is that one, unless it is NULL. */
+void weft__sun_agree(N_Vector v, weft_agree agree, const weft_rms *rms);
 /* SUNDIALS judges steps and tolerances by the first `judged` components. Before that it
  * finds nothing wrong. */
 void weft__sun_judge_by(N_Vector v, weft_norm by, size_t judged);

@@ -79,6 +79,7 @@ typedef struct family {
     weft_norm norm;
     size_t judged;         /* components that have a say in the norm */
     weft_agree agree;      /* on the norm; max NULL: with nobody */
+    const weft_rms *rms;   /* NULL: the sum below */
     const weft_pass *pass; /* NULL: nothing is put off */
     weft__sun_stages by;
     attempt attempt;
@@ -586,8 +587,10 @@ static sunrealtype norm(N_Vector x, N_Vector weights)
     for (size_t i = all->judged; i < all->n; ++i) {
         unjudged += e[i] * 0.0;
     }
-    const double mine = weft__sun_norm(all->pool, all->judged, all->norm, e,
-                                       data_of(all, of(weights)->array))
+    const double *w = data_of(all, of(weights)->array);
+    const double mine = (all->norm == WEFT_NORM_RMS && all->rms != NULL
+                             ? all->rms->of(all->rms->self, e, w)
+                             : weft__sun_norm(all->pool, all->judged, all->norm, e, w))
                         + unjudged;
     return all->agree.max == NULL ? mine : all->agree.max(all->agree.self, mine);
 }
@@ -607,9 +610,10 @@ void weft__sun_judge_by(N_Vector v, weft_norm by, size_t judged)
     v->ops->nvwrmsnorm = norm;
 }
 
-void weft__sun_agree(N_Vector v, weft_agree agree)
+void weft__sun_agree(N_Vector v, weft_agree agree, const weft_rms *rms)
 {
     of(v)->family->agree = agree;
+    of(v)->family->rms = rms;
 }
 
 /* ---- the vector itself ----------------------------------------------------------- */

@@ -3,11 +3,13 @@
  * own thread, against one instance that steps the whole. */
 #include "conformance/trial.h"
 
+#include <math.h>
 #include <pthread.h>
 
 enum { PARTS = 2, WHOLE = PARTS * DIM, GOOD = 4, STEPS = 12 };
-enum call { CALL_RHS, CALL_MAX, CALL_NONE };
-static const char *const call_names[] = { "calls rhs", "calls max", "is done" };
+enum call { CALL_RHS, CALL_MAX, CALL_RMS, CALL_NONE };
+static const char *const call_names[]
+    = { "calls rhs", "calls max", "calls rms", "is done" };
 
 /* Where the parts wait for one another: each call of one meets the same call of the
  * other. Once they have parted nobody waits any more. */
@@ -17,7 +19,7 @@ typedef struct meeting {
     int present;
     uint64_t times;
     enum call calls[PARTS];
-    double given[PARTS], top; /* times [s] of rhs; what is agreed on */
+    double given[PARTS], top; /* times [s] of rhs; what is agreed on, or a sum */
     bool parted;
 } meeting;
 
@@ -35,7 +37,9 @@ typedef struct half_run {
     meeting *meeting; /* NULL: of the whole */
     int side;
     model models[PARTS]; /* of a part: the first */
+    weft_norm norm;
     weft_agree agree;
+    weft_rms rms;
     weft_ode ode;
     void *self;
     outcome outcomes[STEPS];
@@ -65,7 +69,9 @@ static double meet(meeting *m, int side, enum call call, double mine)
     } else if (!m->parted) {
         const double a = m->given[0], b = m->given[1];
         m->parted = m->calls[0] != m->calls[1] || (call == CALL_RHS && a != b);
-        m->top = top = isnan(a) || isnan(b) ? (double)NAN : fmax(a, b);
+        m->top = top = call == CALL_RMS       ? a + b
+                       : isnan(a) || isnan(b) ? (double)NAN
+                                              : fmax(a, b);
         m->present = 0;
         ++m->times;
         (void)pthread_cond_broadcast(&m->met);
@@ -95,6 +101,20 @@ static const double *part_of(const double *y, int p, double *part)
     return part;
 }
 
+/* As weft_rms.of, with sums part by part. */
+static double mean(void *self, const double *e, const double *w)
+{
+    half_run *r = self;
+    const bool whole = r->meeting == NULL;
+    double sums[PARTS] = { 0.0 };
+    for (int i = 0; i < (whole ? WHOLE : DIM); ++i) {
+        sums[whole ? i / 3 % PARTS : 0] += e[i] * w[i] * e[i] * w[i];
+    }
+    return sqrt(
+        (whole ? sums[0] + sums[1] : meet(r->meeting, r->side, CALL_RMS, sums[0]))
+        / WHOLE);
+}
+
 static void put_part(const double *part, int p, double *y)
 {
     memcpy(y + 3 * p, part, 3 * sizeof *y);
@@ -122,8 +142,11 @@ static weft_status create(half_run *r, weft_error *err)
         = weft__with_table(type, weft__usual(type, r->trial->mode));
     const bool whole = r->meeting == NULL;
     r->agree = (weft_agree){ r, agreed };
+    r->rms = (weft_rms){ r, mean };
     r->ode = (weft_ode){ whole ? WHOLE : DIM, whole ? whole_rhs : part_rhs, r };
     config.agree = whole ? NULL : &r->agree;
+    config.norm = r->norm;
+    config.rms = &r->rms;
     return type->create(type, &r->ode, &config, &r->self, err);
 }
 
@@ -212,16 +235,16 @@ static void expect_part(trial *self, const half_run *whole, const half_run *part
            o->stats.rhs_calls, i + 1, w->stats.rhs_calls);
 }
 
-static void try_parts(trial *self, disturbance d)
+static void try_parts(trial *self, weft_norm norm, disturbance d)
 {
     meeting m = { .present = 0 };
-    half_run whole = { .trial = self }, parts[PARTS];
+    half_run whole = { .trial = self, .norm = norm }, parts[PARTS];
     char what[80] = "two parts";
     weft_error err = { 0 };
     for (int p = 0; p < PARTS; ++p) {
         whole.models[p] = (model){ .k = 1.0 + 8.0 * p, .at = d.at, .once = d.once };
         whole.models[p].fault = d.part == p ? d.kind : NO_FAULT;
-        parts[p] = (half_run){ .trial = self, .meeting = &m, .side = p };
+        parts[p] = (half_run){ .trial = self, .norm = norm, .meeting = &m, .side = p };
         parts[p].models[0] = whole.models[p];
     }
     if (d.kind != NO_FAULT) {
@@ -254,10 +277,13 @@ const char *weft__agrees_with_nobody(const weft_stepper_type *type)
 void weft__parts_agree(trial *self)
 {
     const uint64_t calls[] = { 1, 2, 3, 6, 9 };
-    try_parts(self, (disturbance){ .kind = NO_FAULT });
-    for (fault kind = REFUSE; kind < FAULTS; ++kind) {
-        for (int i = 0; i < 4 * (int)(sizeof calls / sizeof *calls); ++i) {
-            try_parts(self, (disturbance){ i % 2, kind, calls[i / 4], i / 2 % 2 != 0 });
+    for (weft_norm norm = WEFT_NORM_MAX; norm <= WEFT_NORM_RMS; ++norm) {
+        try_parts(self, norm, (disturbance){ .kind = NO_FAULT });
+        for (fault kind = REFUSE; kind < FAULTS; ++kind) {
+            for (int i = 0; i < 4 * (int)(sizeof calls / sizeof *calls); ++i) {
+                try_parts(self, norm,
+                          (disturbance){ i % 2, kind, calls[i / 4], i / 2 % 2 != 0 });
+            }
         }
     }
 }

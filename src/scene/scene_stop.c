@@ -102,10 +102,6 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
           "a strain limit does not run in bands: it corrects springs one after "
           "another, from row to row" },
-        { scene->config.norm != WEFT_NORM_MAX && !(scene->config.fixed_step > 0.0),
-          "stepper", "norm",
-          "norm rms does not run in bands: its sum would depend on their number; norm "
-          "max does" },
         { scene->cloth.contact.self, "contact", "self",
           "contact of the cloth with itself does not run in bands: any two rows may "
           "touch" },

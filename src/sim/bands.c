@@ -74,15 +74,13 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
                               "steps depend on sums over the whole state",
                               def->method->name);
     }
-    const bool adaptive = def->config.fixed_step == 0.0;
-    const char *why
-        = adaptive && def->config.norm != WEFT_NORM_MAX ? "the rms norm is a sum"
-          : def->limit.method != WEFT_LIMIT_NONE ? "a strain limit goes from row to row"
-          : def->correct != NULL                 ? "`correct` needs the whole state"
-          : def->force != NULL                   ? "`force` needs the whole state"
-          : weft_cloth_contact(def->cloth).self
-              ? "contact of the cloth with itself joins all rows"
-              : NULL;
+    const char *why = def->limit.method != WEFT_LIMIT_NONE
+                          ? "a strain limit goes from row to row"
+                      : def->correct != NULL ? "`correct` needs the whole state"
+                      : def->force != NULL   ? "`force` needs the whole state"
+                      : weft_cloth_contact(def->cloth).self
+                          ? "contact of the cloth with itself joins all rows"
+                          : NULL;
     return why == NULL ? WEFT_OK
                        : weft_error_set(err, WEFT_UNSUPPORTED,
                                         "not possible for a cloth in bands: %s", why);
@@ -153,16 +151,30 @@ void weft__bands_share(const weft_comm *comm, void *data, size_t bytes)
     }
 }
 
+/* Numbers of own blocks, from the first on. */
+typedef struct number_job {
+    weft__numbers_fn *of;
+    const void *ctx;
+    size_t above, count;
+    double *own;
+} number_job;
+
+static void write_numbers(void *ctx, size_t first, size_t end)
+{
+    const number_job *to = ctx;
+    for (size_t b = first; b < end; ++b) {
+        to->of(to->ctx, b, to->own + to->count * (b - to->above));
+    }
+}
+
 void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
                      size_t count, double *sum)
 {
     const weft_band band = forces->cloth->mesh.band;
-    double *own = (double *)(void *)forces->measures;
-    assert(count * sizeof *own <= sizeof *forces->measures);
-    for (size_t r = 0; r < band.own; ++r) {
-        of(ctx, band.above + r, own + count * r);
-    }
-    const double *rows = weft__bands_blocks(forces, own, count * sizeof *own);
+    number_job all = { of, ctx, band.above, count, (double *)(void *)forces->measures };
+    assert(count * sizeof *sum <= sizeof *forces->measures);
+    weft__forces_bands(forces, write_numbers, &all);
+    const double *rows = weft__bands_blocks(forces, all.own, count * sizeof *sum);
     memset(sum, 0, count * sizeof *sum);
     for (size_t j = 0; rows != NULL && j < count * band.rows; ++j) {
         sum[j % count] += rows[j];

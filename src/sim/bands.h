@@ -45,7 +45,7 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
 void weft__bands_deepest(const weft_comm *comm, weft__breach *breach);
 
 /* The sum of `count` numbers, as many as fit in weft_measures, over all blocks in
- * their order: `of` writes those of block b. */
+ * their order: `of` writes those of block b, on any thread. */
 typedef void weft__numbers_fn(const void *ctx, size_t b, double *numbers);
 void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const void *ctx,
                      size_t count, double *sum);

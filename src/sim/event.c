@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "mesh/blocks.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
 
 #define TOLERANCE 1e-10 /* [s] */
@@ -58,6 +59,12 @@ static weft__measure_fn *const stop_measures[WEFT_STOPS]
         [WEFT_STOP_KINETIC] = weft__block_energy,
         [WEFT_STOP_REST] = block_rest };
 
+/* NULL: nothing ends the run. */
+static weft__measure_fn *measure_of(const weft_stop_def *at)
+{
+    return (unsigned)at->quantity < WEFT_STOPS ? stop_measures[at->quantity] : NULL;
+}
+
 static double stop_value(const weft_stop_def *at, const weft_measures *of)
 {
     switch (at->quantity) {
@@ -77,7 +84,7 @@ double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const doub
     const weft_stop_def *at = stop;
     const weft__state of = { .t = t, .y = y };
     weft_measures sum = weft__measures_start;
-    if ((unsigned)at->quantity >= WEFT_STOPS || stop_measures[at->quantity] == NULL) {
+    if (measure_of(at) == NULL) {
         return (double)INFINITY;
     }
     if (at->quantity == WEFT_STOP_GAP) { /* bodies have theirs */
@@ -86,7 +93,7 @@ double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const doub
     }
     for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
         weft_measures block = weft__block_start;
-        stop_measures[at->quantity](cloth, &of, b, &block);
+        measure_of(at)(cloth, &of, b, &block);
         weft__measures_add(&sum, &block);
     }
     return stop_value(at, &sum);
@@ -94,20 +101,25 @@ double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const doub
 
 /* ---- the end of a step ----------------------------------------------------------- */
 
-/* In bands the event is weft_stop_event. */
+/* The smallest of all bands; weft_stop_event is one of the whole cloth. */
 static double value(weft_sim *sim)
 {
-    if (sim->def.comm != NULL) {
-        const weft_stop_def *at = sim->def.event_ctx;
+    const weft_comm *comm = sim->def.comm;
+    const weft_stop_def *at = sim->def.event_ctx;
+    if (comm != NULL && sim->def.event == weft_stop_event && measure_of(at) != NULL) {
         const weft__state of = { .t = sim->t, .y = sim->y };
         const weft_measures all
-            = weft__forces_measure(&sim->forces, &of, stop_measures[at->quantity]);
+            = weft__forces_measure(&sim->forces, &of, measure_of(at));
         return stop_value(at, &all);
     }
     ++sim->callbacks;
     const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
     --sim->callbacks;
-    return g;
+    double most = -g;
+    if (comm != NULL) {
+        weft__bands_most(&sim->forces, &most, 1);
+    }
+    return -most;
 }
 
 /* Takes the step from t0 again, to `end`: the steps before it count as rejected. */

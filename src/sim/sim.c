@@ -53,14 +53,6 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_UNSUPPORTED, "%zu threads: %s", config->threads,
                               refusal);
     }
-    const weft_stop_def *stop = def->event_ctx;
-    if (def->comm != NULL && def->event != NULL
-        && (def->event != weft_stop_event || stop->quantity == WEFT_STOP_NEVER
-            || (unsigned)stop->quantity >= WEFT_STOPS)) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "not possible for a cloth in bands: an event is a "
-                              "function of the whole state, but for weft_stop_event");
-    }
     if (def->comm != NULL
         && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self
             || def->cloth->untangle > 0.0)) {

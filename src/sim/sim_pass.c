@@ -1,8 +1,48 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* sim_pass.c -- what a simulation offers to a method that makes its attempts in one
- * pass, and the memory that both take. */
+/* sim_pass.c -- what a simulation offers to a method: attempts in one pass, with the
+ * memory that both take, and the rms norm. */
+#include <math.h>
+
 #include "cloth/model.h"
+#include "mesh/blocks.h"
+#include "sim/bands.h"
 #include "sim/simulation.h"
+
+/* ---- the rms norm ---------------------------------------------------------------- */
+
+enum { PLANES = 6 };
+
+typedef struct squares {
+    const weft__mesh *mesh;
+    const double *e, *w;
+} squares;
+
+/* The sums of planes do not wait for one another. */
+static void block_squares(const void *ctx, size_t b, double *number)
+{
+    const squares *of = ctx;
+    const size_t n = of->mesh->particles, end = weft__block(of->mesh, b + 1);
+    double sum[PLANES] = { 0.0 };
+    for (size_t i = weft__block(of->mesh, b); i < end; ++i) {
+        for (size_t k = 0; k < PLANES; ++k) {
+            const double part = of->e[k * n + i] * of->w[k * n + i];
+            sum[k] += part * part;
+        }
+    }
+    *number = sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5];
+}
+
+/* As weft_rms.of. */
+static double rms(void *ctx, const double *e, const double *w)
+{
+    const weft__forces *forces = ctx;
+    const squares of = { &forces->cloth->mesh, e, w };
+    double sum;
+    weft__bands_sum(forces, block_squares, &of, 1, &sum);
+    return sqrt(sum / (double)(PLANES * weft__whole_particles(of.mesh)));
+}
+
+/* ---- a pass ---------------------------------------------------------------------- */
 
 /* An attempt, as weft_pass.run: each evaluation may be asked to stop. */
 static int run_pass(void *ctx, weft_attempt *attempt)
@@ -30,13 +70,18 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
 {
     const weft_sim_def *def = &sim->def;
     const weft_butcher *table = sim->config.butcher;
+    const bool means
+        = sim->config.norm == WEFT_NORM_RMS && sim->config.fixed_step == 0.0;
     const size_t stages
         = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
-    const bool takes
-        = sim->config.sweep == NULL && def->force == NULL && !def->ledger
-          && def->sensitivity == NULL
-          && (sim->config.norm == WEFT_NORM_MAX || sim->config.fixed_step > 0.0)
-          && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
+    const bool takes = sim->config.sweep == NULL && def->force == NULL && !def->ledger
+                       && def->sensitivity == NULL && !means
+                       && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
+    sim->rms = (weft_rms){ &sim->forces, rms };
+    sim->config.rms = means && def->sensitivity == NULL
+                              && (def->method->flags & WEFT_STEPPER_AGREES) != 0
+                          ? &sim->rms
+                          : NULL;
     sim->config.sweep = NULL;
     if (!takes || !weft__wave_pays(&sim->forces, stages)) {
         return WEFT_OK;

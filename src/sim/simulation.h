@@ -66,6 +66,7 @@ struct weft_sim {
     weft_team worker_pool;    /* the forces' threads, for the stepper */
     weft__wave *wave;         /* NULL: none */
     weft_pass pass;           /* by it, for the stepper */
+    weft_rms rms;             /* for the stepper */
     uint64_t bytes;           /* of it and of the simulation, 0: not known */
     weft_structure structure; /* of the cloth, for the stepper */
     void *lists;              /* of the structure */
@@ -103,9 +104,9 @@ struct weft_sim {
 int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx);
 bool weft__sim_must_stop(weft_sim *sim); /* what `stop` returns */
 
-/* sim_pass.c: a pass over the rows, for a method that asks for one, where an evaluation
- * is that of the cloth alone; [bytes] that grow with the cloth, 0 if more than is
- * counted. */
+/* sim_pass.c: the rms norm, and a pass over the rows, for a method that asks for one,
+ * where an evaluation is that of the cloth alone; [bytes] that grow with the cloth, 0
+ * if more than is counted. */
 weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err);
 uint64_t weft__sim_bytes(const weft_sim *sim);
 
