@@ -498,7 +498,7 @@ docs: all
 # The tests of a suite run in one process, as one each takes five times as long, but where memory is limited or measured.
 ASAN_LONG := $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
              self_random self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
-             hostile surroundings cli_resume cli_batch cli_stability sundials_vector bands_ends bands_meshes steppers threads
+             hostile surroundings record_ends record_damage cli_resume cli_batch cli_stability sundials_vector bands_ends bands_meshes steppers threads
 ASAN_WITHOUT ?= $(ASAN_LONG)
 
 asan:

@@ -278,7 +278,7 @@ END_TEST
 TEST_SUITE(bands)
 {
     Suite *suite = suite_create("bands");
-    TCase *same = tcase_create("same bits");
+    TCase *same = tcase_create("same bits"), *slow = test_long(suite, 120);
     tcase_set_timeout(same, 120);
     tcase_add_test(same, every_method_that_agrees_has_the_same_bits);
     tcase_add_test(same, laws_rims_and_rigidity_have_the_same_bits);
@@ -286,9 +286,9 @@ TEST_SUITE(bands)
     tcase_add_test(same, threads_of_bands_have_the_same_bits);
     tcase_add_test(same, contact_has_the_same_bits);
     tcase_add_test(same, ledgers_have_the_same_bits);
-    tcase_add_test(same, runs_stop_at_the_same_time);
+    tcase_add_test(slow, runs_stop_at_the_same_time);
     tcase_add_test(same, events_of_the_embedder_are_the_smallest_of_all_bands);
-    tcase_add_test(same, bands_take_steps_back_together);
+    tcase_add_test(slow, bands_take_steps_back_together);
     tcase_add_test(same, random_cloths_have_the_same_bits_or_failures);
     suite_add_tcase(suite, same);
     return suite;

@@ -68,8 +68,9 @@ static void goes_on_alike(const weft_stepper_type *method, kind wanted)
 
 START_TEST(every_method_goes_on_alike_to_the_last_bit)
 {
-    const weft_stepper_type *method = test_method((size_t)_i / 4);
-    const kind wanted = { (_i & 1) != 0, (_i & 2) != 0 };
+    const weft_stepper_type *method = test_method((size_t)_i % test_method_count());
+    const size_t of = (size_t)_i / test_method_count();
+    const kind wanted = { (of & 1) != 0, (of & 2) != 0 };
     if (test_needs_damping(method) || test_is_spared(method)) {
         return;
     }
@@ -520,8 +521,10 @@ TEST_SUITE(checkpoint)
     Suite *all = suite_create("checkpoint");
     TCase *methods = tcase_create("methods"), *one = tcase_create("one");
     tcase_set_timeout(methods, 120);
-    tcase_add_loop_test(methods, every_method_goes_on_alike_to_the_last_bit, 0,
-                        4 * (int)test_method_count());
+    const int count = (int)test_method_count();
+    tcase_add_loop_test(methods, every_method_goes_on_alike_to_the_last_bit, 0, count);
+    tcase_add_loop_test(test_long(all, 120), every_method_goes_on_alike_to_the_last_bit,
+                        count, 4 * count);
     tcase_add_checked_fixture(one, begin, end_saved);
     tcase_set_timeout(one, 120);
     tcase_add_test(one, a_second_save_gives_the_same_bytes);

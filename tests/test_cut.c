@@ -769,8 +769,9 @@ TEST_SUITE(cut)
     tcase_add_test(finer, a_midpoint_belongs_to_a_group_if_both_ends_do);
     tcase_add_test(finer, what_cannot_be_refined_is_refused);
     tcase_add_test(finer, a_finer_cut_has_its_spacing_divided);
-    tcase_add_test(test_long(all, 240), converge_refines_a_cut_and_a_file);
-    tcase_add_test(finer, the_drape_of_stiff_cloth_is_100_percent);
+    TCase *slow = test_long(all, 240);
+    tcase_add_test(slow, converge_refines_a_cut_and_a_file);
+    tcase_add_test(slow, the_drape_of_stiff_cloth_is_100_percent);
     suite_add_tcase(all, finer);
     TCase *meshes = tcase_create("meshes"), *errors = tcase_create("errors"),
           *runs = tcase_create("runs");

@@ -596,13 +596,16 @@ END_TEST
 TEST_SUITE(skin)
 {
     Suite *suite = suite_create("skin");
-    TCase *tcase = tcase_create("skin");
+    TCase *tcase = tcase_create("skin"), *slow = test_long(suite, 60);
     tcase_add_checked_fixture(tcase, NULL, teardown);
+    tcase_add_checked_fixture(slow, NULL, teardown);
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, forces_are_slopes_of_the_energy, 0, test_rounds(2, 8));
     tcase_add_loop_test(tcase, without_friction_momentum_and_angular_momentum_are_kept,
                         0, 4);
     tcase_add_loop_test(tcase, two_layers_have_the_same_energy_whatever_their_meshes, 0,
+                        4);
+    tcase_add_loop_test(slow, two_layers_have_the_same_energy_whatever_their_meshes, 4,
                         2 * test_rounds(4, 5));
     tcase_add_loop_test(tcase, search_finds_all_pairs, 0, test_rounds(1, 4));
     tcase_add_test(tcase, search_finds_all_pairs_of_a_fan);

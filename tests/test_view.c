@@ -269,7 +269,9 @@ TEST_SUITE(view)
     tcase_add_test(batch, a_series_becomes_its_last_smallest_largest_and_mean_numbers);
     tcase_add_test(batch, runs_without_frames_are_named_and_keep_their_row);
     tcase_add_test(batch, a_summary_leads_to_no_other_directory);
-    tcase_add_test(batch, players_of_many_runs_share_the_room);
     suite_add_tcase(all, batch);
+    TCase *slow = test_long(all, 60);
+    tcase_add_checked_fixture(slow, begin_batch, NULL);
+    tcase_add_test(slow, players_of_many_runs_share_the_room);
     return all;
 }

@@ -470,18 +470,22 @@ END_TEST
 TEST_SUITE(wave)
 {
     Suite *suite = suite_create("wave");
-    TCase *tests = tcase_create("wave"), *threads = tcase_create("threads");
+    TCase *tests = tcase_create("wave"), *threads = tcase_create("threads"),
+          *slow = test_long(suite, 120.0);
     const int count = (int)(sizeof shapes / sizeof shapes[0]);
     tcase_set_timeout(tests, 120.0);
     tcase_set_timeout(threads, 120.0);
-    tcase_add_loop_test(tests, one_pass_has_the_bits_of_stage_after_stage, 0, count);
-    tcase_add_loop_test(threads, bands_of_threads_have_the_bits_of_one, 0, 3);
+    tcase_add_loop_test(tests, one_pass_has_the_bits_of_stage_after_stage, 0, 5);
+    tcase_add_loop_test(slow, one_pass_has_the_bits_of_stage_after_stage, 5, count);
+    tcase_add_loop_test(threads, bands_of_threads_have_the_bits_of_one, 0, 1);
+    tcase_add_loop_test(slow, bands_of_threads_have_the_bits_of_one, 1, 3);
     tcase_add_test(tests, what_is_not_finite_is_left_to_the_stages);
-    tcase_add_loop_test(tests, steps_in_one_pass_are_those_of_stages, 0,
+    tcase_add_loop_test(tests, steps_in_one_pass_are_those_of_stages, 0, 1);
+    tcase_add_loop_test(slow, steps_in_one_pass_are_those_of_stages, 1,
                         (int)(sizeof methods / sizeof methods[0]));
     tcase_add_test(tests, changes_between_steps_reach_the_pass);
-    tcase_add_test(tests, a_stop_ends_the_step_in_the_same_call);
-    tcase_add_loop_test(test_long(suite, 120.0), failures_are_those_of_stages, 0, 6);
+    tcase_add_test(slow, a_stop_ends_the_step_in_the_same_call);
+    tcase_add_loop_test(slow, failures_are_those_of_stages, 0, 6);
     tcase_add_test(tests, no_pass_where_it_would_change_something);
 #if defined __linux__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
     tcase_add_loop_test(tests, a_run_takes_the_memory_that_stats_say, 0,
