@@ -84,6 +84,7 @@ static inline void guard_begin(void *self, const weft_rows *rows)
     const size_t n = present(rows);
     bool ghost;
     of->rows = *rows;
+    of->posted = false;
     of->thread = pthread_self();
     of->before = malloc(rows->planes * n * sizeof *of->before);
     of->real.begin(of->real.self, rows);
@@ -209,6 +210,12 @@ static inline void put_measures(const weft_sim *sim, char *text)
     put(text, "gap particle", (double)m.gap_particle);
     put(text, "gap shape", (double)m.gap_shape);
     put(text, "touching", (double)m.touching);
+    put(text, "self gap", m.self_gap);
+    put(text, "self touching", (double)m.self_touching);
+    for (size_t k = 0; k < 2 * 3; ++k) {
+        const weft_primitive *of = &m.self_pair[k / 3];
+        put(text, "of pair", k % 3 < of->count ? (double)of->particle[k % 3] : -1.0);
+    }
     put_hash(text, m.hash);
 }
 
@@ -240,6 +247,8 @@ static inline void put_frame(const weft_sim *sim, char *text)
     put(text, "springs", ledger.dissipated_springs);
     put(text, "wind", ledger.wind_work);
     put(text, "pins", ledger.pin_work);
+    put(text, "damped", ledger.dissipated_contact);
+    put(text, "rubbed", ledger.dissipated_friction);
     put(text, "residual", ledger.residual);
     put(text, "event", weft_sim_event(sim) ? 1.0 : 0.0);
     put_measures(sim, text);
@@ -447,6 +456,9 @@ static inline void check_same(const scenario *of, const outcome *a, const outcom
     ck_assert_uint_eq(a->failure.particle, b->failure.particle);
     ck_assert_uint_eq(a->failure.gap_particle, b->failure.gap_particle);
     ck_assert(a->failure.gap_step == b->failure.gap_step);
+    for (size_t k = 0; k < 2; ++k) {
+        ck_assert_uint_eq(a->failure.self_pair[k].count, b->failure.self_pair[k].count);
+    }
     ck_assert_uint_eq(a->saved_size, b->saved_size);
     ck_assert_uint_eq(a->totals.particles, b->totals.particles);
     ck_assert_uint_eq(a->totals.pins, b->totals.pins);

@@ -192,7 +192,7 @@ START_TEST(a_band_without_memory_fails_all)
 }
 END_TEST
 
-START_TEST(a_band_lies_inside_and_has_no_other_contact_than_with_shapes)
+START_TEST(a_band_lies_inside_and_has_straight_edges)
 {
     test_mesh sheet;
     weft_cloth *cloth = NULL;
@@ -202,9 +202,9 @@ START_TEST(a_band_lies_inside_and_has_no_other_contact_than_with_shapes)
     def.band_first = 9, def.band_rows = 3;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
     ck_assert_ptr_nonnull(strstr(err.message, "3 blocks from block 9 of 10"));
-    def.band_first = 7, def.contact.self = true, def.contact.thickness = 1e-3;
+    def.band_first = 7, def.untangle = 1.0;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_UNSUPPORTED);
-    def.contact.self = false, sheet.def.arc = true;
+    def.untangle = 0.0, sheet.def.arc = true;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_UNSUPPORTED);
     mesh_free(&sheet);
 }
@@ -248,7 +248,7 @@ TEST_SUITE(bands_meshes)
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     tcase_add_test(same, saved_bands_restore_on_any_number);
     tcase_add_test(same, a_band_without_memory_fails_all);
-    tcase_add_test(same, a_band_lies_inside_and_has_no_other_contact_than_with_shapes);
+    tcase_add_test(same, a_band_lies_inside_and_has_straight_edges);
     tcase_add_test(same, a_band_has_its_own_particles_and_few_ghosts);
     suite_add_tcase(suite, same);
     return suite;

@@ -42,8 +42,10 @@ static const struct {
       NULL, 2 },
     { "stepper: {plugin: own, method: together}\ncontact: {self: true, thickness: "
       "0.1}\n",
-      "scene.yaml:6:17: error: contact of the cloth with itself does not run in bands",
-      2 },
+      NULL, 2 },
+    { "stepper: {plugin: own, method: together}\ncontact: {self: true, untangle: 1, "
+      "thickness: 0.1}\n",
+      "scene.yaml:6:33: error: untangle does not run in bands", 2 },
 };
 
 START_TEST(bands_refuse_what_needs_the_whole_cloth)

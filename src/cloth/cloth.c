@@ -303,6 +303,14 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
     *out = NULL;
     weft_status status = take_def(&def, &mesh, given, copies, err);
     status = status == WEFT_OK ? create(&def, out, err) : status;
+    if (status == WEFT_OK && weft__is_band(&def) && def.contact.self) {
+        def.band_first = def.band_rows = 0;
+        status = create(&def, &(*out)->whole, err);
+    }
+    if (status != WEFT_OK) {
+        weft_cloth_destroy(*out);
+        *out = NULL;
+    }
     const weft_allocator memory = weft_allocator_or_malloc(def.allocator);
     for (size_t i = 0; i < COPIES; ++i) {
         weft__free(&memory, copies[i]);
@@ -318,6 +326,7 @@ void weft_cloth_destroy(weft_cloth *cloth)
             WEFT__FREE_ALL(&memory, cloth->mesh.mass, cloth->mesh.motions, cloth->rows,
                            cloth->mesh.whole_of);
             weft__triangles_destroy(cloth->mesh.triangles, &memory);
+            weft_cloth_destroy(cloth->whole);
         }
         WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
                        cloth->mesh.pins, cloth->mesh.coast, cloth->grids);
@@ -459,6 +468,7 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
                     ? force->bytes(weft__own(cloth, k))
                     : 0;
     }
+    more += cloth->whole != NULL ? weft_cloth_bytes(cloth->whole) : 0;
     return sizeof *cloth + more + cloth->grid_count * sizeof *cloth
            + cloth->mesh.particles * each + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins

@@ -3,6 +3,7 @@
  * has the same bits, and then cut. */
 #include "cloth/cloth_slice.h"
 
+#include "mesh/grid_def.h"
 #include "mesh/slice.h"
 
 weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
@@ -24,7 +25,7 @@ weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
     }
     const char *why = mesh->arc                     ? "membrane arc"
                       : mesh->grids != NULL         ? "a grid"
-                      : def->contact.self || bodies ? "contact of triangles"
+                      : bodies                ? "a shape of kind mesh"
                       : def->untangle > 0.0         ? "untangle"
                                                     : NULL;
     return why == NULL
@@ -101,8 +102,7 @@ weft_status weft__cloth_slice(weft_cloth *cloth, const weft_cloth_def *def,
 {
     weft__mesh *mesh = &cloth->mesh;
     const weft_allocator *memory = &cloth->memory;
-    if (mesh->triangles == NULL || def->band_rows == 0
-        || def->band_rows == mesh->band.rows) {
+    if (mesh->triangles == NULL || !weft__is_band(def)) {
         return WEFT_OK;
     }
     cloth->whole_hash = weft__cloth_hash(cloth, NULL);

@@ -19,6 +19,7 @@ struct weft_cloth {
     double untangle;     /* [s] */
     bool copied;         /* shares masses, motions and rows with its model */
     uint64_t whole_hash; /* of a band of triangles: weft__cloth_hash of the whole */
+    struct weft_cloth *whole; /* of a band with contact.self; else NULL */
     weft_allocator memory;
     struct weft_cloth *grids; /* grid_count of them: grids.h */
     size_t grid_count, first; /* of a grid: the whole's particle that is its first */

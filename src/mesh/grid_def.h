@@ -10,6 +10,12 @@ WEFT__NUMBERS(weft__grid_numbers, rows, cols, spacing, origin, scale, mass, dens
 WEFT__NUMBERS(weft__pin_numbers, velocity, amplitude, frequency);
 extern const weft__number weft__load_mass;
 
+/* Whether a definition is one of some of the rows or blocks of its cloth. */
+static inline bool weft__is_band(const weft_cloth_def *def)
+{
+    return def->band_rows > 0 && def->band_rows < weft_cloth_def_blocks(def);
+}
+
 /* [m] `length` in a direction of `count` rows or columns; a single one counts as 1 m
  * wide. */
 static inline double weft__width(size_t count, double length)

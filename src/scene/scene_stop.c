@@ -102,9 +102,8 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
           "a strain limit does not run in bands: it corrects springs one after "
           "another, from row to row" },
-        { scene->cloth.contact.self, "contact", "self",
-          "contact of the cloth with itself does not run in bands: any two rows may "
-          "touch" },
+        { scene->cloth.untangle > 0.0, "contact", "untangle",
+          "untangle does not run in bands: it moves the whole cloth" },
     };
     if (rows / bands < WEFT_GHOST_ROWS) {
         weft__report_error(reader->report,

@@ -59,10 +59,12 @@ static weft_status check_band(const weft_sim_def *def, weft_error *err)
 weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
 {
     const weft_comm *comm = def->comm;
-    if (comm != NULL && def->cloth->mesh.triangles != NULL
+    if (comm != NULL
+        && (def->cloth->mesh.triangles != NULL || def->cloth->contact.law.self)
         && !(WEFT_HAS(comm, weft_comm, post) && comm->post != NULL)) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "bands of triangles need a comm with `post`");
+                              "bands of triangles, or with contact of the cloth with "
+                              "itself, need a comm with `post`");
     }
     TRY(check_band(def, err));
     if (def->comm == NULL) {
@@ -78,9 +80,7 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
                           ? "a strain limit goes from row to row"
                       : def->correct != NULL ? "`correct` needs the whole state"
                       : def->force != NULL   ? "`force` needs the whole state"
-                      : weft_cloth_contact(def->cloth).self
-                          ? "contact of the cloth with itself joins all rows"
-                          : NULL;
+                                             : NULL;
     return why == NULL ? WEFT_OK
                        : weft_error_set(err, WEFT_UNSUPPORTED,
                                         "not possible for a cloth in bands: %s", why);
@@ -460,6 +460,26 @@ static void receive(const weft__forces *forces, double *dvdt)
     }
 }
 
+/* The blocks that no other band waits for, on the threads. With contact of the cloth
+ * with itself others wait for all, and also for that. */
+static void do_rest(band_rhs *all, bool now)
+{
+    const weft__forces *forces = all->forces;
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    const bool joins = forces->mail.joint.cloth != NULL;
+    all->edges = false;
+    if (now == joins) {
+        weft__pool_run(forces->pool, mesh->triangles != NULL ? do_kind : do_inner, all,
+                       all->parts);
+    }
+    if (now && joins) {
+        (void)weft__joint_end(forces, all->of->y, 0);
+        if (weft__joint_add(forces, all->dydt + 3 * mesh->particles) != 0) {
+            atomic_store(&all->failed, 1);
+        }
+    }
+}
+
 static int rhs_of_triangles(band_rhs *all)
 {
     const weft__forces *forces = all->forces;
@@ -467,11 +487,11 @@ static int rhs_of_triangles(band_rhs *all)
     double *dvdt = all->dydt + 3 * cloth->mesh.particles;
     all->edges = true;
     weft__pool_run(forces->pool, do_kind, all, all->parts);
+    do_rest(all, true);
     weft__ghost_blocks(cloth, all->of, all->dydt, 0, all->first);
     weft__ghost_blocks(cloth, all->of, all->dydt, all->end, weft__blocks(&cloth->mesh));
     send(forces, dvdt);
-    all->edges = false;
-    weft__pool_run(forces->pool, do_kind, all, all->parts);
+    do_rest(all, false);
     receive(forces, dvdt);
     return atomic_load(&all->failed);
 }
@@ -505,14 +525,16 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
+    weft__joint_begin(forces, of->y);
     if (!grid) {
         return rhs_of_triangles(&all);
     }
     weft__pool_run(forces->pool, do_edge, &all, 2);
+    do_rest(&all, true);
     weft__ghost_blocks(cloth, of, dydt, 0, first);
     weft__ghost_blocks(cloth, of, dydt, end, cloth->mesh.rows);
     comm->begin(comm->self, &rows);
-    weft__pool_run(forces->pool, do_inner, &all, all.parts);
+    do_rest(&all, false);
     comm->end(comm->self);
     return atomic_load(&all.failed);
 }

@@ -60,8 +60,12 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
         sim->refused = weft__path_breach(&sim->forces, &path);
         sim->refused.particle
             = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
-        (void)weft__bands_first(sim->def.comm, sim->refused.found, &sim->refused,
-                                sizeof sim->refused);
+        const bool in_shape = sim->refused.found && sim->refused.pair[0].count == 0;
+        if (!weft__bands_first(sim->def.comm, in_shape, &sim->refused,
+                               sizeof sim->refused)) {
+            (void)weft__bands_first(sim->def.comm, sim->refused.found, &sim->refused,
+                                    sizeof sim->refused);
+        }
         take_back(sim, t0);
         *again = true;
     } else {
@@ -117,7 +121,8 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
     const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
     char text[WEFT__BREACH_TEXT];
     if (sim->forces.self != NULL) {
-        TRY(weft__self_list_grow(sim->forces.self, why));
+        TRY(weft_comm_agree(sim->def.comm,
+                            weft__self_list_grow(sim->forces.self, why), why));
     }
     if (sim->forces.bodies != NULL) {
         TRY(weft__self_list_grow(sim->forces.bodies->list, why));

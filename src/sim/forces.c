@@ -27,7 +27,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     const weft_allocator memory = weft_allocator_or_malloc(given);
     const bool touches = cloth->self.law.self, bodies = cloth->bodies.pairs.law.self;
     const size_t each_thread
-        = touches || bodies ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+        = cloth->contact.law.self || bodies ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t blocks = cloth->mesh.band.own;
     const size_t useful = worth < blocks ? worth : blocks;
@@ -43,7 +43,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                          .measures = measures,
                          .memory = memory };
     if (touches) {
-        out.self = weft__self_list_create(&cloth->self, pool, &memory);
+        out.self = weft__self_list_create(&cloth->self, pool, NULL, &memory);
     }
     if (bodies) {
         out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
@@ -59,6 +59,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 
 void weft__forces_destroy(weft__forces *forces)
 {
+    weft__joint_destroy(forces);
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
@@ -150,7 +151,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
     if ((forces->self != NULL || forces->bodies != NULL) && of != weft__block_worst) {
-        weft__measure_all(forces->cloth, forces->spaces, at, &sum);
+        weft__joint_measure(forces, at, &sum);
     }
     return sum;
 }

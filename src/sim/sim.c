@@ -54,12 +54,12 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
                               refusal);
     }
     if (def->comm != NULL
-        && (def->cloth->self.law.self || def->cloth->bodies.pairs.law.self
-            || def->cloth->untangle > 0.0)) {
-        return weft_error_set(
-            err, WEFT_UNSUPPORTED,
-            "contact of the cloth with itself or a mesh needs the whole cloth: "
-            "a band does not know which others it meets");
+        && (def->cloth->bodies.pairs.law.self || def->cloth->untangle > 0.0)) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "not possible for a cloth in bands: %s needs the whole "
+                              "cloth",
+                              def->cloth->untangle > 0.0 ? "untangle"
+                                                         : "a shape of kind mesh");
     }
     return WEFT_OK;
 }
@@ -87,6 +87,8 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
                                       sizeof *sim->forces.all);
     }
     if (sim->forces.measures == NULL
+        || !weft__joint_create(&sim->forces,
+                               sim->ledger.on || sim->def.event != NULL)
         || (comm != NULL && comm->rank == 0 && sim->forces.all == NULL)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }

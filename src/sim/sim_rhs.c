@@ -37,7 +37,7 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     if (failed == 0) {
         sim->refused = (weft__breach){ .call = call };
     } else if (sim->def.comm == NULL
-               || weft__all_finite(y, 6 * sim->cloth->mesh.particles)) {
+               || weft__joint_finite(&sim->forces, y)) {
         sim->refused = weft__rhs_breach(&sim->forces, t, y);
         sim->refused.particle
             = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);

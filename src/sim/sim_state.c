@@ -84,7 +84,7 @@ weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y
 {
     const weft_comm *comm = sim->def.comm;
     double most[WEFT__SIDES];
-    weft__stiffness_sides(sim->cloth, t, y, most);
+    weft__joint_sides(&sim->forces, t, y, most);
     if (comm != NULL) {
         weft__bands_most(&sim->forces, most, WEFT__SIDES);
     }

@@ -141,7 +141,7 @@ static inline bool weft__sim_limits(const weft_sim *of)
 /* Whether steps are checked: for shapes or self-contact. */
 static inline bool weft__sim_checks(const weft_sim *of)
 {
-    return of->cloth->contact.shape_count > 0 || of->cloth->self.law.self;
+    return of->cloth->contact.shape_count > 0 || of->cloth->contact.law.self;
 }
 
 /* A step of the method. */

@@ -25,10 +25,14 @@ static void check_band(void *ctx, size_t first, size_t end)
     }
 }
 
+/* In the states that weft__path_clear joined. */
 static weft__breach self_breach(const weft__forces *forces, const weft__path *path)
 {
-    const weft__stride stride
-        = { &forces->cloth->self, path->y0, path->y1, path->t1 - path->t0 };
+    const weft__joint *of = &forces->mail.joint;
+    const weft__stride stride = { &weft__joint_cloth(of, forces->cloth)->self,
+                                  weft__joint_last(of, path->y0, 0),
+                                  weft__joint_last(of, path->y1, 1),
+                                  path->t1 - path->t0 };
     weft__breach out = { .t = path->t1 };
     out.found = forces->self != NULL
                 && !weft__self_list_clear(forces->self, &stride, out.pair, &out.gap);
@@ -38,7 +42,11 @@ static weft__breach self_breach(const weft__forces *forces, const weft__path *pa
 bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 {
     path_check of = { .cloth = forces->cloth, .path = path };
+    weft__joint_begin(forces, path->y0);
+    (void)weft__joint_end(forces, path->y0, 0);
+    weft__joint_begin(forces, path->y1);
     weft__forces_bands(forces, check_band, &of);
+    (void)weft__joint_end(forces, path->y1, 1);
     weft__bodies_breach with;
     return !atomic_load(&of.failed) && !self_breach(forces, path).found
            && (forces->bodies == NULL
@@ -75,6 +83,9 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
                               .gap = with.gap,
                               .t = path->t1 };
     }
+    if (forces->mail.joint.part) { /* the first of all pairs */
+        weft__self_list_forget(forces->self);
+    }
     return out.found ? out : self_breach(forces, path);
 }
 
@@ -110,9 +121,11 @@ weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double
 {
     weft__breach out = weft__state_breach(forces->cloth, t, y);
     if (!out.found && forces->self != NULL) {
-        const weft__state of = { .t = t, .y = y };
+        const weft__joint *with = &forces->mail.joint;
+        const weft__state of = { .t = t, .y = weft__joint_last(with, y, 0) };
         weft_measures sum = weft__measures_start;
-        weft__self_measure(&forces->cloth->self, forces->self, &of, &sum);
+        weft__self_measure(&weft__joint_cloth(with, forces->cloth)->self,
+                           with->part ? NULL : forces->self, &of, &sum);
         memcpy(out.pair, sum.self_pair, sizeof out.pair);
         out.gap = sum.self_gap;
         out.found = out.gap <= 0.0;

@@ -125,7 +125,8 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
                    double *to)
 {
     const weft__bodies *of = own;
-    weft__self_sums sums = { &of->pairs, unit, to };
+    const size_t n = of->pairs.mesh->particles;
+    weft__self_sums sums = { &of->pairs, unit, to, 0, n, n };
     const double *y;
     return each(of, space, at, weft__self_sum, &sums, &y);
 }
@@ -471,7 +472,7 @@ weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__poo
     }
     out->own = own;
     out->memory = *memory;
-    out->list = weft__self_list_create(&own->pairs, pool, memory);
+    out->list = weft__self_list_create(&own->pairs, pool, NULL, memory);
     out->now.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->now.y);
     out->before.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->before.y);
     out->marks = weft__alloc(memory, own->pairs.mesh->particles, 1);

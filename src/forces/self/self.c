@@ -251,25 +251,24 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
 }
 
 /* One function for each kind, as above. */
-static inline void add_kind(weft__pair_kind kind, const weft__self *own,
-                            const weft__pushes *pushes, size_t count, weft__unit unit,
-                            double *to)
+static inline void add_kind(weft__pair_kind kind, const weft__self_sums *of,
+                            const weft__pushes *pushes, size_t count)
 {
-    const size_t n = own->mesh->particles;
+    const size_t n = of->stride, all = of->end - of->first;
+    const double *inverse_mass = of->own->mesh->inverse_mass + of->first;
     for (size_t i = 0; i < count; ++i) {
         const weft__pushes *from = &pushes[i / WEFT__BLOCK];
         const size_t lane = i % WEFT__BLOCK;
         for (size_t k = 0; k < weft__kind_particles(kind); ++k) {
-            const size_t at = (size_t)from->particle[k][lane];
-            if (at >= n) { /* a body's */
+            const size_t at = (size_t)from->particle[k][lane] - of->first;
+            if (at >= all) { /* a body's, or of another band */
                 continue;
             }
-            const double scale
-                = unit == WEFT__FORCE ? 1.0 : own->mesh->inverse_mass[at];
+            const double scale = of->unit == WEFT__FORCE ? 1.0 : inverse_mass[at];
             if (scale > 0.0) {
-                to[at] += scale * from->force[k][0][lane];
-                to[n + at] += scale * from->force[k][1][lane];
-                to[2 * n + at] += scale * from->force[k][2][lane];
+                of->to[at] += scale * from->force[k][0][lane];
+                of->to[n + at] += scale * from->force[k][1][lane];
+                of->to[2 * n + at] += scale * from->force[k][2][lane];
             }
         }
     }
@@ -279,7 +278,7 @@ void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count)
 {
     const weft__self_sums *of = ctx;
-    BY_KIND(kind, add_kind, of->own, pushes, count, of->unit, of->to);
+    BY_KIND(kind, add_kind, of, pushes, count);
 }
 
 typedef struct measuring {
@@ -498,6 +497,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 {
     weft__self *of = own;
     of->law = def->contact;
+    of->law.self = def->contact.self && !weft__is_band(def);
     of->rough = def->contact.friction;
     of->points = of->mesh->particles;
     return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
@@ -536,7 +536,8 @@ void weft__self_choose(void *own, weft__isa isa)
 static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,
                    double *to)
 {
-    weft__self_sums sums = { own, unit, to };
+    const size_t n = ((const weft__self *)own)->mesh->particles;
+    weft__self_sums sums = { own, unit, to, 0, n, n };
     return each_pushed(own, space, at, weft__self_sum, &sums);
 }
 

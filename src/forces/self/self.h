@@ -307,11 +307,13 @@ int weft__self_each(weft__self_pass *pass, weft__knot *knots);
  * twin, of the same points with other numbers. */
 int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass *pass);
 
-/* A weft__pushed_fn that adds their forces to planes to[3 N]. */
+/* A weft__pushed_fn that adds their forces on particles [first, end) to three planes,
+ * which begin with particle `first` and are `stride` apart. */
 typedef struct weft__self_sums {
     const weft__self *own;
     weft__unit unit;
     double *to;
+    size_t first, end, stride;
 } weft__self_sums;
 void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count);

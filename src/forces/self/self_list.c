@@ -67,12 +67,45 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
     return WEFT_OK;
 }
 
+/* Whether a primitive of a tile may have a point of [part[0], part[1]). */
+static bool has_of(const weft__self *own, size_t tile, const size_t part[2])
+{
+    const size_t level = weft__tile_level(weft__nodes_of(own));
+    size_t run[2], more[2], range[4];
+    bool any = false;
+    if (own->skin == NULL) {
+        const size_t cols = own->mesh->cols;
+        weft__patch_range(own->mesh, level, tile, range);
+        for (size_t r = range[0]; r < range[1]; ++r) {
+            any = any
+                  || (r * cols + range[2] < part[1] && part[0] < r * cols + range[3]);
+        }
+        return any;
+    }
+    weft__patch_points(own->skin, level, true, tile, run, more);
+    any = run[0] < part[1] && part[0] < run[1];
+    for (size_t i = more[0]; i < more[1] && !any; ++i) {
+        const size_t point = (size_t)own->skin->tile_point[i];
+        any = point >= part[0] && point < part[1];
+    }
+    return any;
+}
+
 static bool keep_tiles(void *ctx, size_t a, size_t b)
 {
     weft__self_list *list = ctx;
-    uint32_t *to = list->between[list->between_count++];
+    uint32_t *to = list->between[list->between_count];
     to[0] = (uint32_t)a, to[1] = (uint32_t)b;
+    list->between_count += list->marks[a] != 0 || list->marks[b] != 0;
     return true;
+}
+
+static bool list_tiles(weft__self_list *list, const size_t part[2])
+{
+    for (size_t i = 0; i < weft__tile_count(list->own); ++i) {
+        list->marks[i] = part == NULL || has_of(list->own, i, part);
+    }
+    return weft__tile_pairs(list->own, keep_tiles, list);
 }
 
 static bool make_chunks(weft__self_list *list)
@@ -92,6 +125,7 @@ static bool make_chunks(weft__self_list *list)
 }
 
 weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
+                                        const size_t part[2],
                                         const weft_allocator *memory)
 {
     const size_t n = own->points, tiles = weft__tile_count(own);
@@ -121,7 +155,7 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
         || list->runs == NULL || list->grouped == NULL || list->tiles[0] == NULL
         || list->between == NULL || list->clear == NULL
-        || !weft__tile_pairs(own, keep_tiles, list) || !make_chunks(list)) {
+        || !list_tiles(list, part) || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
     }

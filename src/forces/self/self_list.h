@@ -9,14 +9,19 @@
 #include "forces/contact/contact.h"
 #include "forces/self/self.h"
 
-/* pool NULL: one thread. NULL: no memory. */
+/* pool NULL: one thread. `part` not NULL: points [part[0], part[1]), and of pairs without
+ * one of them only some are listed. NULL: no memory. */
 weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
+                                        const size_t part[2],
                                         const weft_allocator *memory);
 void weft__self_list_destroy(weft__self_list *list); /* NULL is allowed */
 
 /* Makes room for the pairs that were too many since the last call: a list grows here
  * alone, between steps, and is done without until then. */
 weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
+
+/* The next search is one of all pairs, and the list is then made anew. */
+static inline void weft__self_list_forget(weft__self_list *list);
 
 /* As weft__self_seek. */
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
@@ -117,6 +122,11 @@ struct weft__self_list {
     weft__self_chunk *chunks;
     size_t chunk_count;
 };
+
+static inline void weft__self_list_forget(weft__self_list *list)
+{
+    list->valid = false;
+}
 
 /* ---- self_chunk.c: pairs kept ---------------------------------------------------- */
 
