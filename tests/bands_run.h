@@ -457,7 +457,12 @@ static inline void check_same(const scenario *of, const outcome *a, const outcom
     ck_assert_uint_eq(a->failure.gap_particle, b->failure.gap_particle);
     ck_assert(a->failure.gap_step == b->failure.gap_step);
     for (size_t k = 0; k < 2; ++k) {
-        ck_assert_uint_eq(a->failure.self_pair[k].count, b->failure.self_pair[k].count);
+        const weft_primitive *p = &a->failure.self_pair[k],
+                             *q = &b->failure.self_pair[k];
+        ck_assert_uint_eq(p->count, q->count);
+        for (size_t j = 0; j < p->count; ++j) {
+            ck_assert_uint_eq(p->particle[j], q->particle[j]);
+        }
     }
     ck_assert_uint_eq(a->saved_size, b->saved_size);
     ck_assert_uint_eq(a->totals.particles, b->totals.particles);

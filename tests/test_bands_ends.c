@@ -162,6 +162,13 @@ START_TEST(refuses_a_comm_that_is_not_whole)
     check_refused(def, WEFT_INVALID, "rank");
     comm = good, comm.struct_size = 16;
     check_refused(def, WEFT_INVALID, "struct_size");
+    comm = good, comm.post = NULL;
+    of.cloth.contact.self = true;
+    weft_cloth *touching = test_cloth(&of.cloth);
+    def.cloth = touching;
+    check_refused(def, WEFT_UNSUPPORTED, "need a comm with `post`");
+    def.cloth = whole;
+    of.cloth.contact.self = false;
     comm = good, comm.size = 6;
     check_refused(def, WEFT_INVALID, "11 rows are too few for 6 bands: each needs 2");
     of.cloth.band_first = 4, of.cloth.band_rows = 3;
@@ -172,6 +179,7 @@ START_TEST(refuses_a_comm_that_is_not_whole)
     def.comm = NULL;
     check_refused(def, WEFT_INVALID, "rows 4 to 6 of 11: its simulation needs a comm");
     weft_cloth_destroy(band);
+    weft_cloth_destroy(touching);
     weft_cloth_destroy(whole);
     thread_bands_destroy(all);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_bands_self.c -- a cloth in bands that touches itself has the bits of the whole
- * cloth on any number of bands: those of grids and of triangles, of friction and ledger,
- * of steps that are taken back, and of what is saved. */
+ * cloth on any number of bands: those of grids and of triangles, of friction and
+ * ledger, of steps that are taken back, and of what is saved. */
 #include "bands_run.h"
 #include "folded.h"
 #include "folded_mesh.h"
@@ -18,7 +18,8 @@ static void begin_at(scenario *of, const double *xyz, const double *v, outcome *
     make(of, saved);
     saved->saved_size = weft_sim_save_size(sim);
     saved->saved = malloc(saved->saved_size);
-    ck_assert_int_eq(weft_sim_save(sim, saved->saved, saved->saved_size, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_save(sim, saved->saved, saved->saved_size, &err),
+                     WEFT_OK);
     of->restore = saved->saved, of->restore_size = saved->saved_size;
     weft_sim_destroy(sim);
     weft_cloth_destroy((weft_cloth *)(uintptr_t)def.cloth);
@@ -95,7 +96,8 @@ static void check_touching(const scenario *of, const char *what)
     outcome whole;
     run_whole(of, &whole);
     ck_assert_msg(whole.status == WEFT_OK, "%s", whole.err.message);
-    ck_assert_msg(strstr(whole.series[FRAMES], what) != NULL, "%s", whole.series[FRAMES]);
+    ck_assert_msg(strstr(whole.series[FRAMES], what) != NULL, "%s",
+                  whole.series[FRAMES]);
     drop(&whole);
     check_bands(of);
 }
@@ -138,7 +140,8 @@ START_TEST(triangles_have_the_same_bits)
 {
     test_mesh sheet;
     outcome saved;
-    const scenario of = triangles_in(&sheet, close_fold, "verlet/velocity_verlet", &saved);
+    const scenario of
+        = triangles_in(&sheet, close_fold, "verlet/velocity_verlet", &saved);
     check_touching(&of, "self touching 0x1.");
     drop(&saved);
     mesh_free(&sheet);
@@ -168,6 +171,35 @@ START_TEST(steps_are_taken_back_together)
 }
 END_TEST
 
+/* Two layers 1 um apart, joined by one row of edges. */
+static void shut(double u, double w, double x[3], double v[3])
+{
+    x[0] = u < 0.5 ? u : 1.0 - u, x[1] = u < 0.5 ? 0.0 : 1e-6, x[2] = w;
+    v[0] = v[2] = 0.0;
+    v[1] = u < 0.5 ? 20.0 : -20.0;
+}
+
+/* Of the pair that is the first one of the whole. */
+START_TEST(failures_have_the_message_of_the_whole)
+{
+    static double xyz[3 * 1200], v[3 * 1200];
+    outcome saved, whole;
+    scenario of = grid_in(along, "verlet/velocity_verlet", &saved);
+    drop(&saved);
+    of.cloth.rows = 19, of.cloth.cols = 18;
+    of.cloth.spacing[0] = of.cloth.spacing[1] = 1.0 / 17.0;
+    of.sim.config.fixed_step = 1e-3;
+    folded_start(&of.cloth, shut, xyz, v);
+    begin_at(&of, xyz, v, &saved);
+    run_whole(&of, &whole);
+    ck_assert_msg(strstr(whole.err.message, "cannot be kept apart") != NULL, "%s",
+                  whole.err.message);
+    drop(&whole);
+    check_bands(&of);
+    drop(&saved);
+}
+END_TEST
+
 TEST_SUITE(bands_self)
 {
     Suite *suite = suite_create("bands that touch themselves");
@@ -177,6 +209,7 @@ TEST_SUITE(bands_self)
     tcase_add_test(same, ledgers_events_and_threads_have_the_same_bits);
     tcase_add_test(same, triangles_have_the_same_bits);
     tcase_add_test(same, steps_are_taken_back_together);
+    tcase_add_test(same, failures_have_the_message_of_the_whole);
     suite_add_tcase(suite, same);
     return suite;
 }

@@ -280,7 +280,8 @@ typedef struct weft_cloth_def {
                        each neighbour (weft/comm.h). The cloth created has these rows
                        alone, and its index 0 is the first of them; all else in the
                        definition is that of the whole. Of triangles blocks, 1 or more.
-                       band_rows 0: the whole cloth */
+                       band_rows 0: the whole cloth. Functions of the cloth of a band
+                       do without its contact with itself */
     const weft_mesh_def *mesh; /* triangles instead of a grid; NULL: a grid. Then rows
                        to scale, mass, density, law, springs, across, bending and
                        rim_half are not used, and pins and loads have vertices */

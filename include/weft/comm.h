@@ -82,10 +82,11 @@ typedef struct weft_comm {
      * programs: libweft never calls it. */
     void (*stop)(void *self, int code);
 
-    /* Of bands of triangles, in place of begin: sends each parcel and receives those of
-     * the same bands, of which each appears once; `end` waits until all are there;
-     * between the two nobody writes to what is sent or received. The same bands have
-     * parcels for this one, of these sizes. NULL: rows alone. */
+    /* Of bands of triangles, in place of begin, and of all with contact.self, before
+     * it: sends each parcel and receives those of the same bands, of which each appears
+     * once; `end` waits until all are there; between the two nobody writes to what is
+     * sent or received. The same bands have parcels for this one, of these sizes. NULL:
+     * rows alone, without contact.self. */
     void (*post)(void *self, const weft_parcel *parcels, size_t count);
 } weft_comm;
 

@@ -58,8 +58,6 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     const bool clear = weft__path_clear(&sim->forces, &path);
     if (weft__bands_max(sim->def.comm, clear ? 0.0 : 1.0) > 0.0) {
         sim->refused = weft__path_breach(&sim->forces, &path);
-        sim->refused.particle
-            = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
         const bool in_shape = sim->refused.found && sim->refused.pair[0].count == 0;
         if (!weft__bands_first(sim->def.comm, in_shape, &sim->refused,
                                sizeof sim->refused)) {
@@ -121,8 +119,8 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
     const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
     char text[WEFT__BREACH_TEXT];
     if (sim->forces.self != NULL) {
-        TRY(weft_comm_agree(sim->def.comm,
-                            weft__self_list_grow(sim->forces.self, why), why));
+        TRY(weft_comm_agree(sim->def.comm, weft__self_list_grow(sim->forces.self, why),
+                            why));
     }
     if (sim->forces.bodies != NULL) {
         TRY(weft__self_list_grow(sim->forces.bodies->list, why));

@@ -59,12 +59,12 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 
 void weft__forces_destroy(weft__forces *forces)
 {
-    weft__joint_destroy(forces);
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
     WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all, forces->mail.parcels,
-                   forces->mail.sent, forces->mail.room, forces->mail.edge);
+                   forces->mail.sent, forces->mail.room, forces->mail.edge,
+                   forces->mail.joint.room, forces->mail.joint.parcels);
 }
 
 /* The first block of a band, the last that of none. */

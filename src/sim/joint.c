@@ -35,8 +35,7 @@ static bool make_room(weft__joint *of, const weft__forces *forces)
     for (size_t r = 0, j = 0, first; r < size; ++r) {
         const size_t ins = 6 * own_of(forces, r, &first);
         if (r != me) {
-            of->parcels[j++]
-                = (weft_parcel){ (int)r, 6 * of->own, ins, of->room, in };
+            of->parcels[j++] = (weft_parcel){ (int)r, 6 * of->own, ins, of->room, in };
             in += ins;
         }
     }
@@ -61,12 +60,6 @@ bool weft__joint_create(weft__forces *forces, bool all)
         forces->spaces[WEFT__FORCE_self] = forces->self;
     }
     return forces->self != NULL && make_room(of, forces);
-}
-
-void weft__joint_destroy(const weft__forces *forces)
-{
-    const weft__joint *of = &forces->mail.joint;
-    WEFT__FREE_ALL(&forces->memory, of->room, of->parcels);
 }
 
 /* ---- states ---------------------------------------------------------------------- */

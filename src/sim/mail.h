@@ -26,15 +26,15 @@ typedef struct weft__mail {
     weft__joint joint;
 } weft__mail;
 
-/* ---- joint.c: all of these also do without a joint, as the cloth is then whole, or has
- * no such contact ------------------------------------------------------------------ */
+/* ---- joint.c: all of these also do without a joint, as the cloth is then whole, or
+ * has no such contact
+ * ------------------------------------------------------------------ */
 
 struct weft__forces;
 
 /* Makes the joint of a cloth in bands that needs one, and the list. `all`: its list has
  * all pairs, because powers, or events, are measured in each step. False: no memory. */
 bool weft__joint_create(struct weft__forces *forces, bool all);
-void weft__joint_destroy(const struct weft__forces *forces);
 
 static inline const weft_cloth *weft__joint_cloth(const weft__joint *of,
                                                   const weft_cloth *other)

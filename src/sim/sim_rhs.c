@@ -36,11 +36,8 @@ static void note_breach(weft_sim *sim, double t, const double *y, int failed)
     const uint64_t call = ++sim->calls;
     if (failed == 0) {
         sim->refused = (weft__breach){ .call = call };
-    } else if (sim->def.comm == NULL
-               || weft__joint_finite(&sim->forces, y)) {
+    } else if (sim->def.comm == NULL || weft__joint_finite(&sim->forces, y)) {
         sim->refused = weft__rhs_breach(&sim->forces, t, y);
-        sim->refused.particle
-            = weft__whole_index(&sim->cloth->mesh, sim->refused.particle);
         sim->refused.call = call;
     }
 }

@@ -29,10 +29,10 @@ static void check_band(void *ctx, size_t first, size_t end)
 static weft__breach self_breach(const weft__forces *forces, const weft__path *path)
 {
     const weft__joint *of = &forces->mail.joint;
-    const weft__stride stride = { &weft__joint_cloth(of, forces->cloth)->self,
-                                  weft__joint_last(of, path->y0, 0),
-                                  weft__joint_last(of, path->y1, 1),
-                                  path->t1 - path->t0 };
+    const weft__stride stride
+        = { &weft__joint_cloth(of, forces->cloth)->self,
+            weft__joint_last(of, path->y0, 0), weft__joint_last(of, path->y1, 1),
+            path->t1 - path->t0 };
     weft__breach out = { .t = path->t1 };
     out.found = forces->self != NULL
                 && !weft__self_list_clear(forces->self, &stride, out.pair, &out.gap);
@@ -74,6 +74,7 @@ weft__breach weft__path_breach(const weft__forces *forces, const weft__path *pat
             }
         }
     }
+    out.particle = out.found ? weft__whole_index(&cloth->mesh, out.particle) : 0;
     weft__bodies_breach with;
     if (!out.found && forces->bodies != NULL
         && !weft__bodies_clear(forces->bodies, path, &with)) {
@@ -120,6 +121,8 @@ weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double 
 weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double *y)
 {
     weft__breach out = weft__state_breach(forces->cloth, t, y);
+    out.particle
+        = out.found ? weft__whole_index(&forces->cloth->mesh, out.particle) : 0;
     if (!out.found && forces->self != NULL) {
         const weft__joint *with = &forces->mail.joint;
         const weft__state of = { .t = t, .y = weft__joint_last(with, y, 0) };

@@ -67,9 +67,11 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err)
     return WEFT_OK;
 }
 
-/* Whether a primitive of a tile may have a point of [part[0], part[1]). */
-static bool has_of(const weft__self *own, size_t tile, const size_t part[2])
+/* Whether a primitive of a tile may have a point of the list's part. */
+static bool has_of(const weft__self_list *list, size_t tile)
 {
+    const weft__self *own = list->own;
+    const size_t *part = list->part;
     const size_t level = weft__tile_level(weft__nodes_of(own));
     size_t run[2], more[2], range[4];
     bool any = false;
@@ -100,10 +102,10 @@ static bool keep_tiles(void *ctx, size_t a, size_t b)
     return true;
 }
 
-static bool list_tiles(weft__self_list *list, const size_t part[2])
+static bool list_tiles(weft__self_list *list)
 {
     for (size_t i = 0; i < weft__tile_count(list->own); ++i) {
-        list->marks[i] = part == NULL || has_of(list->own, i, part);
+        list->marks[i] = has_of(list, i);
     }
     return weft__tile_pairs(list->own, keep_tiles, list);
 }
@@ -148,14 +150,15 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
         .runs = weft__alloc(memory, run_count(own), sizeof *list->runs),
         .grouped = weft__alloc(memory, tiles + 1, sizeof *list->grouped),
         .skin = skin_of(own),
+        .part = { part != NULL ? part[0] : 0, part != NULL ? part[1] : n },
     };
     for (size_t k = 1; k < 4 && list->tiles[0] != NULL; ++k) {
         list->tiles[k] = list->tiles[k - 1] + tiles;
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
         || list->runs == NULL || list->grouped == NULL || list->tiles[0] == NULL
-        || list->between == NULL || list->clear == NULL
-        || !list_tiles(list, part) || !make_chunks(list)) {
+        || list->between == NULL || list->clear == NULL || !list_tiles(list)
+        || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
     }
@@ -320,8 +323,21 @@ static void fill_part(void *ctx, size_t part)
     }
 }
 
+/* Of a list of a part: whether a pair has one of its points. */
+static bool is_wanted(const weft__self_list *list, const weft__pair *pair)
+{
+    bool any = false;
+    for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
+        any = any
+              || (pair->particle[k] >= list->part[0]
+                  && pair->particle[k] < list->part[1]);
+    }
+    return any;
+}
+
 /* Measures the pairs of a bin from `first` on, which may be new, and drops those beyond
- * `clear`. Pinned pairs do not push. */
+ * `clear`. Pinned pairs do not push, nor those
+ * that are not wanted. */
 static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
                           weft__self_pairs *in, size_t first, double clear, bool new,
                           weft__self_group *to)
@@ -335,7 +351,8 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
     for (size_t i = first; i < in->count; ++i) {
         if (new) {
             const weft__pair pair = weft__near_pair(kind, &in->near, i);
-            in->near.mass[i] = weft__pair_mass(list->own, &pair);
+            in->near.mass[i]
+                = is_wanted(list, &pair) ? weft__pair_mass(list->own, &pair) : 0.0;
             in->near.rest[i] = weft__pair_rest(&law, &pair);
         }
         if (in->near.mass[i] == 0.0) {

@@ -9,8 +9,8 @@
 #include "forces/contact/contact.h"
 #include "forces/self/self.h"
 
-/* pool NULL: one thread. `part` not NULL: points [part[0], part[1]), and of pairs without
- * one of them only some are listed. NULL: no memory. */
+/* pool NULL: one thread. `part` not NULL: points [part[0], part[1]), and of pairs
+ * without one of them only some are listed. NULL: no memory. */
 weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
                                         const size_t part[2],
                                         const weft_allocator *memory);
@@ -119,6 +119,7 @@ struct weft__self_list {
     double least;  /* [m] no pair that the step check looks at is nearer in `place` */
     bool valid;    /* whole, about `place` */
     size_t pin_changes;
+    size_t part[2]; /* points whose pairs alone have to be listed */
     weft__self_chunk *chunks;
     size_t chunk_count;
 };
