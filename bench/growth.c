@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* growth.c -- how a step of Dormand and Prince's grows with the cloth, in simulations
  * that have been running for a while: the grid P(n) and a jittered sheet of n x n
- * vertices, on one thread and on two; of a grid also stage by stage, where the
- * simulation has a pass (docs/speed.md), to the same state. Beside it what memory alone
- * would take: the bytes that a step moves where nothing stays in the caches, by the
- * bandwidth of a triad a = b + s c measured before each size. Arguments: sides instead
- * of all. */
+ * vertices, on one thread and on two, and of verlet's methods on the grid; of a grid
+ * also stage by stage, where the simulation has a pass (docs/speed.md), to the same
+ * state. Beside it what memory alone would take: the bytes that a step moves where
+ * nothing stays in the caches, by the bandwidth of a triad a = b + s c measured before
+ * each size. Arguments: sides instead of all. */
 #include "bench.h"
 
 #include <string.h>
@@ -18,6 +18,7 @@
 #ifdef HAVE_ARKODE
 
 const weft_plugin *weft_plugin_arkode(void);
+const weft_plugin *weft_plugin_verlet(void);
 
 enum { THREADS = 2, ROUNDS = 9, WARM_UP = 8, TRIAD = 1 << 23 };
 
@@ -25,12 +26,14 @@ enum { THREADS = 2, ROUNDS = 9, WARM_UP = 8, TRIAD = 1 << 23 };
  * an evaluation of a mesh reads and writes of its own, docs/speed.md */
 enum { VECTOR = 48, OF_MESH = 683 };
 
-/* Vectors read and written in a step beyond the forces, and in one evaluation. */
-static double bytes_a_step(bool mesh) /* [bytes] a particle */
+/* Vectors read and written in a step beyond the forces, and in its evaluations. */
+static double bytes_a_step(const char *kind) /* [bytes] a particle */
 {
-    const double vectors = 38 + 2 * 9, evaluations = 6;
-    const double each = mesh ? OF_MESH : 3 * VECTOR;
-    return vectors * VECTOR + evaluations * each;
+    const bool verlet = strcmp(kind, "velocity_verlet") == 0;
+    const bool euler = strcmp(kind, "symplectic_euler") == 0;
+    const double vectors = verlet ? 7 + 2 * 2 : euler ? 5 : 38 + 2 * 9;
+    const double each = strcmp(kind, "mesh") == 0 ? OF_MESH : 3 * VECTOR;
+    return vectors * VECTOR + (verlet || euler ? 1 : 6) * each;
 }
 
 /* ---- the triad ------------------------------------------------------------------- */
@@ -91,7 +94,8 @@ static void take_steps(void *ctx)
     }
 }
 
-static steady start(const weft_cloth *cloth, size_t threads, bool by_stages)
+static steady start(const char *kind, const weft_cloth *cloth, size_t threads,
+                    bool by_stages)
 {
     static const weft_pass none;
     weft_error err;
@@ -102,6 +106,10 @@ static steady start(const weft_cloth *cloth, size_t threads, bool by_stages)
     def.config.rtol = 0.0;
     def.config.atol_position = def.config.atol_velocity = 1e-6;
     def.config.first_step = 1e-5;
+    if (strchr(kind, '_') != NULL) {
+        def.method = weft_plugin_method(weft_plugin_verlet(), kind);
+        def.config.fixed_step = 1e-8;
+    }
     def.config.threads = threads;
     def.config.sweep = by_stages ? &none : NULL;
     bench_must(weft_sim_create(&def, &out.sim, &err), &err);
@@ -122,7 +130,7 @@ static void compare(const weft_sim *a, const weft_sim *b)
 static void report(FILE *csv, const char *kind, size_t n, size_t threads, double ns,
                    double speedup, double by_stages)
 {
-    const double bytes = bytes_a_step(strcmp(kind, "mesh") == 0);
+    const double bytes = bytes_a_step(kind);
     const double rate = bandwidth(threads), least = bytes / rate;
     printf("growth %s %zux%zu threads=%zu: %.1f ns/particle and step, of one thread "
            "%.2f; stage by stage %.1f, %.2f times; memory alone %.1f (%.0f bytes at "
@@ -141,7 +149,7 @@ static void grow(FILE *csv, const char *kind, size_t n, const weft_cloth *cloth)
     bench_case cases[CASES];
     double ns[CASES];
     for (size_t i = 0; i < CASES; ++i) {
-        runs[i] = start(cloth, 1 + i / 2, i % 2 == 1);
+        runs[i] = start(kind, cloth, 1 + i / 2, i % 2 == 1);
         cases[i] = (bench_case){ kind, take_steps, &runs[i], 0.0 };
     }
     bench_interleaved(cases, CASES, ROUNDS);
@@ -165,6 +173,8 @@ static void grow_grid(FILE *csv, size_t n)
     weft_error err;
     bench_must(weft_cloth_create(&def, &cloth, &err), &err);
     grow(csv, "grid", n, cloth);
+    grow(csv, "velocity_verlet", n, cloth);
+    grow(csv, "symplectic_euler", n, cloth);
     weft_cloth_destroy(cloth);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_wave.c -- an attempt in one pass over the rows has the bits of its stages one
- * after the other, whatever the table, the size, the forces, the threads and the level
- * of instructions. */
+/* test_wave.c -- an attempt, or an evaluation, in one pass over the rows has the bits
+ * of its stages one after the other, whatever the table, the size, the forces, the
+ * threads and the level of instructions. */
 #include "support.h"
 
 #include <math.h>
@@ -13,6 +13,7 @@
 #include "cloth/model.h"
 #include "moving_grid.h"
 #include "random.h"
+#include "sim/round.h"
 #include "sim/simulation.h"
 
 enum { MOST = WEFT__WAVE_STAGES };
@@ -207,9 +208,112 @@ START_TEST(what_is_not_finite_is_left_to_the_stages)
 }
 END_TEST
 
+/* An evaluation amid arithmetic: y is made of `from`, and changes where rates are
+ * known.
+ */
+typedef struct amid {
+    size_t half;
+    double *from, *y, *f;
+} amid;
+
+static size_t make_some(void *ctx, size_t first, size_t end)
+{
+    const amid *self = ctx;
+    for (size_t i = first; i < end; ++i) {
+        self->y[i] = self->from[i] + 1e-3 * self->from[self->half + i];
+        self->y[self->half + i] = 0.5 * self->from[self->half + i];
+    }
+    return 0;
+}
+
+static size_t use_some(void *ctx, size_t first, size_t end)
+{
+    const amid *self = ctx;
+    for (size_t i = first; i < end; ++i) {
+        self->y[i] += 1e3 * self->f[i];
+        self->y[self->half + i] -= 1e3 * self->f[self->half + i];
+    }
+    return end - first;
+}
+
+static weft_round round_of(amid *self)
+{
+    return (weft_round){ .struct_size = sizeof(weft_round),
+                         .t = 0.003,
+                         .y = self->y,
+                         .f = self->f,
+                         .ctx = self,
+                         .before = make_some,
+                         .after = use_some };
+}
+
+static void compare_rounds(const weft_cloth *cloth, size_t threads)
+{
+    weft__forces forces = weft__forces_create(cloth, threads, NULL);
+    const size_t n = weft_cloth_dim(cloth);
+    double *from = numbers(n);
+    amid whole = { n / 2, from, numbers(n), numbers(n) };
+    amid parts = { n / 2, from, numbers(n), numbers(n) };
+    weft_round round = round_of(&parts);
+    uint64_t seed = 3;
+    weft_cloth_start(cloth, from);
+    for (size_t i = 0; i < n; ++i) {
+        from[i] += 1e-4 * some(&seed);
+    }
+    make_some(&whole, 0, n / 2);
+    ck_assert_int_eq(weft__forces_rhs(&forces, 0.003, whole.y, whole.f), 0);
+    use_some(&whole, 0, n / 2);
+    ck_assert_int_eq(weft__round_run(&forces, &round), 0);
+    ck_assert_uint_eq(round.sum, n / 2);
+    ck_assert_mem_eq(parts.f, whole.f, n * sizeof *from);
+    ck_assert_mem_eq(parts.y, whole.y, n * sizeof *from);
+    round.f = NULL; /* no evaluation */
+    make_some(&whole, 0, n / 2);
+    ck_assert_int_eq(weft__round_run(&forces, &round), 0);
+    ck_assert_mem_eq(parts.y, whole.y, n * sizeof *from);
+    free(from);
+    free(whole.y), free(whole.f);
+    free(parts.y), free(parts.f);
+    weft__forces_destroy(&forces);
+}
+
+START_TEST(a_round_has_the_bits_of_an_evaluation)
+{
+    const size_t *of = shapes[_i];
+    for (unsigned with = 0; with < 128; with += with % 3 == 0 ? 11 : 9) {
+        weft_cloth *cloth = moving_grid(of[0], of[1], with % 4 == 3 ? with - 1 : with);
+        compare_rounds(cloth, 1 + with % 2);
+        weft_cloth_destroy(cloth);
+    }
+    for (size_t threads = 1; threads <= 4; ++threads) {
+        weft_cloth *cloth = moving_grid(130 + 97 * (size_t)_i, 41, GRID_FULL);
+        compare_rounds(cloth, threads);
+        weft_cloth_destroy(cloth);
+    }
+}
+END_TEST
+
+START_TEST(rates_that_are_not_finite_fail_the_round)
+{
+    weft_cloth *cloth = moving_grid(300, 40, 2);
+    weft__forces forces = weft__forces_create(cloth, 2, NULL);
+    const size_t n = weft_cloth_dim(cloth);
+    for (size_t at = 0; at < n; at += n / 7) {
+        amid parts = { n / 2, numbers(n), numbers(n), numbers(n) };
+        weft_round round = round_of(&parts);
+        weft_cloth_start(cloth, parts.from);
+        parts.from[at] = (double)NAN;
+        ck_assert_int_gt(weft__round_run(&forces, &round), 0);
+        free(parts.from), free(parts.y), free(parts.f);
+    }
+    weft__forces_destroy(&forces);
+    weft_cloth_destroy(cloth);
+}
+END_TEST
+
 /* ---- in a simulation ------------------------------------------------------------- */
 
-enum { SIDE = 142 }; /* from which a simulation offers a pass */
+enum { SIDE = 142 }; /* from which a simulation offers a pass, verlet on two threads */
 
 /* Two simulations of one cloth: by the pass and by stages. */
 typedef struct twins {
@@ -235,6 +339,7 @@ static weft_sim_def plain_def(const weft_cloth *cloth, const char *method)
     def.config.atol_position = 1e-6, def.config.atol_velocity = 1e-4;
     if ((def.method->flags & WEFT_STEPPER_FIXED_ONLY) != 0) {
         def.config.fixed_step = 1e-4;
+        def.config.threads = 2;
     }
     return def;
 }
@@ -296,9 +401,10 @@ static weft_status step(twins *both, double t_end, const char *after)
 }
 
 static const char *const methods[]
-    = { "arkode/dormand_prince", "arkode/bogacki_shampine", "arkode/cash_karp",
-        "arkode/fehlberg87",     "arkode/heun_euler",       "arkode/rk4",
-        "arkode/custom",         "arkode/verner65" };
+    = { "arkode/dormand_prince",  "arkode/bogacki_shampine", "arkode/cash_karp",
+        "arkode/fehlberg87",      "arkode/heun_euler",       "arkode/rk4",
+        "arkode/custom",          "arkode/verner65",         "verlet/velocity_verlet",
+        "verlet/symplectic_euler" };
 
 START_TEST(steps_in_one_pass_are_those_of_stages)
 {
@@ -309,7 +415,7 @@ START_TEST(steps_in_one_pass_are_those_of_stages)
         twins both = { .stop_at = 0 };
         def.config.fixed_step = fixed ? 1e-4 : 0.0;
         def.config.first_step = 5e-3; /* too long: rejections */
-        def.config.threads = _i == 1 || _i == 5 ? 2 : 1;
+        def.config.threads = _i % 4 == 1 ? 2 : _i == 8 ? 3 : 1;
         create(&both, def);
         for (int i = 1; i <= 8; ++i) {
             ck_assert_int_eq(step(&both, i < 5 ? 4e-4 : 1.0, methods[_i]), WEFT_OK);
@@ -321,13 +427,17 @@ START_TEST(steps_in_one_pass_are_those_of_stages)
 }
 END_TEST
 
+static const char *const takers[]
+    = { "arkode/dormand_prince", "verlet/velocity_verlet", "verlet/symplectic_euler" };
+enum { TAKERS = sizeof takers / sizeof takers[0] };
+
 /* Pins, wind and the state change between steps. */
 START_TEST(changes_between_steps_reach_the_pass)
 {
     const double slow[3] = { 0.0, 0.0, 0.5 }, gust[3] = { 1.0, 0.0, -2.0 };
     weft_cloth *cloth = moving_grid(SIDE, SIDE + 1, GRID_FULL);
     twins both = { .stop_at = 0 };
-    create(&both, plain_def(cloth, "arkode/dormand_prince"));
+    create(&both, plain_def(cloth, takers[_i]));
     for (size_t i = 0; i < 6; ++i) {
         ck_assert_int_eq(step(&both, 1.0, "a change"), WEFT_OK);
         for (int k = 0; k < 2; ++k) {
@@ -348,10 +458,10 @@ START_TEST(a_stop_ends_the_step_in_the_same_call)
 {
     weft_cloth *cloth = moving_grid(SIDE, SIDE, 1);
     for (int fixed = 0; fixed < 2; ++fixed) {
-        for (int at = 1; at < 20; at += 6) {
+        for (int at = 1; at<(_i > 0 ? 5 : 20); at += _i> 0 ? 1 : 6) {
             twins both = { .stop_at = at };
-            weft_sim_def def = plain_def(cloth, "arkode/dormand_prince");
-            def.config.fixed_step = fixed ? 1e-4 : 0.0;
+            weft_sim_def def = plain_def(cloth, takers[_i]);
+            def.config.fixed_step = fixed || _i > 0 ? 1e-4 : 0.0;
             create(&both, def);
             weft_status status = WEFT_OK;
             for (int i = 0; i < 5; ++i) {
@@ -377,7 +487,11 @@ START_TEST(failures_are_those_of_stages)
                { "arkode/dormand_prince", 0.0, 1e300, 1e-9 },
                { "arkode/cash_karp", 0.0, 1e150, 1e-9 },
                { "arkode/dormand_prince", 0.0, 0.5, 0.4 },
-               { "arkode/cash_karp", 0.0, 1e160, 1e150 } };
+               { "arkode/cash_karp", 0.0, 1e160, 1e150 },
+               { "verlet/velocity_verlet", 1.0, 0.1, 1e-9 },
+               { "verlet/velocity_verlet", 1e160, 0.1, 1e-9 },
+               { "verlet/symplectic_euler", 1.0, 0.1, 1e-9 },
+               { "verlet/symplectic_euler", 1e160, 0.1, 1e-9 } };
     weft_cloth *cloth = moving_grid(SIDE, SIDE, 2);
     twins both = { .stop_at = 0 };
     weft_sim_def def = plain_def(cloth, of[_i].method);
@@ -473,6 +587,7 @@ TEST_SUITE(wave)
     TCase *tests = tcase_create("wave"), *threads = tcase_create("threads"),
           *slow = test_long(suite, 120.0);
     const int count = (int)(sizeof shapes / sizeof shapes[0]);
+    const int ways = (int)(sizeof methods / sizeof methods[0]);
     tcase_set_timeout(tests, 120.0);
     tcase_set_timeout(threads, 120.0);
     tcase_add_loop_test(tests, one_pass_has_the_bits_of_stage_after_stage, 0, 5);
@@ -480,12 +595,15 @@ TEST_SUITE(wave)
     tcase_add_loop_test(threads, bands_of_threads_have_the_bits_of_one, 0, 1);
     tcase_add_loop_test(slow, bands_of_threads_have_the_bits_of_one, 1, 3);
     tcase_add_test(tests, what_is_not_finite_is_left_to_the_stages);
+    tcase_add_loop_test(threads, a_round_has_the_bits_of_an_evaluation, 0, 2);
+    tcase_add_loop_test(slow, a_round_has_the_bits_of_an_evaluation, 2, count);
+    tcase_add_test(threads, rates_that_are_not_finite_fail_the_round);
     tcase_add_loop_test(tests, steps_in_one_pass_are_those_of_stages, 0, 1);
-    tcase_add_loop_test(slow, steps_in_one_pass_are_those_of_stages, 1,
-                        (int)(sizeof methods / sizeof methods[0]));
-    tcase_add_test(tests, changes_between_steps_reach_the_pass);
-    tcase_add_test(slow, a_stop_ends_the_step_in_the_same_call);
-    tcase_add_loop_test(slow, failures_are_those_of_stages, 0, 6);
+    tcase_add_loop_test(slow, steps_in_one_pass_are_those_of_stages, 1, ways - 2);
+    tcase_add_loop_test(tests, steps_in_one_pass_are_those_of_stages, ways - 2, ways);
+    tcase_add_loop_test(tests, changes_between_steps_reach_the_pass, 0, TAKERS);
+    tcase_add_loop_test(slow, a_stop_ends_the_step_in_the_same_call, 0, TAKERS);
+    tcase_add_loop_test(slow, failures_are_those_of_stages, 0, 10);
     tcase_add_test(tests, no_pass_where_it_would_change_something);
 #if defined __linux__ && !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__
     tcase_add_loop_test(tests, a_run_takes_the_memory_that_stats_say, 0,

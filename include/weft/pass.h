@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/pass.h -- a step in one pass over the state, for plugins that say their table:
- * weft_stepper_config.sweep. Part of weft/stepper.h. */
+/* weft/pass.h -- a step in one pass over the state, for plugins that say their table or
+ * give their loops: weft_stepper_config.sweep. Part of weft/stepper.h. */
 #ifndef WEFT_PASS_H
 #define WEFT_PASS_H
 
@@ -29,17 +29,38 @@ typedef struct weft_attempt {
     int calls;            /* out: the evaluations that count as RHS calls */
 } weft_attempt;
 
+/* Does something with the positions [first, end) of a state and with their velocities,
+ * which lie half a state behind. */
+typedef size_t weft_part(void *ctx, size_t first, size_t end);
+
+/* An evaluation, and what a method does before and after it: `before` makes y, part by
+ * part; when their rates are in f, `after` may use them and change y there. Parts are
+ * taken on any thread and in any order. */
+typedef struct weft_round {
+    uint32_t struct_size;
+    double t; /* [s] */
+    const double *y;
+    double *f; /* receives the rates; NULL: no evaluation, only `before` */
+    void *ctx;
+    weft_part *before; /* NULL: y is there */
+    weft_part *after;
+    size_t sum; /* out: of what the parts returned */
+} weft_round;
+
 /* Makes attempts in one pass over the state, with the bits of the sums and of rhs calls
  * one after the other: a large state is then read once per step, not once per stage.
  *
  * run returns 0; < 0 to end the run, as rhs does; or > 0: the pass is not to be had
  * now, or something in it is not finite. Then the plugin makes the attempt by rhs,
  * which finds out what it is. y and k stay as they are. It is called in the thread that
- * calls step, and allocates nothing. */
+ * calls step, and allocates nothing. round does and returns the same for one evaluation
+ * amid a method's own arithmetic, as in velocity Verlet; it counts as one RHS call, and
+ * not where it returns > 0. A method of one call a step has only round. */
 typedef struct weft_pass {
     void *self;
-    int stages; /* at most */
+    int stages; /* at most, of run */
     int (*run)(void *self, weft_attempt *attempt);
+    int (*round)(void *self, weft_round *round);
 } weft_pass;
 
 #endif

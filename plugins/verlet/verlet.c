@@ -21,22 +21,27 @@
 
 const weft_plugin *weft_plugin_verlet(void);
 
+/* Numbers between arrays that a pass reads at once: so that they do not meet in the
+ * same sets of a cache. */
+enum { APART = 4168 };
+
 /* One instance. Its arrays lie behind it in one block: a step allocates nothing. */
 typedef struct stepper {
     const struct method *method;
     weft_ode ode;
     weft_allocator memory;
+    const weft_pass *pass;   /* or NULL */
     const weft_agree *agree; /* with the steppers of other parts of y, or NULL */
     size_t half;             /* y: so many positions, so many velocities, quadratures */
     double fixed_step;       /* [s] */
     weft_stepper_stats stats;
-    uint64_t idle; /* RHS calls after one that failed, for others (weft_agree) */
-    bool carries;  /* f is that of `end`, the state the last step ended in */
-    bool changed;  /* t or y may have been edited since */
-    double t;      /* [s] of `end` */
-    double *f;
+    uint64_t idle;    /* RHS calls after one that failed, for others (weft_agree) */
+    bool carries;     /* f is that of `end`, the state the last step ended in */
+    bool changed;     /* t or y may have been edited since */
+    double t;         /* [s] of `end` */
+    double h, *y;     /* of the present step; h [s] */
+    double *f, *last; /* last: of the step before */
     double *end;      /* result of a step: y keeps its value until it is known */
-    double *half_way; /* v + (h/2) fv */
 } stepper;
 
 /* The public record comes first: a pointer to it is a pointer to the method. */
@@ -67,7 +72,7 @@ static int rhs_after(int failed, stepper *self, double t, const double *y)
 }
 
 /* What the step has come to, for all parts of the state: 0, < 0 or > 0 as an RHS
- * returns it. `bad`: how many of its numbers are not finite. */
+ * returns it. `bad`: > 0 if a number of it is not finite. */
 static int verdict(stepper *self, int failed, size_t bad)
 {
     const int mine = failed != 0 ? failed : bad > 0;
@@ -84,10 +89,12 @@ static int verdict(stepper *self, int failed, size_t bad)
     return worst >= 16.0 ? -1 : worst >= 8.0;
 }
 
-/* To be counted: a sum, unlike a branch, can be vectorised. */
-static inline size_t not_finite(double a)
+/* In the highest bit, to be or-ed: unlike a branch, this can be vectorised. */
+static inline uint64_t not_finite(double a)
 {
-    return (size_t)!isfinite(a);
+    uint64_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    return (bits & INT64_MAX) + UINT64_C(0x0010000000000000);
 }
 
 /* to = y + h f over [first, last) of the state */
@@ -99,42 +106,72 @@ static void add(double *to, const double *y, double h, const double *f, size_t f
     }
 }
 
-/* How many of these would not be finite: counted first, so that a failed step need not
+/* Whether one of these would not be finite: asked first, so that a failed step need not
  * be undone. */
 static size_t spoilt(const double *y, double h, const double *f, size_t first,
                      size_t last)
 {
-    size_t bad = 0;
+    uint64_t bad = 0;
     for (size_t i = first; i < last; ++i) {
-        bad += not_finite(y[i] + h * f[i]);
+        bad |= not_finite(y[i] + h * f[i]);
     }
-    return bad;
+    return bad >> 63;
+}
+
+/* Ends a step, by y += h f from `first` on if all is finite. */
+static int finish(stepper *self, int failed, size_t bad, double h, double *y,
+                  size_t first)
+{
+    const size_t dim = self->ode.dim;
+    failed = verdict(self, failed, bad + spoilt(y, h, self->f, first, dim));
+    if (failed == 0) {
+        add(y, y, h, self->f, first, dim);
+    }
+    return failed;
 }
 
 static int euler(stepper *self, double t, double h, double *y)
 {
-    const size_t dim = self->ode.dim;
-    const int failed = rhs(self, t, y);
-    const int worst = verdict(self, failed, spoilt(y, h, self->f, 0, dim));
-    if (worst != 0) {
-        return worst;
-    }
-    add(y, y, h, self->f, 0, dim);
-    return 0;
+    return finish(self, rhs(self, t, y), 0, h, y, 0);
 }
 
 static int midpoint(stepper *self, double t, double h, double *y)
 {
-    const size_t dim = self->ode.dim;
     int failed = rhs(self, t, y);
-    add(self->end, y, 0.5 * h, self->f, 0, dim);
+    add(self->end, y, 0.5 * h, self->f, 0, self->ode.dim);
     failed = rhs_after(failed, self, t + 0.5 * h, self->end);
-    failed = verdict(self, failed, spoilt(y, h, self->f, 0, dim));
-    if (failed != 0) {
-        return failed;
+    return finish(self, failed, 0, h, y, 0);
+}
+
+/* The RHS at y between two loops over the state: in one pass where there is one. The
+ * second loop returns *bad. */
+static int rhs_between(stepper *self, int failed, double t, const double *y,
+                       weft_part *before, weft_part *after, size_t *bad)
+{
+    weft_round all = { sizeof all, t, y, self->f, self, before, after, 0 };
+    const int done = failed != 0 || self->pass == NULL
+                         ? 1
+                         : self->pass->round(self->pass->self, &all);
+    if (done <= 0) {
+        ++self->stats.rhs_calls;
+        *bad = all.sum;
+        return done;
     }
-    add(y, y, h, self->f, 0, dim);
-    return 0;
+    if (before != NULL) {
+        (void)before(self, 0, self->half);
+    }
+    failed = rhs_after(failed, self, t, y);
+    *bad = after(self, 0, self->half);
+    return failed;
+}
+
+/* With a pass, on all threads. */
+static void for_all(stepper *self, weft_part *part)
+{
+    weft_round all = { .struct_size = sizeof all, .ctx = self, .before = part };
+    if (self->pass == NULL || self->pass->round(self->pass->self, &all) > 0) {
+        (void)part(self, 0, self->half);
+    }
 }
 
 static inline double moved(double x, double h, double fx, double fv)
@@ -142,25 +179,75 @@ static inline double moved(double x, double h, double fx, double fv)
     return x + h * fx + h * h * fv;
 }
 
-static int symplectic_euler(stepper *self, double t, double h, double *y)
+static size_t spoilt_leap(void *ctx, size_t first, size_t end)
 {
-    const size_t half = self->half, dim = self->ode.dim;
-    const int failed = rhs(self, t, y);
-    const double *fx = self->f, *fv = self->f + half;
-    double *x = y, *v = y + half;
-    size_t bad = 0;
-    for (size_t i = 0; i < half; ++i) {
-        bad += not_finite(v[i] + h * fv[i]) + not_finite(moved(x[i], h, fx[i], fv[i]));
+    const stepper *self = ctx;
+    const double h = self->h, *x = self->y, *fx = self->f, *fv = fx + self->half;
+    uint64_t bad = 0;
+    for (size_t i = first; i < end; ++i) {
+        bad |= not_finite(moved(x[i], h, fx[i], fv[i]));
     }
-    const int worst = verdict(self, failed, bad + spoilt(y, h, self->f, 2 * half, dim));
-    if (worst != 0) {
-        return worst;
-    }
-    for (size_t i = 0; i < half; ++i) {
+    return (bad >> 63) + spoilt(x + self->half, h, fv, first, end);
+}
+
+static size_t leap(void *ctx, size_t first, size_t end)
+{
+    const stepper *self = ctx;
+    const double h = self->h, *fx = self->f, *fv = fx + self->half;
+    double *x = self->y, *v = x + self->half;
+    for (size_t i = first; i < end; ++i) {
         v[i] += h * fv[i];
         x[i] = moved(x[i], h, fx[i], fv[i]);
     }
-    add(y, y, h, self->f, 2 * half, dim);
+    return 0;
+}
+
+static int symplectic_euler(stepper *self, double t, double h, double *y)
+{
+    size_t bad;
+    int failed = rhs_between(self, 0, t, y, NULL, spoilt_leap, &bad);
+    failed = finish(self, failed, bad, h, y, 2 * self->half);
+    if (failed == 0) {
+        for_all(self, leap);
+    }
+    return failed;
+}
+
+static size_t predict(void *ctx, size_t first, size_t end)
+{
+    const stepper *self = ctx;
+    const double h = self->h, drift = 0.5 * h * h, *x = self->y, *v = x + self->half;
+    const double *fx = self->last, *fv = fx + self->half;
+    double *ex = self->end, *ev = ex + self->half;
+    for (size_t i = first; i < end; ++i) {
+        ex[i] = x[i] + h * fx[i] + drift * fv[i];
+        ev[i] = v[i] + h * fv[i];
+    }
+    return 0;
+}
+
+static size_t correct(void *ctx, size_t first, size_t end)
+{
+    const stepper *self = ctx;
+    const double kick = 0.5 * self->h, *v = self->y + self->half;
+    const double *from = self->last + self->half, *to = self->f + self->half;
+    double *fx = self->f, *ex = self->end, *ev = ex + self->half;
+    uint64_t bad = 0;
+    for (size_t i = first; i < end; ++i) {
+        const double next = v[i] + kick * from[i] + kick * to[i];
+        fx[i] = fx[i] == ev[i] ? next : fx[i]; /* where it is v, not the predicted */
+        ev[i] = next;
+        bad |= not_finite(ex[i]) | not_finite(next);
+    }
+    return bad >> 63;
+}
+
+static size_t accept(void *ctx, size_t first, size_t end)
+{
+    const stepper *self = ctx;
+    for (size_t i = first; i < 2 * self->half; i += self->half) {
+        memcpy(self->y + i, self->end + i, (end - first) * sizeof *self->y);
+    }
     return 0;
 }
 
@@ -176,33 +263,22 @@ static int velocity_verlet(stepper *self, double t, double h, double *y)
         fresh = weft_stepper_agreed(self->agree, same ? 0.0 : 1.0) == 0.0;
     }
     int failed = fresh ? 0 : rhs(self, t, y);
-    const double *x = y, *v = y + half, kick = 0.5 * h, drift = 0.5 * h * h;
-    double *fx = self->f, *fv = self->f + half, *half_way = self->half_way;
-    double *ex = self->end, *ev = self->end + half;
-    size_t bad = 0;
     self->carries = self->changed = false;
-    for (size_t i = 0; i < half; ++i) {
-        ex[i] = x[i] + h * fx[i] + drift * fv[i];
-        ev[i] = v[i] + h * fv[i]; /* predicted */
-        half_way[i] = v[i] + kick * fv[i];
-    }
-    add(self->end, y, kick, self->f, 2 * half, dim);
-    failed = rhs_after(failed, self, t + h, self->end);
-    for (size_t i = 0; i < half; ++i) {
-        const double end = half_way[i] + kick * fv[i];
-        fx[i] = fx[i] == ev[i] ? end : fx[i]; /* where fx is v: not the predicted one */
-        ev[i] = end;
-        bad += not_finite(ex[i]) + not_finite(end);
-    }
-    failed
-        = verdict(self, failed, bad + spoilt(self->end, kick, self->f, 2 * half, dim));
-    if (failed != 0) {
+    if (failed != 0 && self->agree == NULL) {
         return failed;
     }
-    add(self->end, self->end, kick, self->f, 2 * half, dim);
-    memcpy(y, self->end, dim * sizeof *y);
-    self->carries = true;
-    return 0;
+    double *f = self->last;
+    size_t bad;
+    self->last = self->f, self->f = f;
+    add(self->end, y, 0.5 * h, self->last, 2 * half, dim);
+    failed = rhs_between(self, failed, t + h, self->end, predict, correct, &bad);
+    failed = finish(self, failed, bad, 0.5 * h, self->end, 2 * half);
+    if (failed == 0) {
+        for_all(self, accept);
+        memcpy(y + 2 * half, self->end + 2 * half, (dim - 2 * half) * sizeof *y);
+        self->carries = true;
+    }
+    return failed;
 }
 
 static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
@@ -216,22 +292,26 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
     const weft_allocator memory = weft_stepper_memory(config);
-    const size_t arrays = 3 * ode->dim * sizeof(double); /* not all touched by all */
+    const weft_pass *pass = weft_stepper_sweep(config);
+    const size_t array = ode->dim + (pass != NULL ? APART : 0);
     const bool verlet = (type->flags & (uint32_t)WEFT_STEPPER_FSAL) != 0;
-    const size_t touched = verlet ? arrays / 6 * 5 : arrays / 3 * (size_t)type->stages;
-    stepper *self = memory.resize(memory.ctx, NULL, sizeof *self + arrays);
+    const size_t touched
+        = (verlet ? 3 : (size_t)type->stages) * ode->dim * sizeof(double);
+    stepper *self
+        = memory.resize(memory.ctx, NULL, sizeof *self + 3 * array * sizeof(double));
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
     *self = (stepper){ .method = (const method *)type,
                        .ode = *ode,
                        .memory = memory,
+                       .pass = pass,
                        .agree = weft_stepper_agree(config),
                        .half = weft_stepper_half(ode, config),
                        .fixed_step = config->fixed_step,
                        .stats = { .next_step = config->fixed_step, .bytes = touched } };
-    self->f = (double *)(self + 1), self->end = self->f + ode->dim;
-    self->half_way = self->end + ode->dim;
+    self->f = (double *)(self + 1);
+    self->end = self->f + array, self->last = self->end + array;
     *out = self;
     return WEFT_OK;
 }
@@ -251,6 +331,7 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     if (!last && *t + h == *t) {
         return weft_error_set(err, WEFT_STEP_TOO_SMALL, "t + h == t at h = %g s", h);
     }
+    self->h = h, self->y = y;
     const int failed = self->method->advance(self, *t, h, y);
     if (failed != 0) {
         return failed < 0
@@ -313,8 +394,9 @@ enum {
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, 0, "X. Provot, Graphics Interface, 1995"),
-    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL,
+    METHOD(symplectic_euler, 1, 1, WEFT_STEPPER_SWEEP,
+           "X. Provot, Graphics Interface, 1995"),
+    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL | WEFT_STEPPER_SWEEP,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
     METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
     METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),

@@ -6,6 +6,7 @@
 #include "cloth/model.h"
 #include "mesh/blocks.h"
 #include "sim/bands.h"
+#include "sim/round.h"
 #include "sim/simulation.h"
 
 /* ---- the rms norm ---------------------------------------------------------------- */
@@ -44,26 +45,38 @@ static double rms(void *ctx, const double *e, const double *w)
 
 /* ---- a pass ---------------------------------------------------------------------- */
 
-/* An attempt, as weft_pass.run: each evaluation may be asked to stop. */
-static int run_pass(void *ctx, weft_attempt *attempt)
+/* After `calls` evaluations that found nothing wrong: each may be asked to stop. */
+static int count_calls(weft_sim *sim, int calls, int *counted)
 {
-    weft_sim *sim = ctx;
-    const int calls = attempt->stages - 1 - (attempt->k_end == NULL);
-    if (sim->rates != NULL /* somebody takes those of each stage */
-        || weft__wave_run(sim->wave, &sim->forces, attempt) != 0) {
-        return 1;
-    }
     if (weft__sim_checks(sim)) {
         sim->calls += (uint64_t)calls;
         sim->refused = (weft__breach){ .call = sim->calls };
     }
-    for (attempt->calls = 1; attempt->calls <= calls; ++attempt->calls) {
+    for (*counted = 1; *counted <= calls; ++*counted) {
         if (weft__sim_must_stop(sim)) {
             return -1;
         }
     }
-    attempt->calls = calls;
+    *counted = calls;
     return 0;
+}
+
+/* As weft_pass.run; sim->rates: somebody takes those of each stage. */
+static int run_pass(void *ctx, weft_attempt *attempt)
+{
+    weft_sim *sim = ctx;
+    const int calls = attempt->stages - 1 - (attempt->k_end == NULL);
+    const bool made = sim->wave != NULL && sim->rates == NULL
+                      && weft__wave_run(sim->wave, &sim->forces, attempt) == 0;
+    return made ? count_calls(sim, calls, &attempt->calls) : 1;
+}
+
+static int run_round(void *ctx, weft_round *round)
+{
+    weft_sim *sim = ctx;
+    int calls;
+    const bool made = sim->rates == NULL && weft__round_run(&sim->forces, round) == 0;
+    return made ? count_calls(sim, round->f != NULL, &calls) : 1;
 }
 
 weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
@@ -74,6 +87,7 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
         = sim->config.norm == WEFT_NORM_RMS && sim->config.fixed_step == 0.0;
     const size_t stages
         = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
+    const bool once = table == NULL && stages == 2; /* no stages to be taken in one */
     const bool takes = sim->config.sweep == NULL && def->force == NULL && !def->ledger
                        && def->sensitivity == NULL && !means
                        && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
@@ -82,15 +96,19 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
                               && (def->method->flags & WEFT_STEPPER_AGREES) != 0
                           ? &sim->rms
                           : NULL;
+    const bool pays
+        = once ? weft__round_pays(&sim->forces) : weft__wave_pays(&sim->forces, stages);
     sim->config.sweep = NULL;
-    if (!takes || !weft__wave_pays(&sim->forces, stages)) {
+    if (!takes || !pays) {
         return WEFT_OK;
     }
-    sim->wave = weft__wave_create(&sim->forces, stages, &sim->memory);
-    if (sim->wave == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+    if (!once) {
+        sim->wave = weft__wave_create(&sim->forces, stages, &sim->memory);
+        if (sim->wave == NULL) {
+            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
+        }
     }
-    sim->pass = (weft_pass){ sim, (int)stages, run_pass };
+    sim->pass = (weft_pass){ sim, (int)stages, run_pass, run_round };
     sim->config.sweep = &sim->pass;
     return WEFT_OK;
 }

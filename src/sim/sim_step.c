@@ -7,6 +7,25 @@
 #include "forces/self/self.h"
 #include "sim/simulation.h"
 
+weft_status weft__sim_outside(const weft_sim *sim, const char *function,
+                              weft_error *err)
+{
+    return sim->callbacks > 0 ? weft_error_set(
+               err, WEFT_INVALID, "%s may not be called from a callback", function)
+                              : WEFT_OK;
+}
+
+weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
+                                   weft_error *err)
+{
+    const weft_status outside = weft__sim_outside(sim, function, err);
+    return outside == WEFT_OK && sim->playing > 0
+               ? weft_error_set(err, WEFT_INVALID,
+                                "%s may not be called from a callback of weft_sim_play",
+                                function)
+               : outside;
+}
+
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = sim->limit.stats.unconverged;

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "cloth/model.h"
+#include "sim/round.h"
 
 /* The longest loops: compiled for the widest vectors, with the same bits. */
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__)                     \
@@ -117,16 +118,10 @@ static size_t bands_of(size_t threads, const weft_cloth *cloth, size_t stages)
 
 bool weft__wave_pays(const weft__forces *forces, size_t stages)
 {
-    const weft_cloth *cloth = forces->cloth;
     const size_t threads = weft__pool_threads(forces->pool);
-    bool whole = cloth->mesh.triangles != NULL || forces->comm != NULL;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__force_at(cloth, k);
-        whole = whole || (force != NULL && force->add_all != NULL);
-    }
-    return !whole && stages > 1 && stages <= WEFT__WAVE_STAGES
-           && weft_cloth_particles(cloth) >= PARTICLES_LEAST
-           && bands_of(threads, cloth, stages) == threads;
+    return weft__round_can(forces) && stages > 1 && stages <= WEFT__WAVE_STAGES
+           && weft_cloth_particles(forces->cloth) >= PARTICLES_LEAST
+           && bands_of(threads, forces->cloth, stages) == threads;
 }
 
 size_t weft__wave_bytes(const weft__wave *wave)

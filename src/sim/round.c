@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/round.h"
+
+#include <stdatomic.h>
+
+#include "cloth/model.h"
+
+/* A block has so many rows and particles at least, a band so many rows. */
+enum {
+    REACH = 2, /* rows */
+    BLOCK = 8,
+    BLOCK_LEAST = 4096,
+    BAND = 32,
+    BANDS_PER_THREAD = 4,
+    PARTICLES_LEAST = 20000,
+    PARTICLES_ALONE = 1 << 15 /* on one thread */
+};
+
+typedef struct round_job {
+    const weft_cloth *cloth;
+    const weft_round *of;
+    weft_part *after;
+    size_t bands, block;
+    atomic_int failed;
+    atomic_size_t sum;
+} round_job;
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+static size_t start_of(const round_job *all, size_t band)
+{
+    return band * all->cloth->mesh.rows / all->bands;
+}
+
+/* Of rows [first, end). */
+static void take(round_job *all, weft_part *part, size_t first, size_t end)
+{
+    const weft__mesh *mesh = &all->cloth->mesh;
+    size_t sum = 0;
+    for (size_t p = 0; p < 3 && part != NULL && first < end; ++p) {
+        const size_t plane = p * mesh->particles;
+        sum += part(all->of->ctx, plane + first * mesh->cols, plane + end * mesh->cols);
+    }
+    atomic_fetch_add(&all->sum, sum);
+}
+
+static void evaluate(round_job *all, size_t first, size_t end)
+{
+    const weft__state at = { .t = all->of->t, .y = all->of->y };
+    if (first < end && all->of->f != NULL
+        && weft__rhs_blocks(all->cloth, &at, all->of->f, first, end) != 0) {
+        atomic_store(&all->failed, 1);
+    }
+}
+
+static void do_band(void *ctx, size_t b)
+{
+    round_job *all = ctx;
+    const size_t end = start_of(all, b + 1);
+    const size_t above = b > 0 ? REACH : 0, below = b + 1 < all->bands ? REACH : 0;
+    size_t made = start_of(all, b), done = made + above, used = done + above;
+    while (made < end && atomic_load(&all->failed) == 0) {
+        const size_t next = least(made + all->block, end);
+        const size_t to = next - (next == end ? below : REACH);
+        const size_t till = to - (next == end ? below : REACH);
+        take(all, all->of->before, made, next);
+        evaluate(all, done, to);
+        take(all, all->after, used, till);
+        made = next, done = to, used = till;
+    }
+}
+
+/* Between bands s and s + 1. */
+static void do_seam(void *ctx, size_t s)
+{
+    round_job *all = ctx;
+    const size_t row = start_of(all, s + 1);
+    evaluate(all, row - REACH, row + REACH);
+    take(all, all->after, row - 2 * REACH, row + 2 * REACH);
+}
+
+bool weft__round_can(const weft__forces *forces)
+{
+    const weft_cloth *cloth = forces->cloth;
+    bool whole = cloth->mesh.triangles != NULL || forces->comm != NULL;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(cloth, k);
+        whole = whole || (force != NULL && force->add_all != NULL);
+    }
+    return !whole;
+}
+
+bool weft__round_pays(const weft__forces *forces)
+{
+    const bool alone = weft__pool_threads(forces->pool) == 1;
+    return weft__round_can(forces)
+           && weft_cloth_particles(forces->cloth)
+                  >= (alone ? PARTICLES_ALONE : PARTICLES_LEAST);
+}
+
+int weft__round_run(const weft__forces *forces, weft_round *round)
+{
+    const weft__mesh *mesh = &forces->cloth->mesh;
+    const size_t rows = BLOCK_LEAST / mesh->cols + 1, most = mesh->rows / BAND;
+    const size_t threads = weft__pool_threads(forces->pool);
+    const size_t bands = least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
+    round_job all = { .cloth = forces->cloth,
+                      .of = round,
+                      .after = round->f != NULL ? round->after : NULL,
+                      .bands = bands > 0 ? bands : 1,
+                      .block = rows > BLOCK ? rows : BLOCK };
+    weft__pool_run(forces->pool, do_band, &all, all.bands);
+    if (all.bands > 1 && round->f != NULL && atomic_load(&all.failed) == 0) {
+        weft__pool_run(forces->pool, do_seam, &all, all.bands - 1);
+    }
+    round->sum = atomic_load(&all.sum);
+    return atomic_load(&all.failed);
+}
