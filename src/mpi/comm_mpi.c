@@ -89,7 +89,8 @@ static void begin(void *ctx, const weft_rows *rows)
     }
 }
 
-/* Fewer than 2^31 numbers: those of a surface between two bands. */
+/* Fewer than 2^31 numbers: those of a surface between two bands, or six of each own
+ * particle. */
 static void post(void *ctx, const weft_parcel *parcels, size_t count)
 {
     over_mpi *self = ctx;
