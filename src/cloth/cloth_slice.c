@@ -23,11 +23,11 @@ weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
                               "inside",
                               def->band_rows, def->band_first, all);
     }
-    const char *why = mesh->arc                     ? "membrane arc"
-                      : mesh->grids != NULL         ? "a grid"
-                      : bodies                ? "a shape of kind mesh"
-                      : def->untangle > 0.0         ? "untangle"
-                                                    : NULL;
+    const char *why = mesh->arc             ? "membrane arc"
+                      : mesh->grids != NULL ? "a grid"
+                      : bodies              ? "a shape of kind mesh"
+                      : def->untangle > 0.0 ? "untangle"
+                                            : NULL;
     return why == NULL
                ? WEFT_OK
                : weft_error_set(err, WEFT_UNSUPPORTED,
