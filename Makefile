@@ -127,7 +127,7 @@ TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy 
             limit_sheet checkpoint contact_time
 KERNEL_TESTS := kernel membrane
 # What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
-SLOW := verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
+SLOW := embed verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends bands_self conformance view untangle membrane cut bodies kernel batch_ends bands_meshes hostile_cost \
         libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability wave
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
@@ -498,7 +498,8 @@ docs: all
 # The tests of a suite run in one process, as one each takes five times as long, but where memory is limited or measured.
 ASAN_LONG := $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
              self_random self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
-             hostile surroundings record_ends record_damage cli_resume cli_batch cli_stability sundials_vector bands_ends bands_meshes bands_self steppers threads
+             hostile surroundings record_ends record_damage cli_resume cli_batch cli_stability sundials_vector bands bands_ends bands_meshes bands_self steppers threads \
+             cvode contact_time hostile_cost wind cloth_grids plate pins turn limit_sheet
 ASAN_WITHOUT ?= $(ASAN_LONG)
 
 asan:

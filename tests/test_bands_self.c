@@ -203,11 +203,11 @@ END_TEST
 TEST_SUITE(bands_self)
 {
     Suite *suite = suite_create("bands that touch themselves");
-    TCase *same = tcase_create("same bits");
+    TCase *same = tcase_create("same bits"), *slow = test_long(suite, 240);
     tcase_set_timeout(same, 240);
-    tcase_add_test(same, grids_have_the_same_bits);
+    tcase_add_test(slow, grids_have_the_same_bits);
     tcase_add_test(same, ledgers_events_and_threads_have_the_same_bits);
-    tcase_add_test(same, triangles_have_the_same_bits);
+    tcase_add_test(slow, triangles_have_the_same_bits);
     tcase_add_test(same, steps_are_taken_back_together);
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     suite_add_tcase(suite, same);

@@ -359,10 +359,11 @@ TEST_SUITE(skin_time)
 {
     Suite *suite = suite_create("skin_time");
     TCase *apart = tcase_create("apart"), *physics = tcase_create("physics");
-    TCase *bits = tcase_create("bits");
+    TCase *bits = tcase_create("bits"), *slow = test_long(suite, 300);
     tcase_add_checked_fixture(apart, setup, end);
     tcase_add_checked_fixture(physics, setup, end);
     tcase_add_checked_fixture(bits, setup, end);
+    tcase_add_checked_fixture(slow, setup, end);
     tcase_set_timeout(apart, 600), tcase_set_timeout(physics, 300);
     tcase_set_timeout(bits, 300);
     tcase_add_loop_test(apart, a_mesh_passes_through_itself_without, 0, COURSES);
@@ -371,7 +372,7 @@ TEST_SUITE(skin_time)
     tcase_add_loop_test(physics, dormand_prince_keeps_its_order, 0, test_rounds(1, 4));
     tcase_add_test(physics, energy_closes_with_the_tolerance_and_momenta_are_kept);
     tcase_add_test(bits, a_list_has_the_pairs_of_a_search);
-    tcase_add_test(bits, neither_threads_nor_skins_nor_instructions_change_results);
+    tcase_add_test(slow, neither_threads_nor_skins_nor_instructions_change_results);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);
     suite_add_tcase(suite, physics);

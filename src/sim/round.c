@@ -5,9 +5,11 @@
 
 #include "cloth/model.h"
 
-/* A block has so many rows and particles at least, a band so many rows. */
+/* A block has so many rows and particles at least, a band so many rows. What the fast
+ * forms read past the end of a row is in the next row, or in the next plane. */
 enum {
     REACH = 2, /* rows */
+    READ = REACH + 1,
     BLOCK = 8,
     BLOCK_LEAST = 4096,
     BAND = 32,
@@ -60,12 +62,13 @@ static void do_band(void *ctx, size_t b)
 {
     round_job *all = ctx;
     const size_t end = start_of(all, b + 1);
-    const size_t above = b > 0 ? REACH : 0, below = b + 1 < all->bands ? REACH : 0;
+    const bool alone = all->bands == 1;
+    const size_t above = b > 0 ? REACH : 0;
     size_t made = start_of(all, b), done = made + above, used = done + above;
     while (made < end && atomic_load(&all->failed) == 0) {
         const size_t next = least(made + all->block, end);
-        const size_t to = next - (next == end ? below : REACH);
-        const size_t till = to - (next == end ? below : REACH);
+        const size_t to = next == end ? end - (alone ? 0 : READ) : next - REACH;
+        const size_t till = next == end && alone ? end : to - REACH;
         take(all, all->of->before, made, next);
         evaluate(all, done, to);
         take(all, all->after, used, till);
@@ -73,13 +76,13 @@ static void do_band(void *ctx, size_t b)
     }
 }
 
-/* Between bands s and s + 1. */
+/* Between bands s and s + 1, or at the end of the last. */
 static void do_seam(void *ctx, size_t s)
 {
     round_job *all = ctx;
-    const size_t row = start_of(all, s + 1);
-    evaluate(all, row - REACH, row + REACH);
-    take(all, all->after, row - 2 * REACH, row + 2 * REACH);
+    const size_t row = start_of(all, s + 1), rows = all->cloth->mesh.rows;
+    evaluate(all, row - READ, least(row + REACH, rows));
+    take(all, all->after, row - READ - REACH, least(row + 2 * REACH, rows));
 }
 
 bool weft__round_can(const weft__forces *forces)
@@ -104,7 +107,8 @@ bool weft__round_pays(const weft__forces *forces)
 int weft__round_run(const weft__forces *forces, weft_round *round)
 {
     const weft__mesh *mesh = &forces->cloth->mesh;
-    const size_t rows = BLOCK_LEAST / mesh->cols + 1, most = mesh->rows / BAND;
+    const size_t rows = BLOCK_LEAST / mesh->cols + 1;
+    const size_t most = mesh->cols < WEFT_PAST ? 1 : mesh->rows / BAND;
     const size_t threads = weft__pool_threads(forces->pool);
     const size_t bands = least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
     round_job all = { .cloth = forces->cloth,
@@ -114,7 +118,7 @@ int weft__round_run(const weft__forces *forces, weft_round *round)
                       .block = rows > BLOCK ? rows : BLOCK };
     weft__pool_run(forces->pool, do_band, &all, all.bands);
     if (all.bands > 1 && round->f != NULL && atomic_load(&all.failed) == 0) {
-        weft__pool_run(forces->pool, do_seam, &all, all.bands - 1);
+        weft__pool_run(forces->pool, do_seam, &all, all.bands);
     }
     round->sum = atomic_load(&all.sum);
     return atomic_load(&all.failed);
