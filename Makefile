@@ -424,7 +424,7 @@ check: deps
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(if $(filter file,$(origin TESTS)),TESTS='$(filter-out $(SLOW),$(TESTS))') check-run
 
 check-slow:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS='$(SLOW)' check-run
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS='$(filter-out $(SLOW_WITHOUT),$(SLOW))' check-run
 
 check-run: all $(TEST_BIN) $(BROKEN) $(PROMISES) $(PRELOADED) $(EXAMPLES) lint
 	@TEST_TOGETHER='$(TOGETHER)' tools/run-tests $(BUILD) $(foreach t,$(TESTS),$(if $(filter $t,$(ALONE)),test_$t,'run $t'))
@@ -494,12 +494,14 @@ docs: all
 	@tools/docs $(BUILD)
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those that compute for long what others run
-# as well, run the program hundreds of times, or whose wide kernels compile for minutes (ASAN_WITHOUT=, as make nightly: all).
+# as well, run the program hundreds of times, or whose wide kernels
+# compile for minutes, or cost much for the lines that no other runs (ASAN_WITHOUT=, as make nightly: all).
 # The tests of a suite run in one process, as one each takes five times as long, but where memory is limited or measured.
 ASAN_LONG := $(KERNEL_TESTS) verification agree papers libm bounds closed_forms ledger_order mesh_orders quadratures scenes \
              self_random self_time skin skin_time sensitivity compare stability stepper_accuracy stiffness \
              hostile surroundings record_ends record_damage cli_resume cli_batch cli_stability sundials_vector bands bands_ends bands_meshes bands_self steppers threads \
-             cvode contact_time hostile_cost wind cloth_grids plate pins turn limit_sheet
+             cvode contact_time hostile_cost wind cloth_grids plate pins turn limit_sheet fit stiff untangle shapes_record \
+             embed examples cli_output converge progress batch_ends contact_laws bending scene_fuzz crossing watch
 ASAN_WITHOUT ?= $(ASAN_LONG)
 
 asan:
@@ -530,7 +532,7 @@ tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
 	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
 	$(if $(TSAN_WITHOUT),CK_EXCLUDE_TAGS=long) CK_FORK=no $(TSAN_RUN) $(TSAN_SUITES)
-	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) embed self_time wave
+	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) $(if $(TSAN_WITHOUT),,embed) self_time wave
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
@@ -628,6 +630,10 @@ check-self:
 
 # What .ci/run leaves out because it is slow.
 nightly: all
+	$(MAKE) check-slow
+	$(MAKE) check-elsewhere
+	$(MAKE) check-site
+	$(MAKE) check-install WHOLE=1
 	$(MAKE) static DEEP=1
 	TEST_LONG=1 $(MAKE) coverage
 	$(MAKE) asan ASAN_WITHOUT=

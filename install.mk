@@ -82,7 +82,7 @@ bundle: $(BUNDLED)
 
 # Installs weft, moves it, builds the examples as C11 to C++17, removes it.
 check-install: all $(EXAMPLES)
-	@tools/check-install $(BUILD)
+	@WHOLE=$(WHOLE) tools/check-install $(BUILD)
 
 # What a release consists of, in $(BUILD)/dist (docs/installation.md); DIST=TARGET...: of these targets alone.
 .PHONY: dist check-dist
