@@ -129,7 +129,8 @@ KERNEL_TESTS := kernel membrane
 # What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
 SLOW := embed verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends bands_self conformance view untangle membrane cut bodies kernel batch_ends bands_meshes hostile_cost \
-        libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability wave
+        libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability wave cli_output fit shapes_record \
+        contact_time quadratures papers converge
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
