@@ -8,7 +8,7 @@
 /* A block has so many rows and particles at least, a band so many rows. What the fast
  * forms read past the end of a row is in the next row, or in the next plane. */
 enum {
-    REACH = 2, /* rows */
+    REACH = WEFT_GHOST_ROWS,
     READ = REACH + 1,
     BLOCK = 8,
     BLOCK_LEAST = 4096,

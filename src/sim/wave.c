@@ -25,7 +25,7 @@
 /* BLOCK rows at least, and BLOCK_LEAST particles, in a call of the forces. A window
  * has room for SLACK blocks: then it moves its last four rows to the front. */
 enum {
-    REACH = 2, /* rows */
+    REACH = WEFT_GHOST_ROWS,
     BLOCK = 8,
     BLOCK_LEAST = 2048,
     SLACK = 4,
