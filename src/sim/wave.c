@@ -43,6 +43,7 @@ typedef struct window {
     double *z, *k;
     size_t ring; /* rows of k */
     size_t low, made, done, end_made, end_done;
+    weft__trail trail;
     weft_cloth cloth; /* rows of the whole from `low` on */
 } window;
 
@@ -57,6 +58,7 @@ typedef struct band {
 struct weft__wave {
     size_t bands, stages, block;
     size_t stride; /* of planes of windows */
+    size_t trail;  /* numbers of one */
     band *of;
     weft_allocator memory;
 };
@@ -105,9 +107,10 @@ static size_t stride_of(const weft_cloth *cloth, size_t stages)
 }
 
 /* Numbers of a band: its error, its windows and what their alignment takes. */
-static size_t room_of(size_t stages, size_t stride)
+static size_t room_of(const weft__wave *wave)
 {
-    return stride * (12 * stages - 11) + LINE;
+    return wave->stride * (12 * wave->stages - 11) + wave->trail * (wave->stages - 1)
+           + LINE;
 }
 
 static size_t bands_of(size_t threads, const weft_cloth *cloth, size_t stages)
@@ -126,11 +129,10 @@ bool weft__wave_pays(const weft__forces *forces, size_t stages)
 
 size_t weft__wave_bytes(const weft__wave *wave)
 {
-    return wave == NULL
-               ? 0
-               : wave->bands
-                     * (sizeof(band) + wave->stages * sizeof(window)
-                        + room_of(wave->stages, wave->stride) * sizeof(double));
+    return wave == NULL ? 0
+                        : wave->bands
+                              * (sizeof(band) + wave->stages * sizeof(window)
+                                 + room_of(wave) * sizeof(double));
 }
 
 void weft__wave_destroy(weft__wave *wave)
@@ -149,8 +151,7 @@ static bool make_band(const weft__wave *wave, band *of)
 {
     const size_t stride = wave->stride;
     of->windows = weft__zeroed(&wave->memory, wave->stages, sizeof *of->windows);
-    of->room
-        = weft__alloc(&wave->memory, room_of(wave->stages, stride), sizeof *of->error);
+    of->room = weft__alloc(&wave->memory, room_of(wave), sizeof *of->error);
     if (of->windows == NULL || of->room == NULL) {
         return false;
     }
@@ -159,6 +160,8 @@ static bool make_band(const weft__wave *wave, band *of)
     for (size_t i = 1; i < wave->stages; ++i) {
         of->windows[i].z = of->error + stride * (12 * i - 11);
         of->windows[i].k = of->windows[i].z + 6 * stride;
+        of->windows[i].trail.pulls
+            = of->error + stride * (12 * wave->stages - 11) + wave->trail * (i - 1);
     }
     return true;
 }
@@ -176,6 +179,7 @@ weft__wave *weft__wave_create(const weft__forces *forces, size_t stages,
                           .stages = stages,
                           .block = block_of(forces->cloth),
                           .stride = stride_of(forces->cloth, stages),
+                          .trail = weft__trail_length(forces->cloth->mesh.cols),
                           .memory = memory };
     wave->of = weft__zeroed(&memory, wave->bands, sizeof *wave->of);
     for (size_t b = 0; b < wave->bands; ++b) {
@@ -422,7 +426,7 @@ static bool make_rates(const way *by, size_t i, size_t end)
     window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
-    const weft__state state = { .t = t, .y = at->z };
+    const weft__state state = { .t = t, .y = at->z, .trail = &at->trail };
     double *to = at->k + slot(by, i, at->done) * cols;
     place(by, at);
     const int failed
@@ -471,6 +475,7 @@ static void begin(const way *by)
         at->ring = ring_rows(by->of->wave->block, by->last + 1, i);
         at->done = less(by->first, halo);
         at->low = at->made = less(at->done, REACH);
+        at->trail.row = SIZE_MAX;
         at->end_done = least(rows, by->end + halo);
         at->end_made = least(rows, by->end + halo + REACH);
         at->cloth = *by->of->cloth;

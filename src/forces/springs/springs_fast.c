@@ -39,7 +39,7 @@ enum { RIGHT, DOWN, CROSS, ANTI, RIGHT2, DOWN2, DAMPED };
 
 /* TILE columns, with the rows that a block reads, stay in the first cache. */
 enum {
-    TILE = PRODUCT ? WEFT__TILE : 256,
+    TILE = PRODUCT ? WEFT__TILE : WEFT__TRAIL_TILE,
     SPAN = LANES + TILE + 2 * LANES,
     EDGE = LANES + 2,
     STREAMS = PRODUCT ? 1 + WEFT__WAYS : 1 /* the state, then its directions */
@@ -57,6 +57,9 @@ typedef struct landing {
     double ended[3 * SPAN];  /* [N] from rows above */
     double ended2[3 * SPAN]; /* [N] of down2 in the row above */
 } landing;
+
+_Static_assert(PRODUCT || sizeof(landing) <= 6 * (TILE + 3 * WEFT__TRAIL_LANES) * 8,
+               "a trail has room for it");
 
 /* Which lanes of a block at the end of a row are columns, and have a column 1 and 2
  * to their right. */
@@ -437,12 +440,18 @@ static void any_row(sweep *self, size_t r, size_t first, size_t end, unsigned ha
     }
 }
 
-/* Columns [first, end): the two rows above first_row add their pulls on the others. */
+/* Columns [first, end). The two rows above first_row add their pulls on the others;
+ * `pulls` has them, unless it is NULL. */
 static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t first_row,
-                 size_t end_row)
+                 size_t end_row, const double *pulls)
 {
-    memset(self->of, 0, streams(self) * sizeof *self->of);
-    for (size_t r = first_row < 2 ? 0 : first_row - 2; r < end_row; ++r) {
+    const size_t above = pulls != NULL ? 0 : first_row < 2 ? first_row : 2;
+    if (pulls != NULL) {
+        memcpy(self->of, pulls, sizeof(landing));
+    } else {
+        memset(self->of, 0, streams(self) * sizeof *self->of);
+    }
+    for (size_t r = first_row - above; r < end_row; ++r) {
         unsigned has = of_row(self, r, all);
         if (r < first_row) {
             has &= r + 1 < first_row ? BIT(DOWN2) | BIT(DAMPED)
@@ -537,12 +546,20 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     return all;
 }
 
-static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end)
+static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end,
+                       weft__trail *trail, size_t row_0)
 {
+    const bool goes_on = trail != NULL && trail->row == row_0 + first;
+    double *pulls = trail != NULL ? trail->pulls : NULL;
     self->detour = stores_delay_loads(self);
     for (size_t c = 0; c == 0 || c < self->inner; c += TILE) {
         const size_t stop = self->inner - c < TILE ? self->inner : c + TILE;
-        tile(self, c, stop, all, first, end);
+        tile(self, c, stop, all, first, end, goes_on ? pulls : NULL);
+        if (trail != NULL) {
+            memcpy(pulls, self->of, sizeof(landing));
+            pulls += sizeof(landing) / sizeof *pulls;
+            trail->row = row_0 + end;
+        }
     }
     return sum(self->bad) == 0.0 ? 0 : 1;
 }
@@ -584,6 +601,6 @@ int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state
                    ? 0
                    : 1;
     }
-    return sweep_tiles(&self, all, first, end);
+    return sweep_tiles(&self, all, first, end, at->trail, of->mesh->band.first);
 }
 #endif
