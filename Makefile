@@ -137,7 +137,9 @@ ALONE := no_memory libm
 SUITES = $(filter-out $(ALONE),$(TESTS))
 TEST_BIN = $(BUILD)/tests/run $(patsubst %,$(BUILD)/tests/test_%,$(filter $(ALONE),$(TESTS)))
 BROKEN := $(patsubst tests/broken/%.c,$(BUILD)/tests/broken/weft-%.so,$(wildcard tests/broken/*.c))
-PROMISES := $(patsubst tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c))
+# What these suites load, and no other.
+PROMISES := $(if $(filter conformance cli_output interrupt,$(TESTS)),$(patsubst \
+    tests/promises/%.c,$(BUILD)/tests/promises/weft-%.so,$(wildcard tests/promises/*.c)))
 HAVE_CXX := $(shell command -v $(CXX) >/dev/null && echo yes)
 # examples/weft-ID.c are plugins.
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/examples/%,$(filter-out examples/weft-% examples/window.c,$(wildcard examples/*.c))) \
