@@ -20,7 +20,14 @@
 const weft_plugin *weft_plugin_arkode(void);
 const weft_plugin *weft_plugin_verlet(void);
 
-enum { THREADS = 2, ROUNDS = 9, WARM_UP = 8, TRIAD = 1 << 23 };
+enum {
+    THREADS = 2,
+    ROUNDS = 9,
+    ROUNDS_SMALL = 31,
+    SMALL = 1 << 19,
+    WARM_UP = 8,
+    TRIAD = 1 << 23
+};
 
 /* [bytes] a vector of 6 numbers a particle, read, and read before it is written; what
  * an evaluation of a mesh reads and writes of its own, docs/speed.md */
@@ -154,7 +161,7 @@ static void grow(FILE *csv, const char *kind, size_t n, const weft_cloth *cloth)
         runs[i] = start(kind, cloth, 1 + i / forms, i % forms == 1);
         cases[i] = (bench_case){ kind, take_steps, &runs[i], 0.0 };
     }
-    bench_interleaved(cases, count, ROUNDS);
+    bench_interleaved(cases, count, n * n < SMALL ? ROUNDS_SMALL : ROUNDS);
     for (size_t i = 0; i < count; ++i) {
         ns[i] = 1e9 * cases[i].median / runs[i].steps / (double)(n * n);
         compare(runs[0].sim, runs[i].sim);
