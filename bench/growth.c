@@ -8,6 +8,7 @@
  * each size. Arguments: sides instead of all. */
 #include "bench.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/thread_pool.h"
@@ -140,10 +141,12 @@ static void report(FILE *csv, const char *kind, size_t n, size_t threads, double
     const double bytes = bytes_a_step(kind);
     const double rate = bandwidth(threads), least = bytes / rate;
     printf("growth %s %zux%zu threads=%zu: %.1f ns/particle and step, of one thread "
-           "%.2f; stage by stage %.1f, %.2f times; memory alone %.1f (%.0f bytes at "
-           "%.1f GB/s)\n",
-           kind, n, n, threads, ns, speedup, by_stages, by_stages / ns, least, bytes,
-           rate);
+           "%.2f; ",
+           kind, n, n, threads, ns, speedup);
+    if (!isnan(by_stages)) {
+        printf("stage by stage %.1f, %.2f times; ", by_stages, by_stages / ns);
+    }
+    printf("memory alone %.1f (%.0f bytes at %.1f GB/s)\n", least, bytes, rate);
     fprintf(csv, "%s,%zu,%zu,%.5g,%.5g,%.5g,%.5g\n", kind, n, threads, ns, bytes, rate,
             by_stages);
 }
@@ -168,7 +171,7 @@ static void grow(FILE *csv, const char *kind, size_t n, const weft_cloth *cloth)
     }
     for (size_t i = 0; i < THREADS; ++i) {
         report(csv, kind, n, i + 1, ns[forms * i], ns[0] / ns[forms * i],
-               ns[forms * i + forms - 1]);
+               forms == 2 ? ns[2 * i + 1] : (double)NAN);
     }
     for (size_t i = 0; i < count; ++i) {
         weft_sim_destroy(runs[i].sim);

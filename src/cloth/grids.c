@@ -92,7 +92,6 @@ static weft__state state_of(const weft_cloth *grid, const weft__state *at)
     weft__state own = *at;
     own.y = at->y != NULL ? at->y + grid->first : NULL;
     own.along = at->along != NULL ? at->along + grid->first : NULL;
-    own.trail = NULL;
     return own;
 }
 

@@ -13,14 +13,7 @@
 #include "mesh/slice.h"
 #include "weft/stepper.h"
 
-/* What rows above `row` of the whole grid do to later ones, for calls that each go on
- * where the last one ended: then no spring above is computed a second time. */
-typedef struct weft__trail {
-    size_t row;    /* SIZE_MAX: none yet */
-    double *pulls; /* [N] weft__trail_length of them */
-} weft__trail;
-
-/* Two pulls in each column and what a tile of columns has beside it. */
+/* Numbers of a trail: two pulls in each column, and in some beside each tile. */
 enum { WEFT__TRAIL_TILE = 256, WEFT__TRAIL_LANES = 8 };
 static inline size_t weft__trail_length(size_t cols)
 {
@@ -34,7 +27,10 @@ typedef struct weft__state {
     const double *y;
     const double *along;  /* of products: a direction of the state; else NULL */
     const bool *families; /* in which the worst spring is sought; NULL: all */
-    weft__trail *trail;   /* which forms may use; NULL: none */
+    /* [N] of calls that each go on where the last one ended: what the last rows do to
+     * the next, which then compute no spring above again; for fast forms. NULL: none */
+    double *trail;
+    bool goes_on; /* the trail is that of the rows above */
 } weft__state;
 
 typedef enum weft__unit {

@@ -40,10 +40,9 @@ enum {
 /* Stage i of a band. Rows [low, made) of its state are in z, those of its rates below
  * `done` in a ring. */
 typedef struct window {
-    double *z, *k;
+    double *z, *k, *trail;
     size_t ring; /* rows of k */
     size_t low, made, done, end_made, end_done;
-    weft__trail trail;
     weft_cloth cloth; /* rows of the whole from `low` on */
 } window;
 
@@ -160,7 +159,7 @@ static bool make_band(const weft__wave *wave, band *of)
     for (size_t i = 1; i < wave->stages; ++i) {
         of->windows[i].z = of->error + stride * (12 * i - 11);
         of->windows[i].k = of->windows[i].z + 6 * stride;
-        of->windows[i].trail.pulls
+        of->windows[i].trail
             = of->error + stride * (12 * wave->stages - 11) + wave->trail * (i - 1);
     }
     return true;
@@ -325,6 +324,12 @@ typedef struct way {
     size_t start, first, end, front, left;
 } way;
 
+/* The first row of the rates of stage i. */
+static size_t first_of(const way *by, size_t i)
+{
+    return less(by->first, REACH * (by->last - i));
+}
+
 static size_t slot(const way *by, size_t i, size_t row)
 {
     return (row - by->start + REACH * i) % by->band->windows[i].ring;
@@ -426,7 +431,9 @@ static bool make_rates(const way *by, size_t i, size_t end)
     window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
-    const weft__state state = { .t = t, .y = at->z, .trail = &at->trail };
+    const weft__state state = {
+        .t = t, .y = at->z, .trail = at->trail, .goes_on = at->done > first_of(by, i)
+    };
     double *to = at->k + slot(by, i, at->done) * cols;
     place(by, at);
     const int failed
@@ -473,9 +480,8 @@ static void begin(const way *by)
         window *at = &by->band->windows[i];
         const size_t halo = REACH * (by->last - i);
         at->ring = ring_rows(by->of->wave->block, by->last + 1, i);
-        at->done = less(by->first, halo);
+        at->done = first_of(by, i);
         at->low = at->made = less(at->done, REACH);
-        at->trail.row = SIZE_MAX;
         at->end_done = least(rows, by->end + halo);
         at->end_made = least(rows, by->end + halo + REACH);
         at->cloth = *by->of->cloth;

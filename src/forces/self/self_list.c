@@ -336,8 +336,7 @@ static bool is_wanted(const weft__self_list *list, const weft__pair *pair)
 }
 
 /* Measures the pairs of a bin from `first` on, which may be new, and drops those beyond
- * `clear`. Pinned pairs do not
- * push, nor those that are not wanted. */
+ * `clear`. Pinned pairs do not push, nor those that are not wanted. */
 static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
                           weft__self_pairs *in, size_t first, double clear, bool new,
                           weft__self_group *to)

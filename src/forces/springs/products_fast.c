@@ -109,5 +109,5 @@ int NAME(products, LEVEL)(const weft__springs *own, const weft__body *body,
     }
     self.dydt = ways->base;
     self.ways = ways;
-    return sweep_tiles(&self, all, first, end, NULL, 0);
+    return sweep_tiles(&self, all, first, end, NULL, false);
 }

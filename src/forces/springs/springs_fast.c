@@ -547,18 +547,15 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
 }
 
 static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end,
-                       weft__trail *trail, size_t row_0)
+                       double *trail, bool goes_on)
 {
-    const bool goes_on = trail != NULL && trail->row == row_0 + first;
-    double *pulls = trail != NULL ? trail->pulls : NULL;
     self->detour = stores_delay_loads(self);
     for (size_t c = 0; c == 0 || c < self->inner; c += TILE) {
         const size_t stop = self->inner - c < TILE ? self->inner : c + TILE;
-        tile(self, c, stop, all, first, end, goes_on ? pulls : NULL);
+        tile(self, c, stop, all, first, end, goes_on ? trail : NULL);
         if (trail != NULL) {
-            memcpy(pulls, self->of, sizeof(landing));
-            pulls += sizeof(landing) / sizeof *pulls;
-            trail->row = row_0 + end;
+            memcpy(trail, self->of, sizeof(landing));
+            trail += sizeof(landing) / sizeof *trail;
         }
     }
     return sum(self->bad) == 0.0 ? 0 : 1;
@@ -601,6 +598,6 @@ int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state
                    ? 0
                    : 1;
     }
-    return sweep_tiles(&self, all, first, end, at->trail, of->mesh->band.first);
+    return sweep_tiles(&self, all, first, end, at->trail, at->goes_on);
 }
 #endif

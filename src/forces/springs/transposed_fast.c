@@ -121,7 +121,8 @@ int NAME(transposed, LEVEL)(const weft__springs *own, const weft__body *body,
     self.dydt = NULL;
     self.wanted = net != NULL;
     self.ways = &of.ways;
-    const int failed = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, 0);
+    const int failed
+        = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, false);
     weft__totals_add((const weft__totals *)totals, by);
     return failed;
 }
