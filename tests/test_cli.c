@@ -137,7 +137,9 @@ END_TEST
  * degrees. */
 START_TEST(the_laboratory_measures_what_the_fabric_is)
 {
-    expect(shell("cd " OUT " && ../weft lab strip white-dots-on-blk"), 0);
+    expect(shell("mkdir -p " OUT "/lab && cd " OUT
+                 " && ../weft lab strip white-dots-on-blk"),
+           0);
     says("EMT 12.2 % at 490 N/m, along the warp: a secant modulus of 4004 N/m");
     expect(shell("cd " OUT " && ../weft lab cantilever 11oz-black-denim"), 0);
     says("falls by 41.49 degrees");
@@ -150,16 +152,29 @@ START_TEST(the_laboratory_measures_what_the_fabric_is)
          "'strip'?)");
     expect(shell("cd " OUT " && ../weft lab strip denim 2>&1"), 2);
     says("(did you mean '11oz-black-denim'?)");
-    expect(shell("cd " OUT
-                 " && echo mine > strip-royal-target.yaml && ../weft lab strip "
-                 "royal-target 2>&1"),
+    expect(shell("cd " OUT " && echo mine > lab/strip-royal-target.yaml && ../weft lab "
+                 "strip royal-target --out lab 2>&1"),
            4);
-    says("strip-royal-target.yaml: File exists with another text; --force replaces it");
-    expect(shell("cd " OUT " && cat strip-royal-target.yaml && ../weft lab strip "
-                 "royal-target --force"),
+    says("lab/strip-royal-target.yaml: File exists with another text; --force replaces "
+         "it");
+    expect(shell("cd " OUT " && cat lab/strip-royal-target.yaml && ../weft lab strip "
+                 "royal-target --out lab --force"),
            0);
     says("mine\n");
     says("4033 N/m");
+}
+END_TEST
+
+START_TEST(the_laboratory_writes_into_its_directory_alone)
+{
+    expect(shell("mkdir -p " OUT "/bench && cd " OUT
+                 "/bench && ../../weft lab strip royal-target && ../../weft lab strip "
+                 "royal-target --out a/b && find . -type f | sort"),
+           0);
+    says("  scene      a/b/strip-royal-target.yaml; 'weft run ");
+    says("./a/b/strip-royal-target.yaml\n"
+         "./strip-royal-target.lab/strip-royal-target.yaml\n");
+    ck_assert_ptr_null(strstr(output, "\n./strip-royal-target.yaml"));
 }
 END_TEST
 
@@ -566,6 +581,7 @@ TEST_SUITE(cli)
     tcase_add_test(program, a_new_scene_is_one_that_runs_and_replaces_no_file);
     tcase_add_test(program, a_new_scene_has_a_name);
     tcase_add_test(program, the_laboratory_measures_what_the_fabric_is);
+    tcase_add_test(program, the_laboratory_writes_into_its_directory_alone);
     tcase_add_test(program, the_example_program_runs);
     suite_add_tcase(all, program);
     return all;

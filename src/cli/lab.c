@@ -329,10 +329,25 @@ static int choose_fabric(const arguments *given, weft_fabric *read, char *name,
     return code;
 }
 
+/* The files TEST-FABRIC.yaml and .svg in the directory of the test, which is made. */
+static weft_status place_files(const arguments *given, const char *test,
+                               const char *fabric, char path[RECORD_PATH],
+                               char picture[RECORD_PATH], weft_error *err)
+{
+    char directory[2 * RECORD_PATH], file[2 * RECORD_PATH];
+    (void)snprintf(directory, sizeof directory, "%s-%s.lab", test, fabric);
+    const char *into = given->out != NULL ? given->out : directory;
+    (void)snprintf(file, sizeof file, "%s-%s.yaml", test, fabric);
+    TRY(record_path(into, file, path, err));
+    (void)snprintf(file, sizeof file, "%s-%s.svg", test, fabric);
+    TRY(record_path(into, file, picture, err));
+    return record_directory(into, err);
+}
+
 static int lab_verb(const arguments *given)
 {
     size_t test = 0;
-    char path[2 * RECORD_PATH], picture[2 * RECORD_PATH], name[RECORD_PATH];
+    char path[RECORD_PATH], picture[RECORD_PATH], name[RECORD_PATH];
     weft_error err = { 0 };
     weft_scene *scene = NULL;
     weft_fabric read;
@@ -342,10 +357,9 @@ static int lab_verb(const arguments *given)
     if (code != EXIT_DONE) {
         return code;
     }
-    (void)snprintf(path, sizeof path, "%s-%s.yaml", test_names[test], fabric->name);
-    (void)snprintf(picture, sizeof picture, "%s-%s.svg", test_names[test],
-                   fabric->name);
-    if (write_scene(path, test, fabric, given->force, &err) != WEFT_OK) {
+    if (place_files(given, test_names[test], fabric->name, path, picture, &err)
+            != WEFT_OK
+        || write_scene(path, test, fabric, given->force, &err) != WEFT_OK) {
         return report_error(&err);
     }
     code = open_scene(path, given, &scene, NULL);
@@ -363,15 +377,17 @@ const verb verb_lab = {
     .summary = "test a measured fabric as a textile laboratory does",
     .help
     = "usage: weft lab TEST FABRIC [OPTIONS]\n\n"
-      "Writes the scene of a test of a fabric to TEST-FABRIC.yaml in the working "
-      "directory, runs it to rest and prints the result. FABRIC is a preset (weft "
-      "fabrics) or a scene, FILE.yaml, whose cloth.fabric is tested:\n\n"
+      "Writes the scene of a test of a fabric to TEST-FABRIC.yaml in a directory, "
+      "runs it to rest and prints the result. FABRIC is a preset (weft fabrics) or a "
+      "scene, FILE.yaml, whose cloth.fabric is tested:\n\n"
       "  drape                Cusick: drape coefficient [%], nodes and shadow "
-      "(drape-FABRIC.svg) of a disc of 30 cm on a support of 18 cm, which clamps it\n"
+      "(drape-FABRIC.svg, beside the scene) of a disc of 30 cm on a support of 18 cm, "
+      "which clamps it\n"
       "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as long "
       "as "
       "its bending length, and the bending length by Peirce's formula\n"
       "  strip                KES: the extension [%] of a strip at 490 N/m\n\n"
+      "  --out DIR            the directory; default: ./TEST-FABRIC.lab\n"
       "  --force              replace a scene of that name with another text\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
