@@ -15,6 +15,9 @@ SAN    ?=
 # In a cross build: a weft that runs on this machine, which manual pages and completions quote.
 HOST_WEFT ?= $(BUILD)/weft
 
+# Python's compiled modules would lie beside the sources of the tree.
+export PYTHONDONTWRITEBYTECODE := 1
+
 ifeq ($(origin CC),default)
 CC := $(shell for c in cc gcc clang; do command -v $$c >/dev/null && echo $$c && exit; done; echo cc)
 endif
@@ -402,18 +405,21 @@ core:
 	    $(BUILD)/core/examples/scene $(BUILD)/core/plugins/weft-verlet.so $(BUILD)/core/plugins/weft-gsl.so
 	@tools/core $(BUILD)/core
 
-# Those of the page: all of them measured anew write docs/speed.md. The others follow.
+# Where what measures writes its pages; RENEW=1: into docs/, to be committed.
+PAGES := $(if $(RENEW),docs,$(BUILD)/pages)
+
+# Those of the page: all of them measured anew write speed.md to PAGES. The others follow.
 BENCH_PAGE := force mesh steps vectors growth memory
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(filter $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
-	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/bench-page $(BUILD))
+	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/bench-page $(BUILD) $(PAGES))
 	@for name in $(filter-out peers $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
-	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) tools/bench-peers)
+	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) PAGES=$(PAGES) tools/bench-peers)
 
-# Exact and published results, computed by the program; writes docs/validation.md. CASE='elastica-grid capstan': of these alone.
+# Exact and published results, computed by the program; writes validation.md to PAGES. CASE='elastica-grid capstan': of these alone.
 .PHONY: validate check-validation
 validate: all
-	@BUILD=$(BUILD) python3 validation/validate.py $(CASE)
+	@BUILD=$(BUILD) PAGES=$(PAGES) python3 validation/validate.py $(CASE)
 
 # The quick half, 5 minutes on two cores, or with WHOLE=1 all: docs/validation.md has these numbers.
 check-validation: all
@@ -633,6 +639,7 @@ check-self:
 
 # What .ci/run leaves out because it is slow.
 nightly: all
+	@tools/tree $(BUILD)/tree remember
 	$(MAKE) check-slow
 	$(MAKE) check-elsewhere
 	$(MAKE) check-site
@@ -655,6 +662,7 @@ nightly: all
 	$(MAKE) check-compilers
 	$(MAKE) check-deb
 	$(MAKE) check-dist
+	@tools/tree $(BUILD)/tree end nightly
 
 # Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
 check-aarch64: all
@@ -676,7 +684,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] | check-slow | core | validate [CASE=] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

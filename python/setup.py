@@ -12,6 +12,7 @@ import sys
 from setuptools import setup
 from setuptools.command.build_ext import build_ext
 
+sys.dont_write_bytecode = True  # beside the sources
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from _build import HERE, IN_TREE, INCLUDES, TREE, pkg_config  # noqa: E402
 

@@ -1,35 +1,39 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares weft with exact and published results, and writes docs/validation.md with a picture per case.
+"""Compares weft with exact and published results: validation.md with a picture per case, in the folder PAGES.
 
-validate.py                       every case; writes the page
+validate.py                       every case; writes the page and names the cases whose numbers docs/validation.md has not
 validate.py --quick               the quick half
-validate.py --check [--quick]     fails where the page has other numbers; writes nothing
+validate.py --check [--quick]     fails where docs/validation.md has other numbers; writes nothing
 validate.py NAME...               these cases alone; writes their parts of the page
 
-BUILD names the folder of the program, as in make. The numbers of a run are the same on every machine; times are not,
-and no comparison has them.
+BUILD names the folder of the program, as in make; PAGES is BUILD/pages, unless it is docs. The numbers of a run are the
+same on every machine; times are not, and no comparison has them.
 """
 import math
+import os
 import re
 import sys
 import time
 from pathlib import Path
 
-import dynamic
-import drape
-import sheets
-import static
+sys.dont_write_bytecode = True  # beside the sources
 
-PAGE = Path("docs/validation.md")
-PICTURES = Path("docs/pictures/validation")
+import dynamic  # noqa: E402
+import drape  # noqa: E402
+import sheets  # noqa: E402
+import static  # noqa: E402
+
+DOCS = Path("docs")
+PAGES = Path(os.environ.get("PAGES") or Path(os.environ.get("BUILD", "build")) / "pages")
 CASES = {case.__name__.replace("_", "-"): case
          for module in (static, dynamic, sheets, drape) for case in module.CASES}
 HEAD = """# Validation
 
 weft against exact and published results: what a user who must defend a result can check. Every case is computed with the
-program by `make validate`, which writes this page; `make validate CASE=NAME` computes one case. `make check-validation`
-computes the quick half, as part of the gate, and `make nightly` all; both fail if a number differs from this page. The
+program by `make validate`, which writes this page to build/pages and names the cases that differ from it here;
+`make validate CASE=NAME` computes one case, and `RENEW=1` writes the page to docs. `make check-validation` computes the
+quick half, as part of the gate, and `make nightly` all; both fail if a number differs from this page. The
 programs are in the folder validation, in Python without other packages. Times are those of one run on two cores that other
 programs used too: they give the order of magnitude.
 
@@ -96,9 +100,9 @@ def compute(name):
     return line, "\n".join(part), case["figure"]
 
 
-def read():
-    """Lines of the table and parts of the page as it is."""
-    text = PAGE.read_text() if PAGE.exists() else ""
+def read(folder):
+    """Lines of the table and parts of the page of a folder."""
+    text = (folder / "validation.md").read_text()
     lines = {m[1]: m[0] for m in re.finditer(r"^\| \[([\w-]+)\]\(#.*$", text, re.M)}
     parts = {m[1]: m[0] for m in re.finditer(r"^## ([\w-]+)\n.*?(?=^## |\Z)", text, re.M | re.S)}
     return lines, {name: part.rstrip("\n") + "\n" for name, part in parts.items()}
@@ -108,11 +112,32 @@ def write(lines, parts):
     names = [name for name in CASES if name in lines]
     text = HEAD + "| case | its first quantity, or the first that disagrees | expected | weft | result | time [s] |\n"
     text += "|---|---|---|---|---|---|\n" + "\n".join(lines[name] for name in names)
-    PAGE.write_text(text + "\n\n" + "\n".join(parts[name] for name in names))
+    (PAGES / "validation.md").write_text(text + "\n\n" + "\n".join(parts[name] for name in names))
 
 
 def untimed(line):
     return line.rsplit("|", 2)[0]
+
+
+def picture(folder, name):
+    return folder / "pictures/validation" / (name + ".svg")
+
+
+def is_told(name, line, part, figure):
+    """Whether docs/ has these numbers, and this picture."""
+    lines, parts = read(DOCS)
+    there = picture(DOCS, name)
+    return (untimed(lines.get(name, "|||")) == untimed(line) and parts.get(name) == part
+            and there.exists() and there.read_text() == figure)
+
+
+def keep(name, line, part, figure):
+    """Puts a case into the page of PAGES, which begins as that of docs/."""
+    lines, parts = read(PAGES if (PAGES / "validation.md").exists() else DOCS)
+    picture(PAGES, name).parent.mkdir(parents=True, exist_ok=True)
+    picture(PAGES, name).write_text(figure)
+    lines[name], parts[name] = line, part
+    write(lines, parts)
 
 
 def main(*words):
@@ -122,26 +147,21 @@ def main(*words):
     if unknown:
         sys.exit("no case %s; there are %s" % (", ".join(unknown), ", ".join(CASES)))
     names = names or [name for name, case in CASES.items() if not quick or getattr(case, "quick", False)]
-    lines, parts = read()
-    wrong = []
+    others = []
     for name in names:
         line, part, figure = compute(name)
         print(line, flush=True)
-        if check:
-            picture = PICTURES / (name + ".svg")
-            same = (untimed(lines.get(name, "|||")) == untimed(line) and parts.get(name) == part
-                    and picture.exists() and picture.read_text() == figure)
-            if not same:
-                print(part)
-                wrong.append(name)
-            continue
-        lines, parts = read()
-        PICTURES.mkdir(parents=True, exist_ok=True)
-        (PICTURES / (name + ".svg")).write_text(figure)
-        lines[name], parts[name] = line, part
-        write(lines, parts)
-    if wrong:
-        sys.exit("docs/validation.md has other numbers or pictures of: " + ", ".join(wrong))
+        if not is_told(name, line, part, figure):
+            others.append(name)
+        if not check:
+            keep(name, line, part, figure)
+        elif name in others:
+            print(part)
+    other = "docs/validation.md has other numbers or pictures of: " + ", ".join(others)
+    if check and others:
+        sys.exit(other)
+    if not check:
+        print("written: %s%s" % (PAGES / "validation.md", "; " + other if others and PAGES != DOCS else ""))
 
 
 if __name__ == "__main__":

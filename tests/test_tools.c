@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Scripts of tools/ on which the gate relies. */
+#include "shell.h"
+
+#define OUT BUILD_DIR "/tools-test"
+
+/* tools/tree in a repository of its own, OUT/tree; false without git. */
+static bool new_repository(void)
+{
+    if (shell("command -v git") != 0) {
+        return false;
+    }
+    expect(
+        shell("rm -rf " OUT "/tree && mkdir -p " OUT "/tree && cd " OUT
+              "/tree && git init -q . && printf 'build/\\nignored/\\n' >.gitignore && "
+              "echo 1 >a && echo 2 >b && git add . && git -c user.name=a -c "
+              "user.email=a@b commit -q -m a"),
+        0);
+    return true;
+}
+
+/* What tools/tree says after a command. */
+static int tree(const char *first, const char *words)
+{
+    return shell("tools=$PWD/tools && cd " OUT
+                 "/tree && %s && $tools/tree build/tree %s 2>&1",
+                 first, words);
+}
+
+START_TEST(a_stage_that_leaves_a_file_in_the_tree_is_named)
+{
+    if (!new_repository()) {
+        return;
+    }
+    expect(tree("echo of the user >>b", "remember"), 0);
+    expect(tree("true", "begin one"), 0);
+    expect(tree("mkdir build/o && touch build/o/object", "end one"), 0);
+    expect(tree("true", "begin two"), 0);
+    expect(tree("mkdir ignored && touch ignored/x && touch 'with blank' && rm a",
+                "end two"),
+           1);
+    says("tree: ignored/x was written or removed while ");
+    says("two ran\n");
+    says("tree: with blank was ");
+    says("tree: a was ");
+    ck_assert_ptr_null(strstr(output, "tree: b "));
+    expect(tree("true", "end two"), 0); /* said once */
+    expect(tree("echo more >>b", "end two"), 1);
+    says("tree: b was ");
+    expect(tree("git checkout -q b", "end two"), 1); /* the user's text is lost */
+    says("tree: b was ");
+}
+END_TEST
+
+TEST_SUITE(tools)
+{
+    Suite *all = suite_create("tools");
+    TCase *gate = tcase_create("gate");
+    tcase_add_test(gate, a_stage_that_leaves_a_file_in_the_tree_is_named);
+    suite_add_tcase(all, gate);
+    return all;
+}
