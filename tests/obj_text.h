@@ -18,10 +18,10 @@ static inline bool obj_read(const char *text, size_t length)
     obj_report = (weft__report){ .found = &found,
                                  .sources = &obj_scene,
                                  .memory = &obj_memory };
-    obj = (weft__obj){ .report = &obj_report, .path = "shirt.obj" };
-    obj.text = weft__report_take(&obj_report, length + 1, 1);
-    memcpy(obj.text, text, length);
-    obj.length = length;
+    obj = (weft__obj){ .report = &obj_report, .file.path = "shirt.obj" };
+    obj.file.text = weft__report_take(&obj_report, length + 1, 1);
+    memcpy(obj.file.text, text, length);
+    obj.file.length = length;
     return weft__obj_read(&obj);
 }
 

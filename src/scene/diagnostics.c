@@ -14,7 +14,10 @@ bool weft__mark_before(weft__mark a, weft__mark b)
     if (a.line != b.line) {
         return a.line < b.line;
     }
-    return a.column != b.column ? a.column < b.column : a.byte < b.byte;
+    if (a.column != b.column) {
+        return a.column < b.column;
+    }
+    return a.order != b.order ? a.order < b.order : a.byte < b.byte;
 }
 
 static void write_place(const weft__report *report, weft__mark at, char *out,
@@ -56,6 +59,44 @@ static bool is_known(weft__report *report, size_t slot, weft__mark at,
     return false;
 }
 
+/* The line of a byte, from 0. Diagnostics are mostly made in the order of the file, or
+ * against it: lines are counted from the place before. */
+static size_t line_of(weft__named_file *file, size_t byte)
+{
+    const bool back = byte < file->found.byte;
+    const size_t end = back ? file->found.byte : byte;
+    size_t lines = 0;
+    for (size_t i = back ? byte : file->found.byte; i < end; ++i, ++lines) {
+        const char *next = memchr(file->text + i, '\n', end - i);
+        if (next == NULL) {
+            break;
+        }
+        i = (size_t)(next - file->text);
+    }
+    file->found.line = back ? file->found.line - lines : file->found.line + lines;
+    file->found.byte = byte;
+    return file->found.line;
+}
+
+static void place_in_file(weft__named_file *file, size_t byte, weft_diagnostic *item)
+{
+    const char *at = file->text + byte, *begin = at;
+    const char *end = memchr(at, '\n', file->length - byte);
+    while (begin > file->text && begin[-1] != '\n') {
+        --begin;
+    }
+    end = end == NULL ? file->text + file->length : end;
+    end -= end > begin && end[-1] == '\r';
+    const weft__source line
+        = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
+    const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
+    (void)snprintf(item->place, sizeof item->place, "%s", file->path);
+    weft__one_line(item->place);
+    item->line = as_int(line_of(file, byte) + 1);
+    item->column = as_int(mark.column + 1);
+    item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
+}
+
 static void insert(weft__report *report, size_t slot, weft__mark at, bool warning,
                    const char *message)
 {
@@ -71,6 +112,10 @@ static void insert(weft__report *report, size_t slot, weft__mark at, bool warnin
     memset(item, 0, sizeof *item);
     item->warning = warning;
     strcpy(item->message, message);
+    if (at.in != NULL) { /* the file is gone when the report ends */
+        place_in_file(at.in, at.byte - 1, item);
+        at.in = NULL;
+    }
     report->origin[slot] = (weft__origin){
         .at = at, .runs = 1, .first = report->run, .latest = report->run
     };

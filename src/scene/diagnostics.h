@@ -15,12 +15,25 @@ typedef struct weft__source {
     size_t number;    /* 0: the file; n: the n-th override */
 } weft__source;
 
+/* A file that the scene names, such as that of a mesh, while it is read. */
+typedef struct weft__named_file {
+    const char *path; /* as messages name it */
+    char *text;       /* ends with NUL */
+    size_t length;    /* bytes */
+    size_t order;     /* of several files that the scene names at one place */
+    struct {
+        size_t byte, line;
+    } found; /* the place that was looked up last, from which lines are counted */
+} weft__named_file;
+
 /* A place in one of the sources. Line and column, in characters, count from 0 as
  * libyaml does. An override is a single line, whatever it holds. */
 typedef struct weft__mark {
     size_t source, line, column;
-    size_t byte; /* 1 + that of a file which the scene names at this place (obj.h),
-                    whose place a message gets; 0: none */
+    weft__named_file *in; /* the file named there in which the place is; NULL: none. It
+                             is read when the diagnostic is made, and never later */
+    size_t order;         /* that file's */
+    size_t byte;          /* 1 + that of its text; 0: no such file */
 } weft__mark;
 
 /* The place of a byte. */

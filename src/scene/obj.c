@@ -19,57 +19,18 @@ enum { MOST_PLACES = 1000 };
 
 /* ---- places in the file -------------------------------------------------------- */
 
-weft__mark weft__obj_mark(const weft__obj *obj, uint32_t byte)
+weft__mark weft__obj_mark(weft__obj *obj, uint32_t byte)
 {
     weft__mark at = obj->at;
+    at.in = &obj->file;
+    at.order = obj->file.order;
     at.byte = (size_t)byte + 1;
     return at;
 }
 
-static size_t lines_in(const char *from, const char *to)
-{
-    size_t lines = 0;
-    while ((from = memchr(from, '\n', (size_t)(to - from))) != NULL) {
-        ++from;
-        ++lines;
-    }
-    return lines;
-}
-
-static void fill_place(const weft__obj *obj, const char *at, weft_diagnostic *item)
-{
-    const char *begin = at,
-               *end = memchr(at, '\n', obj->length - (size_t)(at - obj->text));
-    while (begin > obj->text && begin[-1] != '\n') {
-        --begin;
-    }
-    end = end == NULL ? obj->text + obj->length : end;
-    end -= end > begin && end[-1] == '\r';
-    const weft__source line
-        = { .text = begin, .length = (size_t)(end - begin), .number = 1 };
-    const weft__mark mark = weft__source_mark(&line, (size_t)(at - begin));
-    (void)snprintf(item->place, sizeof item->place, "%s", obj->path);
-    weft__one_line(item->place);
-    item->column = (int)mark.column + 1;
-    item->caret = weft__source_excerpt(&line, mark, item->source, sizeof item->source);
-}
-
-static void fill_places(const weft__obj *obj)
-{
-    for (size_t i = 0; obj->text != NULL && i < obj->report->found->count; ++i) {
-        weft_diagnostic *item = &obj->report->found->items[i];
-        const size_t byte = obj->report->origin[i].at.byte;
-        if (byte > 0 && item->line == 0) {
-            const char *at = obj->text + (byte - 1);
-            fill_place(obj, at, item);
-            item->line = (int)lines_in(obj->text, at) + 1;
-        }
-    }
-}
-
 void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index, const char *message)
 {
-    const weft__obj *obj = ctx;
+    weft__obj *obj = ctx;
     weft__mark at = obj->at;
     if (part == WEFT__MESH_VERTEX && obj->name[index] < obj->vertices) {
         at = weft__obj_mark(obj, obj->vertex_byte[obj->name[index]]);
@@ -211,7 +172,7 @@ static void add_face(obj_builder *self, size_t index)
     }
 }
 
-static void warn_of_unused(const weft__obj *obj, size_t first, size_t count)
+static void warn_of_unused(weft__obj *obj, size_t first, size_t count)
 {
     char more[48] = "";
     if (count > 1) {
@@ -347,17 +308,17 @@ static bool read_all(weft__obj *obj, FILE *stream)
     const long size = fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : -1;
     if (size < 0 || (size_t)size > WEFT__OBJ_BYTES) {
         ERROR_AT(obj, obj, "%.200s has %ld bytes; an OBJ file has at most %zu",
-                 obj->path, size, WEFT__OBJ_BYTES);
+                 obj->file.path, size, WEFT__OBJ_BYTES);
         return false;
     }
     rewind(stream);
-    obj->text = weft__report_take(obj->report, (size_t)size + 1, 1);
-    if (obj->text == NULL) {
+    obj->file.text = weft__report_take(obj->report, (size_t)size + 1, 1);
+    if (obj->file.text == NULL) {
         return false;
     }
-    obj->length = fread(obj->text, 1, (size_t)size, stream);
+    obj->file.length = fread(obj->file.text, 1, (size_t)size, stream);
     if (ferror(stream)) {
-        ERROR_AT(obj, obj, "%.200s: %s", obj->path, strerror(errno));
+        ERROR_AT(obj, obj, "%.200s: %s", obj->file.path, strerror(errno));
     }
     return !ferror(stream);
 }
@@ -366,7 +327,7 @@ bool weft__obj_load(weft__obj *obj, const char *path)
 {
     weft_error err;
     FILE *stream = weft__file_open(path, "r", &err);
-    obj->path = path;
+    obj->file.path = path;
     if (stream == NULL) {
         ERROR_AT(obj, obj, "%s", err.message);
         return false;
@@ -469,8 +430,7 @@ void weft__obj_forget(weft__obj *obj)
     if (obj->report == NULL) {
         return;
     }
-    fill_places(obj);
-    WEFT__FREE_ALL(obj->report->memory, obj->kept ? NULL : obj->text, obj->vertex,
+    WEFT__FREE_ALL(obj->report->memory, obj->kept ? NULL : obj->file.text, obj->vertex,
                    obj->place, obj->vertex_byte, obj->place_byte, obj->face, obj->point,
                    obj->fabrics.list, obj->groups.list, obj->vertex_of, obj->place_of,
                    obj->face_of, obj->parent);
@@ -478,7 +438,7 @@ void weft__obj_forget(weft__obj *obj)
         weft__free(obj->report->memory, obj->name);
         obj->name = NULL;
     }
-    *obj = (weft__obj){ .text = obj->kept ? obj->text : NULL,
+    *obj = (weft__obj){ .file.text = obj->kept ? obj->file.text : NULL,
                         .def = obj->def,
                         .start = obj->start,
                         .rest = obj->rest,
@@ -492,6 +452,6 @@ void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
 {
     weft__obj_forget(obj);
     WEFT__FREE_ALL(memory, obj->start, obj->rest, obj->corner, obj->corner_place,
-                   obj->fabric_of, obj->name, obj->text);
+                   obj->fabric_of, obj->name, obj->file.text);
     *obj = (weft__obj){ .def = { 0 } };
 }

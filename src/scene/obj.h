@@ -33,14 +33,12 @@ typedef struct weft__obj_names {
 
 typedef struct weft__obj {
     weft__report *report;
-    weft__mark at;    /* where the scene names the file */
-    const char *path; /* as messages name it */
-    bool body;        /* no cloth: v and f alone are read, and it has no rest shape */
+    weft__mark at;         /* where the scene names the file */
+    weft__named_file file; /* its text is read already, or loaded */
+    bool body; /* no cloth: v and f alone are read, and it has no rest shape */
     const weft_body
         *like; /* whose quadrilaterals are divided alike; NULL: by lengths */
     /* while it is read */
-    char *text; /* ends with NUL */
-    size_t length;
     bool kept;                              /* the text is, as long as the definition */
     size_t vertices, places, faces, points; /* in the file */
     double (*vertex)[3], (*place)[2];
@@ -63,9 +61,10 @@ typedef struct weft__obj {
 /* Larger files are refused unread. */
 #define WEFT__OBJ_BYTES ((size_t)1 << 30)
 
-/* Read the file, or what obj->text is already, into *obj, whose report, at and path are
- * set, and make its definition: rest and start positions in the file's unit, no
- * fabrics. false: mistakes were reported, or memory ran out, which the report knows. */
+/* Read the file, or what obj->file.text is already, into *obj, whose report, at and
+ * path are set, and make its definition: rest and start positions in the file's unit,
+ * no fabrics. false: mistakes were reported, or memory ran out, which the report knows.
+ */
 bool weft__obj_load(weft__obj *obj, const char *path);
 bool weft__obj_read(weft__obj *obj);
 
@@ -86,7 +85,7 @@ void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index,
                      const char *message);
 
 /* The place of a statement, for mistakes and warnings. */
-weft__mark weft__obj_mark(const weft__obj *obj, uint32_t byte);
+weft__mark weft__obj_mark(weft__obj *obj, uint32_t byte);
 
 /* Marks vertices of the definition that are of faces or points of a group in
  * member[vertices]. false: the file has no such group. */
@@ -102,8 +101,7 @@ bool weft__obj_named(const weft__obj_names *names, const char *name, size_t leng
 const char *weft__obj_near(const weft__obj_names *names, const char *typed, char *out,
                            size_t size);
 
-/* Fills in the places of what was reported, and frees what only reading needs; all of
- * it. */
+/* Free what only reading needs; all of it. */
 void weft__obj_forget(weft__obj *obj);
 void weft__obj_close(weft__obj *obj, const weft_allocator *memory);
 

@@ -19,7 +19,7 @@ typedef struct cursor {
 
 static uint32_t byte_of(const cursor *self, const char *text)
 {
-    return (uint32_t)(text - self->obj->text);
+    return (uint32_t)(text - self->obj->file.text);
 }
 
 #define MISTAKE(self, where, ...)                                                      \
@@ -304,7 +304,9 @@ static size_t next_statement(cursor *self)
 static bool make_room(weft__obj *obj)
 {
     size_t count[KINDS + 1] = { 0 };
-    for (cursor self = { .obj = obj, .at = obj->text, .end = obj->text + obj->length };
+    for (cursor self = { .obj = obj,
+                         .at = obj->file.text,
+                         .end = obj->file.text + obj->file.length };
          self.at < self.end; skip_line(&self)) {
         ++count[next_statement(&self)];
     }
@@ -323,8 +325,10 @@ static bool make_room(weft__obj *obj)
 bool weft__obj_parse(weft__obj *obj)
 {
     const size_t before = obj->report->mistakes;
-    const char *nul = memchr(obj->text, '\0', obj->length);
-    cursor self = { .obj = obj, .at = obj->text, .end = obj->text + obj->length };
+    const char *nul = memchr(obj->file.text, '\0', obj->file.length);
+    cursor self = { .obj = obj,
+                    .at = obj->file.text,
+                    .end = obj->file.text + obj->file.length };
     if (nul != NULL) {
         MISTAKE(&self, nul, "a NUL byte: this is not the text of an OBJ file");
         return false;
@@ -340,10 +344,10 @@ bool weft__obj_parse(weft__obj *obj)
     }
     obj->faces = self.faces;
     if (obj->report->mistakes == before && obj->faces == 0) {
-        MISTAKE(&self, obj->text, "the file has no faces (lines 'f %s')",
+        MISTAKE(&self, obj->file.text, "the file has no faces (lines 'f %s')",
                 obj->body ? "1 2 3" : "1/1 2/2 3/3");
     } else if (obj->report->mistakes == before && obj->places == 0 && !obj->body) {
-        MISTAKE(&self, obj->text + obj->face[0].byte,
+        MISTAKE(&self, obj->file.text + obj->face[0].byte,
                 "the file has no vt lines, which give the rest shape in the plane");
     }
     return obj->report->mistakes == before && !obj->report->no_memory;

@@ -321,7 +321,7 @@ const char *weft_scene_part_file(const weft_scene *scene, size_t k)
 
 const char *weft_scene_part_text(const weft_scene *scene, size_t k)
 {
-    return scene->part_count > 0 ? scene->parts[k].obj.text : scene->obj.text;
+    return scene->part_count > 0 ? scene->parts[k].obj.file.text : scene->obj.file.text;
 }
 
 const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,

@@ -115,7 +115,7 @@ static void read_key_frame(weft__reader *reader, weft__mark at, const char *path
     const size_t before = reader->report->mistakes;
     weft__obj obj = { .report = reader->report,
                       .at = at,
-                      .path = path,
+                      .file = { .path = path, .order = key },
                       .body = true,
                       .like = key == 0 ? NULL : to };
     if (path != NULL && weft__obj_load(&obj, path)

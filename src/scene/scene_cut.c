@@ -253,10 +253,10 @@ static bool write_text(weft__reader *reader, const weft__cut *cut,
             a, a, b, b, d, d);
     }
     put_groups(&to, reader, cut, lines, mesh);
-    obj->text = to.text;
-    obj->length = to.length;
+    obj->file.text = to.text;
+    obj->file.length = to.length;
     obj->kept = true;
-    (void)weft__resized(reader->report->memory, &obj->text, to.length + 1, 1);
+    (void)weft__resized(reader->report->memory, &obj->file.text, to.length + 1, 1);
     return true;
 }
 
@@ -327,7 +327,7 @@ void weft__check_cut(weft__reader *reader, const weft__match *match, void *base)
     }
     scene->obj = (weft__obj){ .report = reader->report,
                               .at = match->map->at,
-                              .path = path == NULL ? "cut" : path };
+                              .file.path = path == NULL ? "cut" : path };
     const bool read = path != NULL ? weft__obj_load(&scene->obj, path)
                                          && weft__obj_refine(&scene->obj, finer)
                                    : make_mesh(reader, match, cut, &lines)

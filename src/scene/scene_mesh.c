@@ -67,7 +67,7 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
     }
     scene->obj = (weft__obj){ .report = reader->report,
                               .at = weft__value_in(match, "file")->at,
-                              .path = path };
+                              .file.path = path };
     if (weft__obj_load(&scene->obj, path) && reader->report->mistakes == before) {
         weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
                        from->at);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* file.h -- a file for the targets whose bytes are read from one. */
+/* file.h -- files for the targets whose bytes are read from some. */
 #pragma once
 
 #include <stdio.h>
@@ -7,31 +7,40 @@
 
 #include "fuzz/fuzz.h"
 
-static char fuzz_directory[256], fuzz_path[512];
+static char fuzz_directory[256], fuzz_path[8][512];
 
 static inline void fuzz_clean(void)
 {
-    (void)unlink(fuzz_path);
+    for (size_t i = 0; i < sizeof fuzz_path / sizeof *fuzz_path; ++i) {
+        (void)unlink(fuzz_path[i]);
+    }
     (void)rmdir(fuzz_directory);
 }
 
-/* `name` in fuzz_directory, which is made. */
+/* `name` in fuzz_directory, which is made; of at most eight names. */
 static inline const char *fuzz_file(const char *name)
 {
     const char *under = getenv("TMPDIR");
-    if (fuzz_path[0] == '\0') {
+    char path[512];
+    if (fuzz_directory[0] == '\0') {
         (void)snprintf(fuzz_directory, sizeof fuzz_directory, "%s/weft-fuzz-XXXXXX",
                        under == NULL ? "/tmp" : under);
         HOLDS(mkdtemp(fuzz_directory) != NULL);
-        (void)snprintf(fuzz_path, sizeof fuzz_path, "%s/%s", fuzz_directory, name);
         HOLDS(atexit(fuzz_clean) == 0);
     }
-    return fuzz_path;
+    (void)snprintf(path, sizeof path, "%s/%s", fuzz_directory, name);
+    size_t i = 0;
+    while (fuzz_path[i][0] != '\0' && strcmp(fuzz_path[i], path) != 0) {
+        ++i;
+        HOLDS(i < sizeof fuzz_path / sizeof *fuzz_path);
+    }
+    strcpy(fuzz_path[i], path);
+    return fuzz_path[i];
 }
 
 static inline void fuzz_write(const char *name, const uint8_t *data, size_t size)
 {
     FILE *stream = fopen(fuzz_file(name), "w");
-    HOLDS(stream != NULL && fwrite(data, 1, size, stream) == size);
+    HOLDS(stream != NULL && (size == 0 || fwrite(data, 1, size, stream) == size));
     HOLDS(fclose(stream) == 0);
 }
