@@ -216,7 +216,8 @@ START_TEST(wrong_bodies_are_refused)
     static const char *const texts[]
         = { "a mesh needs a body", "a vertex that is not there: triangle 1",
             "no area: triangle 0", "not finite",
-            "fps is not > 0",      "a mesh cannot spin" };
+            "fps is not finite",   "fps is not finite",
+            "a mesh cannot spin" };
     body_mesh *body = plate(1, 0.2, 0.2);
     weft_shape *shape = put(body);
     shape->at[1] = -0.1;
@@ -235,6 +236,10 @@ START_TEST(wrong_bodies_are_refused)
         break;
     case 4:
         body->body.keys = 2;
+        break;
+    case 5:
+        body->body.keys = 2;
+        body->body.fps = INFINITY;
         break;
     default:
         shape->spin[1] = 1.0;
@@ -559,7 +564,7 @@ TEST_SUITE(bodies)
     tcase_add_test(state, a_pinned_cloth_feels_no_body);
     tcase_add_test(state, cloth_that_passes_through_a_body_is_named);
     tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);
-    tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 6);
+    tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 7);
     tcase_add_test(state, a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear);
     tcase_add_test(slow, an_icosphere_bears_a_cloth_as_a_sphere_does);
     tcase_add_test(slow, plates_of_any_cells_stop_a_sheet_at_one_depth);

@@ -118,7 +118,7 @@ typedef struct weft_body {
     size_t vertices, triangles, keys; /* >= 3, >= 1, >= 1 */
     const double *places;             /* [m] from `at`: x y z of each vertex, by keys */
     const uint32_t *corners;          /* vertices, 3 of each triangle */
-    double fps;                       /* [1/s] > 0 with several keys */
+    double fps;                       /* [1/s] finite, > 0 with several keys */
 } weft_body;
 
 /* A rigid shape. It turns as `turn` says, and then all of it, the axis of the turn too,

@@ -231,7 +231,7 @@ WEFT_API double weft_stop_event(void *stop, const weft_cloth *cloth, double t,
  * own, no function ever reads beyond `interpolate`; a scene's may grow behind it. */
 typedef struct weft_run_def {
     double duration;   /* [s] > 0 */
-    double fps;        /* [1/s] > 0 */
+    double fps;        /* [1/s] > 0, finite */
     size_t threads;    /* >= 1, of a scene: weft_sim_play takes those of the config */
     size_t checkpoint; /* frames between checkpoints; 0: none */
     bool interpolate;  /* of a scene: frames from within steps, which they do not cut */

@@ -48,8 +48,8 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle)
     if (!weft__all_finite(of->places, 3 * of->vertices * of->keys)) {
         return "its body has a place that is not finite";
     }
-    if (of->keys > 1 && !(of->fps > 0.0 && isfinite(1.0 / of->fps / of->fps))) {
-        return "its body has several keys, but fps is not > 0";
+    if (of->keys > 1 && !(of->fps > 0.0 && weft__positive(1.0 / of->fps / of->fps))) {
+        return "its body has several keys, but fps is not finite and > 0";
     }
     for (size_t t = 0; t < of->triangles; ++t) {
         const uint32_t *c = of->corners + 3 * t;
