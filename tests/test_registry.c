@@ -489,7 +489,10 @@ START_TEST(bad_configs_are_refused)
     const weft_cloth_def model = weft_cloth_def_default();
     nothing.cloth = test_cloth(&model);
     ck_assert_int_eq(weft_sim_create(&nothing, &sim, &err), WEFT_INVALID);
-    ck_assert_str_eq(err.message, "a simulation needs a method: it is NULL");
+    ck_assert_str_eq(err.message,
+                     "a simulation needs a method: it is NULL, which is what "
+                     "weft_plugin_method returns for a name that the plugin does not "
+                     "have; weft_registry_method also reports the nearest name");
     ck_assert_ptr_null(sim);
     weft_cloth_destroy((weft_cloth *)nothing.cloth);
 }

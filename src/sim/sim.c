@@ -146,8 +146,13 @@ static weft_sim *make_sim(const weft_sim_def *def)
 static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
     if (def->cloth == NULL || def->method == NULL) {
-        return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s: it is NULL",
-                              def->cloth == NULL ? "cloth" : "method");
+        return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s",
+                              def->cloth == NULL
+                                  ? "cloth: it is NULL"
+                                  : "method: it is NULL, which is what "
+                                    "weft_plugin_method returns for a name that the "
+                                    "plugin does not have; weft_registry_method also "
+                                    "reports the nearest name");
     }
     TRY(weft__method_check(def->method, 0, err));
     TRY(weft__config_check(&def->config, err));
