@@ -130,6 +130,27 @@ START_TEST(values_that_are_null_are_refused)
 }
 END_TEST
 
+START_TEST(times_in_messages_are_the_shortest_that_read_back)
+{
+    weft_error err = { 0 };
+    start(VERLET, fixed(0.1));
+    go(0.1);
+    ck_assert_int_eq(weft_sim_step(sim, 0.05, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "step from 0.1 s to 0.05 s");
+    ck_assert_int_eq(weft_sim_step(sim, 0.3 - 0.2, &err), WEFT_INVALID);
+    ck_assert_str_eq(err.message, "step from 0.1 s to 0.09999999999999998 s");
+    const double values[] = { 0.1, 1.0 / 3.0, 5e-324, 1e300, 0.1 + 0.2, -2.5 };
+    const char *texts[] = { "0.1",    "0.3333333333333333",  "5e-324",
+                            "1e+300", "0.30000000000000004", "-2.5" };
+    for (size_t i = 0; i < COUNT(values); ++i) {
+        char text[32];
+        (void)weft_text_format(text, sizeof text, "%.*g", weft_text_digits(values[i]),
+                               values[i]);
+        ck_assert_str_eq(text, texts[i]);
+    }
+}
+END_TEST
+
 START_TEST(time_does_not_run_back_nor_out_of_the_numbers)
 {
     const double wrong[] = { 0.5, 0.25, -1.0, (double)NAN, (double)INFINITY };
@@ -482,6 +503,7 @@ TEST_SUITE(sim)
     tcase_add_checked_fixture(tcase, setup, teardown);
     tcase_add_test(tcase, simulation_starts_with_the_cloth_at_0);
     tcase_add_loop_test(tcase, frames_end_at_their_time_bit_for_bit, 0, methods);
+    tcase_add_test(tcase, times_in_messages_are_the_shortest_that_read_back);
     tcase_add_test(tcase, time_does_not_run_back_nor_out_of_the_numbers);
     tcase_add_test(tcase, values_that_are_null_are_refused);
     tcase_add_test(tcase, states_are_copied_particle_by_particle);

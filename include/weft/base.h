@@ -168,6 +168,19 @@ static inline int weft_text_format(char *text, size_t size, const char *format, 
     return length;
 }
 
+/* The number of significant digits, 1 to 17, of the shortest decimal that reads back as
+ * x: weft_error_set(err, WEFT_INVALID, "t is %.*g s", weft_text_digits(t), t) reports
+ * 0.1 as 0.1. Header-only, for plugins. */
+static inline int weft_text_digits(double x)
+{
+    char text[32];
+    int digits = 0;
+    do {
+        (void)snprintf(text, sizeof text, "%.*g", ++digits, x);
+    } while (digits < 17 && strtod(text, NULL) != x);
+    return digits;
+}
+
 /* Fills *err (NULL allowed) and returns status, so that a failing function may end with
  * `return weft_error_set(err, WEFT_INVALID, "rows is %zu", rows);`. Header-only, for
  * plugins. */

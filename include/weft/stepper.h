@@ -526,8 +526,9 @@ static inline weft_status weft_stepper_check_end(const weft_stepper_type *type,
 {
     return weft_stepper_positive(t_end - t)
                ? WEFT_OK
-               : weft_error_set(err, WEFT_INVALID, "%s: a step from %.17g s to %.17g s",
-                                type->name, t, t_end);
+               : weft_error_set(err, WEFT_INVALID, "%s: a step from %.*g s to %.*g s",
+                                type->name, weft_text_digits(t), t,
+                                weft_text_digits(t_end), t_end);
 }
 
 /* For stats: copies as much as the caller's struct holds, which may be older. */

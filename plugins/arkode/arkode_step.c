@@ -342,8 +342,8 @@ static weft_status stands_still(arkode_stepper *self, double h, double t,
 {
     forget(self);
     return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                          "%s: a step of %.3g s does not move t = %.17g s",
-                          self->method->type.name, h, t);
+                          "%s: a step of %.3g s does not move t = %.*g s",
+                          self->method->type.name, h, weft_text_digits(t), t);
 }
 
 weft_status weft__ark_step(void *instance, double t_end, double *t, double *y,

@@ -171,8 +171,8 @@ weft_status weft__cvode_step(void *instance, double t_end, double *t, double *y,
     if (!(reached > *t)) {
         self->restart = true;
         return weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                              "%s: a step does not move t = %.17g s",
-                              self->method->type.name, *t);
+                              "%s: a step does not move t = %.*g s",
+                              self->method->type.name, weft_text_digits(*t), *t);
     }
     accept(self, flag == CV_TSTOP_RETURN, reached, t, y);
     return WEFT_OK;

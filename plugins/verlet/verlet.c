@@ -322,8 +322,8 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     stepper *self = instance;
     const double rest = t_end - *t;
     if (!(rest > 0.0)) {
-        return weft_error_set(err, WEFT_INVALID, "step from %.17g to %.17g s", *t,
-                              t_end);
+        return weft_error_set(err, WEFT_INVALID, "step from %.*g s to %.*g s",
+                              weft_text_digits(*t), *t, weft_text_digits(t_end), t_end);
     }
     /* A rest that is longer than the step by roundoff alone is taken whole. */
     const bool last = self->fixed_step >= rest * (1.0 - 1e-6);

@@ -154,15 +154,20 @@ static void write_fabric(FILE *to, const weft_fabric *fabric, bool mesh)
         return;
     }
     fprintf(to,
-            "  fabric: {density: %.17g, stretch: [%.17g, %.17g], shear: %.17g, bend: "
-            "[%.17g, %.17g]",
-            fabric->density, fabric->stretch[0], fabric->stretch[1], fabric->shear,
-            fabric->bend[0], fabric->bend[1]);
+            "  fabric: {density: %.*g, stretch: [%.*g, %.*g], shear: %.*g, bend: "
+            "[%.*g, %.*g]",
+            weft_text_digits(fabric->density), fabric->density,
+            weft_text_digits(fabric->stretch[0]), fabric->stretch[0],
+            weft_text_digits(fabric->stretch[1]), fabric->stretch[1],
+            weft_text_digits(fabric->shear), fabric->shear,
+            weft_text_digits(fabric->bend[0]), fabric->bend[0],
+            weft_text_digits(fabric->bend[1]), fabric->bend[1]);
     if (fabric->twist >= 0.0) {
-        fprintf(to, ", twist: %.17g", fabric->twist);
+        fprintf(to, ", twist: %.*g", weft_text_digits(fabric->twist), fabric->twist);
     }
     if (mesh) {
-        fprintf(to, ", coupling: %.17g", fabric->coupling);
+        fprintf(to, ", coupling: %.*g", weft_text_digits(fabric->coupling),
+                fabric->coupling);
     }
     fputs("}\n", to);
 }
@@ -201,13 +206,14 @@ static void write_cantilever(FILE *to, const weft_fabric *fabric)
 /* A chain is 1 m wide. In the mean of its length, weight included, it carries PULL. */
 static void write_strip(FILE *to, const weft_fabric *fabric)
 {
+    const double mass = PULL / GRAVITY - 0.5 * fabric->density * STRIP;
     fprintf(to,
             "# The KES strip: 0.2 m along the warp, pulled with 490 N/m by a weight.\n"
             "weft: 1\nname: strip of %s\n\ncloth:\n"
             "  grid: {rows: 11, cols: 1, spacing: 0.02}\n"
             "  pins: [top]\n"
-            "  loads: [{at: bottom, mass: %.17g}]\n",
-            fabric->name, PULL / GRAVITY - 0.5 * fabric->density * STRIP);
+            "  loads: [{at: bottom, mass: %.*g}]\n",
+            fabric->name, weft_text_digits(mass), mass);
     write_fabric(to, fabric, false);
     fprintf(to, "\nforces: {damping: %.9g}\n", PULL);
 }

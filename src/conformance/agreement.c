@@ -221,8 +221,8 @@ static void expect_part(trial *self, const half_run *whole, const half_run *part
            weft_status_text(o->status), o->message, weft_status_text(w->status),
            w->message);
     EXPECT(memcmp(&o->t, &w->t, sizeof o->t) == 0,
-           "%s: step %d ended at %.17g s, that of the whole at %.17g s", what, i + 1,
-           o->t, w->t);
+           "%s: step %d ended at %.*g s, that of the whole at %.*g s", what, i + 1,
+           weft_text_digits(o->t), o->t, weft_text_digits(w->t), w->t);
     EXPECT(memcmp(o->y, part_of(w->y, part->side, y), sizeof y) == 0,
            "%s: step %d has another result than that of the whole", what, i + 1);
     EXPECT(o->stats.steps == w->stats.steps && o->stats.rejected == w->stats.rejected,

@@ -79,8 +79,8 @@ void weft__a_first_step_too_large_is_rescued(trial *self)
     r->model.edge = 1.2;
     r->model.last = 8.0; /* at the start's y too, which implicit stages begin with */
     weft__good_step(self, r, 100.0);
-    EXPECT(weft__stats(r).rejected > 0 && r->t < 4.0, "%s: %.17g s were taken", what,
-           r->t);
+    EXPECT(weft__stats(r).rejected > 0 && r->t < 4.0, "%s: %.*g s were taken", what,
+           weft_text_digits(r->t), r->t);
     weft__go(self, r, 4.0);
     weft__near(self, r, weft__error_at_end(r), 4.0 * weft__allowed(self->type), what);
 }

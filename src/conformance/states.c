@@ -127,10 +127,11 @@ void weft__stats_never_fall(trial *self)
         const weft_stepper_stats now = weft__stats(r);
         EXPECT(now.steps >= last.steps && now.rejected >= last.rejected
                    && now.rhs_calls >= last.rhs_calls,
-               "a count fell at %.17g s: steps %" PRIu64 ", rejected %" PRIu64
+               "a count fell at %.*g s: steps %" PRIu64 ", rejected %" PRIu64
                ", rhs_calls %" PRIu64,
-               r->t, now.steps, now.rejected, now.rhs_calls);
-        EXPECT(i < 100000, "100000 steps, and only at %.17g s", r->t);
+               weft_text_digits(r->t), r->t, now.steps, now.rejected, now.rhs_calls);
+        EXPECT(i < 100000, "100000 steps, and only at %.*g s", weft_text_digits(r->t),
+               r->t);
         last = now;
     }
 }

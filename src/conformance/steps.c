@@ -4,8 +4,8 @@
 
 static void at_exactly(trial *self, const trial_run *r, double t_end)
 {
-    EXPECT(memcmp(&r->t, &t_end, sizeof t_end) == 0, "t is %.17g where t_end was %.17g",
-           r->t, t_end);
+    EXPECT(memcmp(&r->t, &t_end, sizeof t_end) == 0, "t is %.*g where t_end was %.*g",
+           weft_text_digits(r->t), r->t, weft_text_digits(t_end), t_end);
 }
 
 /* The statistics of the step just taken from t = before. */
@@ -15,7 +15,8 @@ static void counted(trial *self, const trial_run *r, double before, uint64_t ste
     EXPECT(s.steps == steps + 1, "one step made steps %" PRIu64 " of %" PRIu64, s.steps,
            steps);
     EXPECT(fabs(s.last_step - (r->t - before)) <= 1e-15,
-           "last_step is %.17g after a step of %.17g s", s.last_step, r->t - before);
+           "last_step is %.*g after a step of %.*g s", weft_text_digits(s.last_step),
+           s.last_step, weft_text_digits(r->t - before), r->t - before);
     EXPECT(s.next_step >= 0.0 && isfinite(s.next_step), "next_step is %g", s.next_step);
     weft__calls_counted(self, r, "after a step");
 }
@@ -53,8 +54,8 @@ static void takes_steps(trial *self, trial_run *r, double t_end, uint64_t wanted
 {
     weft__go(self, r, t_end);
     const uint64_t steps = weft__stats(r).steps;
-    EXPECT(steps == wanted, "%" PRIu64 " steps up to %.17g s instead of %" PRIu64,
-           steps, t_end, wanted);
+    EXPECT(steps == wanted, "%" PRIu64 " steps up to %.*g s instead of %" PRIu64, steps,
+           weft_text_digits(t_end), t_end, wanted);
 }
 
 void weft__steps_that_fit_leave_no_sliver(trial *self)
@@ -65,8 +66,9 @@ void weft__steps_that_fit_leave_no_sliver(trial *self)
         takes_steps(self, r, frame / 299.7, 10 * frame);
         takes_steps(self, rough, frame / 299.7, 4 * frame);
         const double last = weft__stats(rough).last_step;
-        EXPECT(fabs(last - 1.0 / 2997.0) <= 1e-12,
-               "the last step to %.17g s has %.17g s", frame / 299.7, last);
+        EXPECT(fabs(last - 1.0 / 2997.0) <= 1e-12, "the last step to %.*g s has %.*g s",
+               weft_text_digits(frame / 299.7), frame / 299.7, weft_text_digits(last),
+               last);
     }
 }
 
@@ -93,14 +95,15 @@ void weft__step_sizes_are_kept(trial *self)
     config.max_step = 0.0113;
     trial_run *r = weft__begin(self, 0, config);
     weft__good_step(self, r, 1.0);
-    EXPECT(fabs(r->t - 1.7e-5) <= 1e-18, "first_step 1.7e-5 s became %.17g s", r->t);
+    EXPECT(fabs(r->t - 1.7e-5) <= 1e-18, "first_step 1.7e-5 s became %.*g s",
+           weft_text_digits(r->t), r->t);
     double longest = 0.0;
     while (r->t < 1.0) {
         weft__good_step(self, r, 1.0);
         longest = fmax(longest, weft__stats(r).last_step);
     }
-    EXPECT(longest <= 0.0113 * (1.0 + 1e-11), "a step of %.17g s, max_step is 0.0113 s",
-           longest);
+    EXPECT(longest <= 0.0113 * (1.0 + 1e-11), "a step of %.*g s, max_step is 0.0113 s",
+           weft_text_digits(longest), longest);
     EXPECT(longest >= 0.0056, "the longest step is %g s where 0.0113 s would do",
            longest);
 }

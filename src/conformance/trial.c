@@ -2,20 +2,17 @@
 /* trial.c -- what the checks share: runs of the method, and expectations of them. */
 #include "conformance/trial.h"
 
-void weft__expect(trial *self, bool ok, const char *format, ...)
+_Noreturn void weft__broken(trial *self, const char *format, ...)
 {
     weft_conformance *out = self->out;
-    if (!ok) {
-        out->verdict = WEFT_PROMISE_BROKEN;
-        const int used = snprintf(out->seen, sizeof out->seen, "%s",
-                                  self->apart > 0 ? "with quadratures: " : "");
-        va_list args;
-        va_start(args, format);
-        (void)vsnprintf(out->seen + used, sizeof out->seen - (size_t)used, format,
-                        args);
-        va_end(args);
-        longjmp(self->broken, 1);
-    }
+    out->verdict = WEFT_PROMISE_BROKEN;
+    const int used = snprintf(out->seen, sizeof out->seen, "%s",
+                              self->apart > 0 ? "with quadratures: " : "");
+    va_list args;
+    va_start(args, format);
+    (void)vsnprintf(out->seen + used, sizeof out->seen - (size_t)used, format, args);
+    va_end(args);
+    longjmp(self->broken, 1);
 }
 
 void weft__end(trial *self, int slot)
@@ -60,17 +57,20 @@ weft_status weft__step(trial_run *r, double t_end)
 void weft__good_step(trial *self, trial_run *r, double t_end)
 {
     const double before = r->t;
-    EXPECT(weft__step(r, t_end) == WEFT_OK, "step from %.17g to %.17g s failed: %s",
-           before, t_end, r->err.message);
+    EXPECT(weft__step(r, t_end) == WEFT_OK, "step from %.*g to %.*g s failed: %s",
+           weft_text_digits(before), before, weft_text_digits(t_end), t_end,
+           r->err.message);
     EXPECT(before < r->t && r->t <= t_end,
-           "a step from %.17g towards %.17g s ended at %.17g s", before, t_end, r->t);
+           "a step from %.*g towards %.*g s ended at %.*g s", weft_text_digits(before),
+           before, weft_text_digits(t_end), t_end, weft_text_digits(r->t), r->t);
 }
 
 void weft__go(trial *self, trial_run *r, double t_end)
 {
     for (long steps = 1; r->t < t_end; ++steps) {
         weft__good_step(self, r, t_end);
-        EXPECT(steps < 1000000, "%ld steps, and only at %.17g s", steps, r->t);
+        EXPECT(steps < 1000000, "%ld steps, and only at %.*g s", steps,
+               weft_text_digits(r->t), r->t);
     }
 }
 
@@ -90,7 +90,8 @@ void weft__unchanged(trial *self, const trial_run *r, const trial_run *before,
                      const char *what)
 {
     EXPECT(memcmp(&r->t, &before->t, sizeof r->t) == 0,
-           "%s: t changed from %.17g to %.17g", what, before->t, r->t);
+           "%s: t changed from %.*g to %.*g", what, weft_text_digits(before->t),
+           before->t, weft_text_digits(r->t), r->t);
     EXPECT(weft__same(self, r, before), "%s: y changed", what);
 }
 

@@ -31,10 +31,11 @@ typedef struct trial {
     trial_run runs[SLOTS];
 } trial;
 
-/* If not ok, the promise is broken: the text is reported and the check ends here. */
-WEFT_PRINTF(3, 4)
-void weft__expect(trial *self, bool ok, const char *format, ...);
-#define EXPECT(...) weft__expect(self, __VA_ARGS__)
+/* A promise is broken: the text is reported and the check ends here. */
+WEFT_PRINTF(2, 3)
+_Noreturn void weft__broken(trial *self, const char *format, ...);
+/* Computes the values of the text only if it is needed. */
+#define EXPECT(ok, ...) ((ok) ? (void)0 : weft__broken(self, __VA_ARGS__))
 
 /* Starts a run at t = 0 in that slot and ends the former one. */
 trial_run *weft__begin(trial *self, int slot, weft_stepper_config config);

@@ -172,9 +172,10 @@ weft_status record_series_compare(const char *directory, const char *damaged,
             if (!equal && strcmp(names[i], "hash") != 0) {
                 status = weft_error_set(
                     err, WEFT_IO,
-                    "%s: damaged: %s of frame %zu is %.17g on line %zu of "
-                    "series.csv and %.17g in run.vtkhdf",
-                    damaged, names[i], frame, here, self.number, values[i]);
+                    "%s: damaged: %s of frame %zu is %.*g on line %zu of "
+                    "series.csv and %.*g in run.vtkhdf",
+                    damaged, names[i], frame, weft_text_digits(here), here, self.number,
+                    weft_text_digits(values[i]), values[i]);
             }
         }
     }

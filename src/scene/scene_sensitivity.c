@@ -269,7 +269,8 @@ static weft_status load_twin(const weft_scene *scene, const weft_scene_def *give
                    ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities")
                    : taken;
     }
-    (void)weft_text_format(set, sizeof set, "%s=%.17g", key, value);
+    (void)weft_text_format(set, sizeof set, "%s=%.*g", key, weft_text_digits(value),
+                           value);
     def.file = scene->file;
     def.text = scene->text;
     def.length = strlen(scene->text);
@@ -277,8 +278,8 @@ static weft_status load_twin(const weft_scene *scene, const weft_scene_def *give
     def.set_count = before != NULL ? 2 : 1;
     weft_status status = weft_scene_load(&def, &out->scene, found, err);
     if (status == WEFT_BAD_SCENE) {
-        (void)weft_error_set(err, status, "%s=%.17g: %s", key, value,
-                             found->items[0].message);
+        (void)weft_error_set(err, status, "%s=%.*g: %s", key, weft_text_digits(value),
+                             value, found->items[0].message);
     }
     weft__free(&scene->memory, found);
     return status == WEFT_OK

@@ -248,7 +248,8 @@ static weft_status find(weft_sim *sim, double t, weft_error *err)
 {
     weft__between *of = &sim->between;
     if (of->start == NULL || !(t >= of->t0 && t < sim->t)) {
-        return weft_error_set(err, WEFT_INVALID, "t = %.17g s is not %s", t,
+        return weft_error_set(err, WEFT_INVALID, "t = %.*g s is not %s",
+                              weft_text_digits(t), t,
                               of->start == NULL ? "known: `dense` was not asked for"
                                                 : "within the last step");
     }

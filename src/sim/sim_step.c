@@ -125,7 +125,8 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
     TRY(weft__sim_outside_play(sim, "weft_sim_step", err));
     if (!(t_end > sim->t) || !isfinite(t_end)) {
-        return weft_error_set(err, WEFT_INVALID, "step from %.17g s to %.17g s", sim->t,
+        return weft_error_set(err, WEFT_INVALID, "step from %.*g s to %.*g s",
+                              weft_text_digits(sim->t), sim->t, weft_text_digits(t_end),
                               t_end);
     }
     weft_error why = { 0 };

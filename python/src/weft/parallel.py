@@ -135,7 +135,7 @@ class Batch:
         with self._exclusion.change():
             ends = np.array(np.broadcast_to(real(t, "a time", (), (len(self),)), len(self)), order="C")
             for i in np.flatnonzero(~((self.times <= ends) & (ends < np.inf)))[:1]:
-                raise ValueError("the time of simulation %d is %.17g s already, or %r s is not finite"
+                raise ValueError("the time of simulation %d is %r s already, or %r s is not finite"
                                  % (i, self._sims[i].time, float(ends[i])))
             status, errors = ffi.new("weft_status[]", len(self)), ffi.new("weft_error[]", len(self))
             self._advance(ends, status, errors)

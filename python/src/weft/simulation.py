@@ -428,7 +428,7 @@ class Sim:
     def _later(self, t: Any) -> float:
         end = float(real(t, "a time", ()))
         if not (self.time <= end < math.inf):
-            raise ValueError("the time is %.17g s already, or %r s is not finite" % (self.time, t))
+            raise ValueError("the time is %r s already, or %r s is not finite" % (self.time, t))
         return end
 
     def advance(self, t: float) -> None:

@@ -40,8 +40,8 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
         }
     }
     for (size_t j = 0; j < self->numbers; ++j) {
-        (void)snprintf(self->values[j], sizeof self->values[j], "%s=%.17g", of->keys[j],
-                       fit_value(self, j));
+        (void)snprintf(self->values[j], sizeof self->values[j], "%s=%.*g", of->keys[j],
+                       weft_text_digits(fit_value(self, j)), fit_value(self, j));
         self->sets[count++] = self->values[j];
     }
     given.sets = self->sets + !differentiated;
