@@ -416,6 +416,11 @@ START_TEST(a_limit_reports_what_it_did_and_what_it_could_not)
     says(warning);
     ck_assert_ptr_null(strstr(strstr(output, warning) + 1, warning));
     expect(shell("grep -c 'unconverged: 0' " OUT "/m/result.yaml"), 1);
+    expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/b --set 'limit={method: "
+                      "bridson, strain: 0.01}' --set 'cloth.pins=[top-left]' 2>&1"),
+           0);
+    says("weft: warning: limit: not met by bridson, which corrects velocities, ");
+    says("not met after ");
     expect(shell(WEFT " run " OUT "/small.yaml --out " OUT "/h --quiet --set limit."
                       "method=provot --set cloth.pins='[[0, 0], {at: [0, 1], "
                       "velocity: [3, 0, 0]}]' 2>&1"),

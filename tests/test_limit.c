@@ -157,6 +157,47 @@ START_TEST(a_limit_that_is_not_met_is_counted)
 }
 END_TEST
 
+/* ... after the step, whatever its velocities promise for the next. */
+START_TEST(what_bridson_leaves_too_long_is_counted)
+{
+    wanted.limit.method = WEFT_LIMIT_BRIDSON;
+    speed[0] = 1.0;
+    speed[3] = 3.0;
+    stretch_pair(1.0);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).corrected, 1);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 0);
+    speed[0] = speed[3] = 0.0;
+    stretch_pair(2.0);
+    ck_assert_double_eq(apart(x, 0, 1), 2.0);
+    ck_assert_double_eq_tol(x[3] + 0.5 * v[3] - x[0] - 0.5 * v[0], 1.1, 1e-15);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 1);
+    speed[0] = 1.0; /* the ends approach: there is nothing to correct, yet */
+    speed[3] = -2.0;
+    stretch_pair(2.0);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).corrected, 0);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 1);
+}
+END_TEST
+
+START_TEST(what_contact_holds_back_is_counted)
+{
+    weft_shape wall = {
+        .kind = WEFT_SPHERE, .at = { 1.5, 0.0, 0.0 }, .radius = 0.1, .friction = 0
+    };
+    model.pin_count = 1;
+    model.contact.thickness = 0.01;
+    model.contact.shapes = &wall;
+    model.contact.shape_count = 1;
+    stretch_pair(2.0);
+    ck_assert(x[3] > 1.6 && x[3] < 2.0);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 1);
+    wall.at[1] = 1.0;
+    stretch_pair(2.0);
+    ck_assert_double_eq_tol(x[3], 1.1, 1e-15);
+    ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 0);
+}
+END_TEST
+
 START_TEST(wrong_definitions_are_refused)
 {
     const weft_limit_def right = wanted.limit;
@@ -200,6 +241,8 @@ TEST_SUITE(limit)
     tcase_add_test(tests, what_is_within_the_tolerance_is_left_alone);
     tcase_add_test(tests, the_embedder_corrects_what_the_limit_has_left);
     tcase_add_loop_test(tests, a_limit_that_is_not_met_is_counted, 0, 2);
+    tcase_add_test(tests, what_bridson_leaves_too_long_is_counted);
+    tcase_add_test(tests, what_contact_holds_back_is_counted);
     tcase_add_test(tests, wrong_definitions_are_refused);
     suite_add_tcase(all, tests);
     return all;

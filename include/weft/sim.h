@@ -153,7 +153,10 @@ typedef struct weft_ledger {
 typedef struct weft_limit_stats {
     uint64_t corrected;   /* steps with a spring to shorten */
     uint64_t sweeps;      /* passes in all these steps */
-    uint64_t unconverged; /* steps that did not converge */
+    uint64_t unconverged; /* steps that left a limited spring beyond its bound, with its
+                             tolerance: for want of sweeps, for contact, which held the
+                             correction back, or by the forces of a step with bridson,
+                             which corrects velocities */
 } weft_limit_stats;
 
 /* The limit of weft_sim_def_default has no method, and the default values of a scene:

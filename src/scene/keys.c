@@ -554,7 +554,10 @@ static const char *const solver_names[] = { "fast", "sweep", NULL };
 static const weft__key limit_keys[] = {
     { "method", WEFT__CHOICE, .required = true, .names = limit_names,
       AT(weft_limit_def, method), .first = WEFT_LIMIT_PROVOT,
-      .meaning = "provot corrects positions, bridson velocities" },
+      .meaning
+      = "provot corrects positions, so that the bound holds after each step; bridson "
+        "velocities, so that the forces of a step exceed it by h^2 times their "
+        "relative acceleration" },
     { "strain", WEFT__NUMBER, .fallback = "0.1", NUMBER(limit, strain),
       .meaning = "no limited spring longer than (1 + strain) * rest length" },
     { "springs", WEFT__NAMES, .names = family_names, .some = true,

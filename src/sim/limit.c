@@ -159,6 +159,7 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
 {
     const double h = fmax(step, limit->last_step);
     limit->last_step = step;
+    limit->solved = true;
     for (size_t j = 0; j < limit->count; ++j) {
         limit->x[j] = candidate(limit, h, y, j);
     }
@@ -167,6 +168,14 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
         return false;
     }
     ++limit->stats.corrected;
-    limit->stats.unconverged += !solve(limit);
+    limit->solved = solve(limit);
     return store(limit, h, y);
+}
+
+bool weft__limit_met(weft__limit *limit, const double *y)
+{
+    const bool met
+        = weft__limited_excess(&limit->cloth->springs, &limit->def, false, 1, y) == 0;
+    limit->stats.unconverged += !met;
+    return met;
 }

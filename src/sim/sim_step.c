@@ -26,6 +26,22 @@ weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
                : outside;
 }
 
+static void warn_of_limit(const weft_sim *sim)
+{
+    const weft_spring worst = weft_sim_limit_worst(sim);
+    const bool solved = sim->limit.solved;
+    char text[96];
+    weft__log(&sim->def.log, WEFT_LOG_WARNING,
+              "limit: not met %s at t = %.9g s; %s is at %.3g %%; reported once",
+              !solved ? "within its sweeps"
+              : sim->def.limit.method == WEFT_LIMIT_BRIDSON
+                  ? "by bridson, which corrects velocities, after the forces of the "
+                    "step (use provot or a smaller step)"
+                  : "beside contact, which holds its correction back,",
+              sim->t, weft_spring_text(sim->cloth, &worst, text, sizeof text),
+              100.0 * worst.strain);
+}
+
 static bool limit(weft_sim *sim, double h)
 {
     const uint64_t before = sim->limit.stats.unconverged;
@@ -37,14 +53,8 @@ static bool limit(weft_sim *sim, double h)
     if (changed && checks) {
         weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
     }
-    if (before == 0 && sim->limit.stats.unconverged > 0) {
-        const weft_spring worst = weft_sim_limit_worst(sim);
-        char text[96];
-        weft__log(&sim->def.log, WEFT_LOG_WARNING,
-                  "limit: not met within its sweeps at t = %.9g s; %s is at %.3g %%; "
-                  "reported once",
-                  sim->t, weft_spring_text(sim->cloth, &worst, text, sizeof text),
-                  100.0 * worst.strain);
+    if (!weft__limit_met(&sim->limit, sim->y) && before == 0) {
+        warn_of_limit(sim);
     }
     return changed;
 }

@@ -31,6 +31,7 @@ typedef struct weft__limit {
     const weft_cloth *cloth;
     weft_limit_stats stats;
     double last_step; /* [s] */
+    bool solved;      /* within its sweeps, after the last step */
     size_t count;     /* 3 N */
     double *x;        /* positions under correction */
     double *previous; /* fast: x_k */
@@ -226,6 +227,10 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
 
 /* Corrects y[6 N] after a step of size h [s]. Returns whether it changed anything. */
 bool weft__limit_apply(weft__limit *limit, double h, double *y);
+
+/* Whether no limited spring is beyond its bound in y, the state after a step; counts it
+ * if one is. */
+bool weft__limit_met(weft__limit *limit, const double *y);
 
 /* ---- ledger.c ----------------------------------------------------------------------
  */

@@ -169,12 +169,13 @@ static void print_limit(const run *self)
         print_item("limit", "none");
         return;
     }
-    print_item("limit",
-               "%.3g %%: %s steps corrected in %s sweeps, %s not met; largest limited "
-               "strain %.4g %%",
-               100.0 * limit->strain, human_count(stats.corrected).text,
-               human_count(stats.sweeps).text, human_count(stats.unconverged).text,
-               100.0 * weft_sim_limit_worst(self->sim).strain);
+    print_item(
+        "limit",
+        "%.3g %%: %s steps corrected in %s sweeps, not met after %s steps; largest "
+        "limited strain %.4g %%",
+        100.0 * limit->strain, human_count(stats.corrected).text,
+        human_count(stats.sweeps).text, human_count(stats.unconverged).text,
+        100.0 * weft_sim_limit_worst(self->sim).strain);
 }
 
 static void print_files(const run *self)
