@@ -96,13 +96,16 @@ static void random_case(int bits)
 START_TEST(no_loose_spring_is_too_long_afterwards)
 {
     random_case(_i);
+    uint64_t beyond = 0;
     for (int trial = 0; trial < 5; ++trial) {
         double met[3 * MOST];
         const double h = 0.01;
         sheet(9, (_i & 4) != 0, (_i & 8) != 0);
         step(h);
-        ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, 0);
         const bool moved = wanted.limit.method == WEFT_LIMIT_PROVOT;
+        beyond += weft_sim_limit_worst(sim).strain > 1.1 * 1.001 - 1.0;
+        ck_assert_uint_eq(weft_sim_limit_stats(sim).unconverged, beyond);
+        ck_assert(!moved || beyond == 0);
         for (size_t j = 0; j < 3 * particles(); ++j) {
             met[j] = x[j] + (moved ? 0.0 : h * v[j]);
         }
