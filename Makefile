@@ -57,7 +57,7 @@ hash := \#
 probe = echo '$(hash)include <$(1)>' | $(PREPROCESS) $(2) -
 has = $(shell $(probe) >/dev/null 2>&1 && echo yes)
 ifneq ($(call has,stdio.h),yes)
-$(error CC=$(CC) cannot compile: $(shell $(call probe,stdio.h) 2>&1 >/dev/null | grep -m 1 -e error -e found) (packages gcc or clang, libc6-dev))
+$(error CC=$(CC) cannot compile: $(shell $(call probe,stdio.h) 2>&1 >/dev/null | grep -m 1 -e error -e found) (packages gcc or clang, libc6-dev: 'apt-get install gcc libc6-dev' on Debian))
 endif
 HAVE_HDF5 := $(call has,hdf5.h,$(HDF5_CFLAGS))
 # The server of --watch, of the program alone.
@@ -84,6 +84,15 @@ HAVE_MPI := $(if $(call has,mpi.h,$(MPI_CFLAGS)),$(links))
 HAVE_CVODE := $(call has,cvode/cvode.h)
 # SUNDIALS 7 has a library more.
 HAVE_SUNDIALS_7 := $(call has,sundials/sundials_errors.h)
+
+# What the goals need and this machine lacks, before anything is built. `make deps` installs it.
+quoted = '$(subst ','\'',$(1))'
+goals := $(filter-out deps,$(or $(MAKECMDGOALS),all)) $(if $(filter dist check-dist,$(MAKECMDGOALS)),$(patsubst %,dist/%,$(or $(DIST),\
+    linux-x86_64 linux-aarch64 static-x86_64 static-aarch64 macos-arm64 windows-x86_64 pages))) \
+    $(if $(filter bench,$(MAKECMDGOALS)),$(filter bench/peers,$(BENCH:%=bench/%)))
+LACKING := $(if $(wildcard tools/needs),$(shell PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) $(MPI_CFLAGS)' tools/needs $(foreach g,$(goals),$(call quoted,$g))))
+$(if $(LACKING),$(error $(LACKING)$(if $(findstring libhdf5-dev,$(LACKING)),; the library and the plugins do without: \
+    make $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so)))
 
 VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
 SOVERSION := $(shell sed -n 's/^.define WEFT_INTERFACE //p' include/weft/base.h)
@@ -133,7 +142,7 @@ KERNEL_TESTS := kernel membrane
 SLOW := embed verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends bands_self conformance view untangle membrane cut bodies kernel batch_ends bands_meshes hostile_cost \
         libm stiffness bounds mesh_orders ledger_order self_random linear no_memory stability wave cli_output fit shapes_record \
-        contact_time quadratures papers converge
+        contact_time quadratures papers converge tools
 TESTS := $(LONGEST) $(filter-out $(LONGEST) $(if $(KERNELS),,$(KERNEL_TESTS)),$(patsubst tests/test_%.c,%,$(wildcard tests/test_*.c)))
 # Programs of their own, as they replace functions of libc: malloc and its like, and pow.
 ALONE := no_memory libm
@@ -159,13 +168,13 @@ all: $(BUILD)/libweft.so $(BUILD)/libweft.a $(BUILD)/weft $(PLUGIN_SO) $(MPI_SO)
 
 .PHONY: skipped
 skipped:
-	@$(if $(HAVE_HTTP),:,echo "--watch skipped: microhttpd.h not found (package libmicrohttpd-dev)")
-	@$(if $(HAVE_CMINPACK),:,echo "weft fit skipped: cminpack.h not found (package libcminpack-dev)")
-	@$(if $(HAVE_QHULL),:,echo "cloth.cut skipped: libqhull_r/libqhull_r.h not found (package libqhull-dev)")
-	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev)")
-	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev)")
-	@$(if $(HAVE_MPI),:,echo "weft-mpi.so skipped (weft run --bands): mpicc not found (package libopenmpi-dev)")
-	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev)")
+	@$(if $(HAVE_HTTP),:,echo "--watch skipped: microhttpd.h not found (package libmicrohttpd-dev: make deps)")
+	@$(if $(HAVE_CMINPACK),:,echo "weft fit skipped: cminpack.h not found (package libcminpack-dev: make deps)")
+	@$(if $(HAVE_QHULL),:,echo "cloth.cut skipped: libqhull_r/libqhull_r.h not found (package libqhull-dev: make deps)")
+	@$(if $(HAVE_GSL),:,echo "plugin gsl skipped: gsl/gsl_odeiv2.h not found (package libgsl-dev: make deps)")
+	@$(if $(HAVE_ARKODE),:,echo "plugin arkode skipped: arkode/arkode_erkstep.h not found (package libsundials-dev: make deps)")
+	@$(if $(HAVE_MPI),:,echo "weft-mpi.so skipped (weft run --bands): mpicc not found (package libopenmpi-dev: WITH_MPI=1 make deps)")
+	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev: make deps)")
 
 # ---- library and program ---------------------------------------------------------
 
@@ -223,7 +232,7 @@ $(BUILD)/src/record/pages.o: $(BUILD)/src/record/pages.c
 
 ifneq ($(HAVE_HDF5),yes)
 $(filter-out %/pages.o,$(RECORD_OBJ)):
-	@echo "weft, the program, needs hdf5.h, which CC with HDF5_CFLAGS='$(HDF5_CFLAGS)' does not find (package libhdf5-dev);" >&2
+	@echo "weft, the program, needs hdf5.h, which CC with HDF5_CFLAGS='$(HDF5_CFLAGS)' does not find (package libhdf5-dev: make deps);" >&2
 	@echo "the library and the plugins do without: make $(BUILD)/libweft.so $(PLUGIN_SO)" >&2
 	@exit 1
 endif
@@ -353,7 +362,7 @@ $(BUILD)/examples/%: examples/%.cpp include/weft/weft.hpp $(BUILD)/libweft.so $(
 $(BUILD)/examples/window: LDLIBS += -lSDL2
 .PHONY: window check-window
 window: $(if $(HAVE_SDL2),$(BUILD)/examples/window)
-	@$(if $(HAVE_SDL2),echo $<,echo "window skipped: SDL2/SDL.h not found (package libsdl2-dev)")
+	@$(if $(HAVE_SDL2),echo $<,echo "window skipped: SDL2/SDL.h not found (package libsdl2-dev: WITH_WINDOW=1 make deps)")
 
 check-window: window
 	@$(if $(HAVE_SDL2),tools/check-window $(BUILD))
@@ -476,11 +485,13 @@ demo: deps
 demo-run: all
 	@tools/demo $(BUILD)
 
-# The one target that installs packages: with WITH_MPI=1, WITH_CHECKS=1 (what .ci/run and `make nightly` call) or WITH_DIST=1,
-# those too. Debian's place of HDF5, though it may be there only once the package is installed.
+# The one target that installs packages (tools/needs.txt): with WITH_MPI=1, WITH_CHECKS=1 (what .ci/run and `make nightly`
+# call), WITH_PICTURES=1, WITH_WINDOW=1 or WITH_DIST=1, those too. Debian's place of HDF5, though it may be there only once
+# the package is installed.
+GROUPS = MPI CHECKS PICTURES WINDOW DIST
 deps:
 	@PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) -isystem /usr/include/hdf5/serial $(MPI_CFLAGS)' \
-	    WITH_MPI='$(WITH_MPI)' WITH_CHECKS='$(WITH_CHECKS)' WITH_DIST='$(WITH_DIST)' tools/deps
+	    tools/deps $(foreach g,$(GROUPS),$(if $(WITH_$g),$g))
 
 include install.mk
 include wasm/build.mk

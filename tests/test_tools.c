@@ -52,11 +52,28 @@ START_TEST(a_stage_that_leaves_a_file_in_the_tree_is_named)
 }
 END_TEST
 
+START_TEST(every_target_names_the_programs_that_it_lacks_before_it_begins)
+{
+    if (shell("command -v git python3") != 0) {
+        return;
+    }
+    expect(shell("env -u MAKEFLAGS -u MAKELEVEL -u MFLAGS tests/needs.sh " OUT
+                 "/needs 2>&1"),
+           0);
+    ck_assert_str_eq(output, "");
+}
+END_TEST
+
 TEST_SUITE(tools)
 {
     Suite *all = suite_create("tools");
     TCase *gate = tcase_create("gate");
     tcase_add_test(gate, a_stage_that_leaves_a_file_in_the_tree_is_named);
     suite_add_tcase(all, gate);
+    TCase *needs = tcase_create("needs");
+    tcase_set_timeout(needs, 240);
+    tcase_add_test(needs,
+                   every_target_names_the_programs_that_it_lacks_before_it_begins);
+    suite_add_tcase(all, needs);
     return all;
 }

@@ -26,7 +26,8 @@ wasm: $(WASM)/libweft.a $(WASM)/hashes.wasm $(WASM)/page.wasm
 
 $(WASM_FETCHED): tools/sources
 	@echo 'int main(void) { return 0; }' | $(WASM_CC) --target=wasm32-wasi -x c - -o /dev/null 2>/dev/null || { \
-	    echo "make wasm needs Debian's packages clang-14 lld-14 wasi-libc libclang-rt-14-dev-wasm32" >&2; exit 1; }
+	    echo "$(WASM_CC) compiles nothing for wasm32-wasi (Debian's packages clang-14 lld-14 wasi-libc" \
+	    "libclang-rt-14-dev-wasm32): 'WITH_CHECKS=1 make deps' installs them" >&2; exit 1; }
 	$(call say,GET)tools/sources $(@D) libyaml sundials && touch $@
 $(WASM)/sources/%: $(WASM_FETCHED) ;
 
