@@ -4,6 +4,8 @@
 #include "scene_load.h"
 #include "shell.h"
 
+#include <math.h>
+
 #define FOLDER BUILD_DIR "/tests/mesh-files"
 
 /* A sheet of 0.1 m that lies 0.1 m above a plate, with a group and room for more lines.
@@ -32,7 +34,10 @@ static weft_scene *load(const char *cloth, const char *shapes)
     (void)snprintf(text, sizeof text,
                    "weft: 1\n%s\ncontact: {shapes: [%s]}\n"
                    "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 0.1}\n",
-                   cloth, shapes);
+                   cloth,
+                   shapes[0] != '\0'
+                       ? shapes
+                       : "{shape: plane, at: [0, -90, 0], normal: [0, 1, 0]}");
     weft_scene_def def = scene_of_text(text);
     weft_scene *scene = NULL;
     def.file = FOLDER "/test.yaml";
@@ -123,6 +128,222 @@ START_TEST(an_empty_cloth_file_is_named_beside_bodies)
 }
 END_TEST
 
+/* ---- where a cloth starts ----------------------------------------------------------
+ */
+
+/* A square of a side [m], whose vt are those of another side. */
+static void put_square(double side, double rest)
+{
+    char text[512];
+    (void)snprintf(text, sizeof text,
+                   "v 0 0 0\nv %g 0 0\nv %g 0 %g\nv 0 0 %g\nvt 0 0\nvt 0 %g\nvt %g %g\n"
+                   "vt %g 0\nf 1/1 2/2 3/3 4/4\n",
+                   side, side, side, side, rest, rest, rest, rest);
+    put("cloth.obj", text);
+}
+
+static void warned(const char *message)
+{
+    accepted(CLOTH, "", 1);
+    ck_assert_msg(strstr(found.items[0].message, message) != NULL, "%s", all_found());
+}
+
+START_TEST(texture_coordinates_taken_for_lengths_are_warned_of)
+{
+    put_square(0.05, 1.0);
+    warned(
+        "the cloth starts at 0.05 times its rest shape (sqrt of the areas, median of "
+        "2 triangles); vt from 0 to 1 are likely texture coordinates");
+    ck_assert_ptr_nonnull(strstr(found.items[0].message, "here each times 0.05"));
+    ck_assert_int_eq(found.items[0].line, 2); /* of the scene, at the file */
+    put_square(3.0, 1.0);
+    warned("the cloth starts at 3 times its rest shape");
+}
+END_TEST
+
+START_TEST(v_and_vt_in_different_units_are_warned_of)
+{
+    put_square(0.5, 50.0);
+    warned(
+        "v and vt are likely in different units: write vt as lengths in the unit of v, "
+        "here each times 0.01");
+}
+END_TEST
+
+START_TEST(a_start_near_its_rest_shape_gets_no_warning)
+{
+    static const double ratios[] = { 0.81, 0.9, 1.0, 1.21, 1.24 };
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios; ++i) {
+        put_square(0.5 * ratios[i], 0.5);
+        accepted(CLOTH, "", 0);
+    }
+    put_square(0.5 * 0.79, 0.5);
+    warned("the cloth starts at 0.79 times");
+    put_square(0.5 * 1.26, 0.5);
+    warned("the cloth starts at 1.26 times");
+}
+END_TEST
+
+START_TEST(the_stretch_of_a_start_has_its_least_median_and_largest)
+{
+    /* one triangle as it is, one sheared, one twice as long in one direction */
+    put("cloth.obj",
+        "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 3 0 0\nv 4 0 0\nv 3.5 1 0\nv 6 0 0\n"
+        "v 8 0 0\nv 6 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 2/1 3/2 4/3\nf 5/1 6/2 7/3\n"
+        "f 8/1 9/2 10/3\n");
+    weft_scene *scene = load(CLOTH, "");
+    weft_stretch of;
+    ck_assert_ptr_nonnull(scene);
+    ck_assert_int_eq(weft_cloth_def_stretch(weft_scene_cloth(scene), 0, &of, NULL),
+                     WEFT_OK);
+    const double shear = 0.25 + sqrt(1.0 + 0.25 * 0.25); /* (1 s; 0 1), s = 1/2 */
+    ck_assert_double_eq_tol(of.least, 1.0 / shear, 1e-15);
+    ck_assert_double_eq_tol(of.largest, 2.0, 1e-15);
+    ck_assert_double_eq_tol(of.median, 1.0, 1e-15);
+    ck_assert_uint_eq(of.triangles, 3);
+    static const size_t sheared[] = { 4, 5, 6 }, longer[] = { 7, 8, 9 };
+    ck_assert_mem_eq(of.least_at, sheared, sizeof sheared);
+    ck_assert_mem_eq(of.largest_at, longer, sizeof longer);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(a_scale_far_from_1_is_warned_of_and_is_the_stretch)
+{
+    static const char grid[]
+        = "cloth: {grid: {rows: 3, cols: 3, spacing: 0.1, scale: %s}, density: 0.2}";
+    char text[256];
+    weft_stretch of;
+    (void)snprintf(text, sizeof text, grid, "1.5");
+    weft_scene *scene = load(text, "");
+    ck_assert_uint_eq(found.warnings, 1);
+    ck_assert_str_eq(
+        found.items[0].message,
+        "the cloth starts at 1.5 times its rest lengths: scale: 1.0 starts "
+        "it at rest; another unit belongs in spacing");
+    ck_assert_int_eq(weft_cloth_def_stretch(weft_scene_cloth(scene), 0, &of, NULL),
+                     WEFT_OK);
+    ck_assert(of.least == 1.5 && of.median == 1.5 && of.largest == 1.5);
+    weft_scene_destroy(scene);
+    (void)snprintf(text, sizeof text, grid, "1.25");
+    accepted(text, "", 0);
+}
+END_TEST
+
+START_TEST(a_cloth_in_another_unit_gets_a_hint)
+{
+    put_square(21.0, 21.0);
+    warned(
+        "the cloth has a size of 21 m: unit is the length of one unit of the file [m], "
+        "1 now; with unit: 0.01 the cloth would have 0.21 m");
+    put_square(0.0019, 0.0019);
+    warned("the cloth has a size of 0.0019 m: unit is");
+    put_square(19.0, 19.0);
+    accepted(CLOTH, "", 0);
+    accepted("cloth: {grid: {rows: 3, cols: 3, spacing: 20}, density: 0.2}", "", 1);
+    ck_assert_str_eq(found.items[0].message,
+                     "the cloth has a size of 40 m: lengths are in metres");
+}
+END_TEST
+
+START_TEST(a_body_in_another_unit_gets_a_hint_but_a_floor_does_not)
+{
+    put_square(0.1, 0.1);
+    put("body.obj", "v -50 -50 -50\nv 50 -50 -50\nv 50 -51 90\nv -50 -90 50\n"
+                    "f 4 3 2 1\n");
+    accepted(CLOTH, BODY, 1);
+    ck_assert_msg(
+        strstr(found.items[0].message, "the body has a size of 140 m: unit is") != NULL,
+        "%s", all_found());
+    put("body.obj",
+        "v -50 -.1 -50\nv 50 -.1 -50\nv 50 -.1 50\nv -50 -.2 50\nf 4 3 2 1\n");
+    accepted(CLOTH, BODY, 0);
+}
+END_TEST
+
+START_TEST(vertices_that_start_in_one_place_are_counted)
+{
+    put("cloth.obj",
+        "v 0 0 0\nv .1 0 0\nv .1 .1 0\nv 0 .1 0\nv .1 0 0\nv .2 0 0\nv .2 .1 0\n"
+        "v .1 .1 0\nvt 0 0\nvt .1 0\nvt .1 .1\nvt 0 .1\nvt .2 0\nvt .2 .1\n"
+        "f 1/1 2/2 3/3 4/4\nf 5/2 6/5 7/6 8/3\n");
+    accepted(CLOTH, "", 1);
+    stands(
+        0,
+        "vertex 4 (from 0) starts where vertex 1 does and is not sewn to it, the first "
+        "of 2 such vertices",
+        "cloth.obj", 5, "v .1 0 0");
+}
+END_TEST
+
+START_TEST(slivers_of_a_file_are_warned_of_with_their_number)
+{
+    put("cloth.obj", "v 0 0 0\nv 1 0 0\nv .5 .01 0\nv .5 .9 0\nvt 0 0\nvt 1 0\n"
+                     "vt .5 .01\nvt .5 .9\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    accepted(CLOTH, "", 1);
+    stands(0, "an angle of 1.1 degrees at rest; 1 of 2 triangles have one below 2",
+           "cloth.obj", 9, "f 1/1 2/2 3/3");
+}
+END_TEST
+
+/* ---- key frames --------------------------------------------------------------------
+ */
+
+START_TEST(a_gap_in_key_frames_is_an_error_that_names_it)
+{
+    put_square(0.1, 0.1);
+    expect(shell("rm -f " FOLDER "/gap-*.obj"), 0);
+    put("gap-00.obj", PLATE);
+    put("gap-01.obj", PLATE);
+    accepted(CLOTH, "{shape: mesh, file: gap-%02d.obj, fps: 10}", 0);
+    put("gap-3.obj", PLATE); /* by no pattern of two digits */
+    accepted(CLOTH, "{shape: mesh, file: gap-%02d.obj, fps: 10}", 0);
+    put("gap-12.obj", PLATE);
+    put("gap-07.obj", PLATE);
+    refused(CLOTH, "{shape: mesh, file: gap-%02d.obj, fps: 10}");
+    ck_assert_str_eq(found.items[0].message,
+                     "key frame 02 of 'gap-%02d.obj' is missing, but 07 is there: key "
+                     "frames are numbered one after another");
+}
+END_TEST
+
+START_TEST(a_gap_in_folders_of_key_frames_is_an_error)
+{
+    put_square(0.1, 0.1);
+    expect(shell("cd " FOLDER " && mkdir -p at-1 at-2 at-4"), 0);
+    put("at-1/k.obj", PLATE);
+    put("at-2/k.obj", PLATE);
+    put("at-4/k.obj", PLATE);
+    refused(CLOTH, "{shape: mesh, file: at-%d/k.obj, fps: 10}");
+    ck_assert_str_eq(
+        found.items[0].message,
+        "key frame 3 of 'at-%d/k.obj' is missing, but 4 is there: key frames "
+        "are numbered one after another");
+}
+END_TEST
+
+START_TEST(check_and_run_print_the_stretch_and_the_span_of_the_keys)
+{
+    put_square(0.55, 0.5);
+    put("key-0.obj", PLATE);
+    put("key-1.obj", PLATE);
+    put("key-2.obj", PLATE);
+    put("keys.yaml",
+        "weft: 1\n" CLOTH "\ncontact: {shapes: [{shape: mesh, file: key-%d.obj, fps: "
+        "20}]}\nstepper: {plugin: arkode, method: dormand_prince}\n"
+        "run: {duration: 0.05, fps: 20}\n");
+    expect(
+        shell(
+            "cd " FOLDER " && ../../weft check keys.yaml >check.txt && rm -rf out && "
+            "../../weft run keys.yaml --out out >run.txt 2>/dev/null && grep -h -A1 "
+            "-e stretch -e 'keys ' check.txt run.txt | tr -s ' ' | grep -c -e 'stretch "
+            "1.1 to 1.1 of the rest lengths at the start, median 1.1;' -e 'shapes.0.: "
+            "3 "
+            "key frames, 0 to 0.1 s, in a run of 0.05 s; 1 come' | grep -x 4"),
+        0);
+}
+END_TEST
+
 TEST_SUITE(mesh_files)
 {
     Suite *suite = suite_create("mesh_files");
@@ -131,6 +352,18 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, a_fault_of_a_cloth_names_its_file_beside_bodies);
     tcase_add_test(files, mistakes_in_every_file_of_a_scene_stand_in_their_own);
     tcase_add_test(files, an_empty_cloth_file_is_named_beside_bodies);
+    tcase_add_test(files, texture_coordinates_taken_for_lengths_are_warned_of);
+    tcase_add_test(files, v_and_vt_in_different_units_are_warned_of);
+    tcase_add_test(files, a_start_near_its_rest_shape_gets_no_warning);
+    tcase_add_test(files, the_stretch_of_a_start_has_its_least_median_and_largest);
+    tcase_add_test(files, a_scale_far_from_1_is_warned_of_and_is_the_stretch);
+    tcase_add_test(files, a_cloth_in_another_unit_gets_a_hint);
+    tcase_add_test(files, a_body_in_another_unit_gets_a_hint_but_a_floor_does_not);
+    tcase_add_test(files, vertices_that_start_in_one_place_are_counted);
+    tcase_add_test(files, slivers_of_a_file_are_warned_of_with_their_number);
+    tcase_add_test(files, a_gap_in_key_frames_is_an_error_that_names_it);
+    tcase_add_test(files, a_gap_in_folders_of_key_frames_is_an_error);
+    tcase_add_test(files, check_and_run_print_the_stretch_and_the_span_of_the_keys);
     suite_add_tcase(suite, files);
     return suite;
 }

@@ -304,6 +304,20 @@ static inline size_t weft_cloth_def_blocks(const weft_cloth_def *def)
                : (def->mesh->vertices + WEFT_BLOCK_VERTICES - 1) / WEFT_BLOCK_VERTICES;
 }
 
+/* How far a cloth is stretched where it starts, as a part of its rest shape: 1 is not.
+ * Fixed for ever. */
+typedef struct weft_stretch {
+    double least, largest;             /* of all triangles, in any direction */
+    double median;                     /* of sqrt(area at the start / area at rest) */
+    size_t triangles;                  /* 0: a grid, of which all three are `scale` */
+    size_t least_at[3], largest_at[3]; /* vertices of the triangles that have them */
+} weft_stretch;
+
+/* Computes the stretch at the start of a definition of which a cloth can be made; of
+ * its part `part` if its mesh has parts, else of all. Errors: WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_cloth_def_stretch(const weft_cloth_def *def, size_t part,
+                                            weft_stretch *out, weft_error *err);
+
 /* A spring between two particles, given by family and indices. Fixed for ever. */
 typedef struct weft_spring {
     weft_family family;

@@ -250,6 +250,19 @@ char *ranks_share_text(const weft_comm *comm, const char *text);
  * launchers bind ranks to cores. */
 void ranks_warn(const weft_comm *comm, size_t threads);
 
+/* ---- start.c ---- */
+
+/* Prints how far the cloth, or each of several, is stretched at the start; nothing of a
+ * grid that starts at rest. */
+void start_print_stretch(const weft_cloth_def *def);
+
+/* The same for machines. */
+struct yaml_out;
+void start_yaml(struct yaml_out *out, const weft_cloth_def *def);
+
+/* Prints the key frames of shapes that have some, beside the duration [s]. */
+void start_print_keys(const weft_cloth_def *def, double duration);
+
 /* ---- view.c ---- */
 
 /* Writes the page of one run or of two into `out` or a default place and prints

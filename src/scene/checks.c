@@ -120,6 +120,7 @@ static void check_sheet(weft__reader *reader, const weft__match *match,
     }
     if (reader->report->found->errors == 0) {
         weft__sheet_check(cloth, &(weft__faults){ report_product, (void *)match });
+        weft__warn_of_grid(reader, match);
     }
 }
 

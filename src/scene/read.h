@@ -365,6 +365,15 @@ void weft__read_body(weft__reader *reader, const struct weft__match *match,
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);
 void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth);
 
+/* scene_start.c: warnings about where a cloth without mistakes starts, which is a mesh
+ * or cut, or a grid; about a thing of a file in another unit, and about a body. */
+void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth);
+void weft__warn_of_grid(weft__reader *reader, const weft__match *cloth);
+void weft__warn_of_size(weft__reader *reader, weft__mark at, const char *what,
+                        double size, double unit);
+void weft__warn_of_body_size(weft__reader *reader, weft__mark at, const weft_body *body,
+                             double unit);
+
 /* scene_cloths.c */
 weft__check_fn weft__check_part;
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_body.c -- the triangles of a mesh in contact.shapes: one OBJ file, or one for
  * each key frame. */
+#include <dirent.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -63,6 +65,81 @@ static size_t count_keys(weft__reader *reader, const pattern *of, size_t *start)
         ++count;
     }
     return count;
+}
+
+/* The number of a pattern in the name of a file, or of a folder if it stands in one, if
+ * it is written as the pattern writes it; else 0. */
+static size_t number_in(const char *entry, const pattern *of)
+{
+    size_t begin
+        = of->before; /* of the part of the pattern's path that has the number */
+    char written[32];
+    while (begin > 0 && of->name[begin - 1] != '/') {
+        --begin;
+    }
+    const size_t before = of->before - begin, after = strcspn(of->rest, "/");
+    if (strncmp(entry, of->name + begin, before) != 0) {
+        return 0;
+    }
+    const size_t number = strtoul(entry + before, NULL, 10);
+    const size_t length
+        = (size_t)snprintf(written, sizeof written, "%0*zu", of->width, number);
+    const char *end = entry + before + length;
+    const bool same = strncmp(entry + before, written, length) == 0
+                      && strncmp(end, of->rest, after) == 0 && end[after] == '\0';
+    return same ? number : 0;
+}
+
+/* The least number above `last` in the folder of key 0, whose path is `first`; 0: none.
+ */
+static size_t next_number(const char *first, const pattern *of, size_t last)
+{
+    char folder[4096];
+    size_t length = strlen(first), next = 0, up = 1; /* parts of the path behind it */
+    for (const char *rest = of->rest; (rest = strchr(rest, '/')) != NULL; ++rest) {
+        ++up;
+    }
+    while (up > 0 && length > 0) {
+        up -= first[--length] == '/';
+    }
+    (void)snprintf(folder, sizeof folder, "%.*s%s", (int)length, first,
+                   up > 0 ? "." : "/.");
+    DIR *listed = opendir(folder);
+    for (const struct dirent *at; listed != NULL && (at = readdir(listed)) != NULL;) {
+        const size_t number = number_in(at->d_name, of);
+        next = number > last && (next == 0 || number < next) ? number : next;
+    }
+    if (listed != NULL) {
+        (void)closedir(listed);
+    }
+    return next;
+}
+
+/* Reports a key that is missing between others. The files are `count` from `start` on,
+ * or their copies, which are numbered from 0. */
+static void find_gap(weft__reader *reader, const weft__node *at, const pattern *of,
+                     size_t start, size_t count)
+{
+    char copy[64];
+    (void)snprintf(copy, sizeof copy, WEFT__BODY_COPY "-%%04d.obj", reader->shape);
+    const pattern copies = pattern_of(copy);
+    const char *first = count > 0 ? key_path(reader, of, start, 0) : NULL;
+    if (first == NULL) {
+        return;
+    }
+    const char *slash = strrchr(first, '/');
+    const char *name = slash == NULL ? first : slash + 1;
+    const bool copied = strncmp(name, copy, copies.before) == 0;
+    const pattern *names = copied ? &copies : of;
+    const size_t from = copied ? 0 : start;
+    const size_t next = next_number(first, names, from + count - 1);
+    if (next > 0) {
+        ERROR_AT(
+            reader, at,
+            "key frame %0*zu of '%.200s' is missing, but %0*zu is there: key frames "
+            "are numbered one after another",
+            names->width, from + count, names->name, names->width, next);
+    }
 }
 
 /* Takes one key from a file, or reports what does not suit the first. */
@@ -162,6 +239,12 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
         return;
     }
     keys = keyed ? count_keys(reader, &of, &start) : 1;
+    if (keyed) {
+        find_gap(reader, file, &of, start, keys);
+    }
+    if (reader->report->mistakes > before) {
+        return;
+    }
     if (keys < 1 + (size_t)keyed || keys == MOST_KEYS) {
         ERROR_AT(reader, file,
                  "key frames '%.200s': there are %zu files from 0 or 1 on; 2 to %d are "
@@ -181,4 +264,9 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
         read_key_frame(reader, file->at, files->paths[k], item->unit, k, body);
     }
     item->shape.body = body;
+    if (reader->report->mistakes == before && !reader->report->no_memory) {
+        const weft__node *unit = weft__value_in(match, "unit");
+        weft__warn_of_body_size(reader, (unit == NULL ? file : unit)->at, body,
+                                item->unit);
+    }
 }

@@ -214,4 +214,7 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
                          &(weft__faults){ find_fault, (void *)cloth }, NULL,
                          &reader->report->no_memory);
     }
+    if (reader->report->mistakes == scene->mistakes && !reader->report->no_memory) {
+        weft__warn_of_mesh(reader, cloth);
+    }
 }

@@ -160,8 +160,10 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
     print_memory(cloth, sim);
+    start_print_stretch(weft_scene_cloth(scene));
     fabric_print(scene, cloth);
     contact_print(weft_scene_cloth(scene));
+    start_print_keys(weft_scene_cloth(scene), run->duration);
     if (limit->method != WEFT_LIMIT_NONE) {
         printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
                limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
@@ -184,6 +186,7 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_write(out, "{ file: \"%s\", name: \"%s\", particles: %zu, pinned: %zu",
                    file, weft_scene_name(scene), weft_cloth_particles(cloth),
                    weft_cloth_pins(cloth));
+    start_yaml(out, weft_scene_cloth(scene));
     record_cloths(out, cloth);
     fabric_yaml(out, scene);
     contact_yaml(out, weft_scene_cloth(scene));

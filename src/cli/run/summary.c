@@ -232,9 +232,12 @@ void summary_print(const run *self)
     print_time(self);
     print_steps(self);
     print_step_sizes(self);
+    start_print_stretch(weft_scene_cloth(self->scene));
     print_strain(self);
     print_energy(self);
     print_contact(self);
+    start_print_keys(weft_scene_cloth(self->scene),
+                     weft_scene_run(self->scene)->duration);
     print_limit(self);
     print_sensitivity(self);
     print_files(self);
