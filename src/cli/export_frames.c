@@ -508,7 +508,7 @@ const verb verb_export = {
       "           ply         the same, binary\n"
       "           csv         row,col,x,y,z,vx,vy,vz (of a mesh: vertex,x,...)\n"
       "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
-      "Blender's Mesh Cache\n"
+      "Blender's Mesh Cache, with all axes as Blender has them (y points up here)\n"
       "           pvd         all frames as VTP files and run.pvd, for ParaView "
       "before 5.12; later versions open run.vtkhdf\n"
       "  --frame last|all|N   for obj, ply and csv; default: last, to DIR/final.obj; "
