@@ -238,8 +238,12 @@ START_TEST(what_is_no_run_is_called_so)
     static const char *const verbs[]
         = { "view", "resume", "view --out " OUT "/x.html" };
     for (size_t i = 0; i < sizeof verbs / sizeof verbs[0]; ++i) {
+        expect(
+            shell("mkdir -p " OUT "/empty && " WEFT " %s " OUT "/empty 2>&1", verbs[i]),
+            4);
+        says(OUT "/empty: no scene.yaml: not a run");
         expect(shell(WEFT " %s " OUT "/none 2>&1", verbs[i]), 4);
-        says(OUT "/none: no scene.yaml: not a run");
+        says(OUT "/none: No such file or directory");
     }
 }
 END_TEST

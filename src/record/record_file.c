@@ -49,6 +49,10 @@ bool record_exists(const char *directory, const char *name)
 
 weft_status record_is_run(const char *directory, weft_error *err)
 {
+    struct stat status;
+    if (stat(directory, &status) != 0) {
+        return record_failed(directory, err);
+    }
     return record_exists(directory, "scene.yaml")
                ? WEFT_OK
                : weft_error_set(err, WEFT_IO, "%s: no scene.yaml: not a run",
