@@ -268,7 +268,6 @@ int compare_stiffness(void *ctx, size_t unused)
     if (found.modes.omega2 > 0.0
         && survey_methods(self->scene, self->given->registry, &found, NULL)
                == WEFT_OK) {
-        survey_implicit(self->scene, self->cloth, &found);
         const stiff_gains gains = stiff_gains_of(&found, weft_scene_cloth(self->scene));
         stiff_say(&gains, &self->shared->stiffness);
     }

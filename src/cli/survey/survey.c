@@ -221,7 +221,6 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
         }
     }
     TRY(survey_methods(scene, given->registry, out, err));
-    survey_implicit(scene, cloth, out);
     if (out->own != NULL && out->own->step > 0.0
         && (out->own->type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
         TRY(stable_step(scene, out->own->type, &out->any, &out->any_state, err));

@@ -36,9 +36,6 @@ typedef struct survey {
     double trial_calls;         /* RHS calls per simulated second */
     const survey_method *rival; /* of higher order, tried too; NULL: no or no better */
     double rival_saves;         /* trial's RHS calls / those that it took */
-    double implicit; /* of triangles: the time of a step of stiff ros2 as long as a
-                        frame, by that of an evaluation; 0: unknown */
-    double frame;    /* [s] */
 } survey;
 
 /* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
@@ -119,13 +116,12 @@ typedef struct stiff_gains {
     const survey_method *rkc;  /* NULL: there is none, or it refuses the cloth */
     double stabilised;         /* of rkc */
     double bdf[STIFF_ACCURACIES]; /* of a grid: at 1e-2 m, at 1e-3 m */
-    double frame, implicit;       /* of the survey */
-    const survey_method *least;   /* explicit */
-    double against;               /* its evaluations in that time */
+    double implicit; /* of triangles: the time of stiff ros2, in evaluations per
+                        simulated second; 0: unknown */
+    bool touches;    /* there are shapes, or contact of the cloth with itself */
+    const survey_method *least; /* explicit */
+    double against;             /* its evaluations per simulated second */
 } stiff_gains;
-
-/* Measures `implicit` at the start; nothing on a grid. */
-void survey_implicit(const weft_scene *scene, const weft_cloth *cloth, survey *out);
 
 /* From the methods of a survey, the modes behind their steps and the cloth's width. */
 stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth);
