@@ -497,8 +497,9 @@ START_TEST(a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear)
         memcpy(y[1], y[0], sizeof y[1]);
         shift(y[1], 4e-3 * random_uniform(&seed), &seed);
         const bool clear = weft__self_list_far(forces.bodies->list, y[0], y[1], h);
-        double *all[2] = { weft__bodies_spread(&cloth->bodies, 0.0, y[0]),
-                           weft__bodies_spread(&cloth->bodies, 0.0, y[1]) };
+        double *all[2]
+            = { weft__bodies_spread(&cloth->bodies, &(weft__state){ .y = y[0] }),
+                weft__bodies_spread(&cloth->bodies, &(weft__state){ .y = y[1] }) };
         meetings of = { { &cloth->bodies.pairs, all[0], all[1], h }, 0 };
         const weft__quadtree tree = weft__tree_of(&cloth->bodies.pairs, all[0]);
         ck_assert(weft__each_pair(&tree, 0.02, count_meeting, &of));

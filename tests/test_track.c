@@ -16,15 +16,38 @@ static const double rows[] = {
     2.0,  0.0, 3.0,  -1.0, //
     2.25, 0.5, 3.0,  0.0,  //
 };
-static const weft_track track = { rows, 5 };
+enum { ROWS = 5, MOST = 40 };
+static const weft_track track = { rows, ROWS };
+static double slopes[WEFT__CURVE_WIDTH * MOST];
+
+/* A table of random rows at uneven times from -1 s on; some have the value of the row
+ * before. */
+static weft_track random_track(uint64_t *seed, double some[4 * MOST], size_t count)
+{
+    double t = -1.0;
+    for (size_t i = 0; i < count; ++i, t += 1e-3 + pow(random_uniform(seed), 6.0)) {
+        some[4 * i] = t;
+        for (size_t k = 1; k < 4; ++k) {
+            const bool rests = i > 0 && random_uniform(seed) < 0.3;
+            some[4 * i + k] = rests ? some[4 * (i - 1) + k] : random_uniform(seed);
+        }
+    }
+    return (weft_track){ some, count };
+}
+
+static void value_at(const weft__curve *of, double t, double value[3][3])
+{
+    weft__curve_at(of, t, t, value);
+}
 
 /* ---- the law --------------------------------------------------------------------- */
 
 START_TEST(track_goes_through_its_rows_exactly)
 {
+    const weft__curve of = weft__curve_make(&track, _i == 1, slopes);
     double value[3][3];
     for (size_t i = 0; i < track.count; ++i) {
-        weft__track_at(&track, rows[4 * i], value);
+        value_at(&of, rows[4 * i], value);
         ck_assert_mem_eq(value[0], &rows[4 * i + 1], sizeof value[0]);
     }
 }
@@ -33,32 +56,40 @@ END_TEST
 START_TEST(track_rests_before_its_first_row_and_after_its_last)
 {
     static const double none[6];
-    const double times[] = { -1e300, 0.0, 0.25, 2.25, 3.0, 1e300 };
+    const weft__curve of = weft__curve_make(&track, _i == 1, slopes);
+    const double times[] = { -1e300, 0.0, 0.2499, 2.25, 3.0, 1e300 };
     for (size_t i = 0; i < 6; ++i) {
         double value[3][3];
-        weft__track_at(&track, times[i], value);
+        value_at(&of, times[i], value);
         ck_assert_mem_eq(value[0], &rows[i < 3 ? 1 : 17], sizeof value[0]);
         ck_assert_mem_eq(value[1], none, sizeof none);
     }
 }
 END_TEST
 
-/* On both sides of a row; and each derivative is that of the one before. */
-START_TEST(track_has_two_continuous_derivatives)
+/* On both sides of a row, and at those that end a natural spline the value alone; and
+ * each derivative is that of the one before. */
+START_TEST(track_has_one_continuous_derivative_and_a_natural_spline_two)
 {
+    const weft__curve of = weft__curve_make(&track, _i == 1, slopes);
     double before[3][3], after[3][3], here[3][3];
     for (size_t i = 0; i < track.count; ++i) {
-        weft__track_at(&track, rows[4 * i] - 1e-9, before);
-        weft__track_at(&track, rows[4 * i] + 1e-9, after);
-        for (size_t j = 0; j < 9; ++j) {
-            ck_assert_double_eq_tol(before[j / 3][j % 3], after[j / 3][j % 3], 1e-4);
+        const bool ends = i == 0 || i + 1 == track.count;
+        const size_t smooth = _i == 0 ? 2 : ends ? 1 : 3;
+        weft__curve_at(&of, rows[4 * i], rows[4 * i] - 1e-9, before);
+        value_at(&of, rows[4 * i], after);
+        for (size_t j = 0; j < 3 * smooth; ++j) {
+            ck_assert_double_eq_tol(before[j / 3][j % 3], after[j / 3][j % 3], 1e-11);
+        }
+        for (size_t k = 0; ends && _i == 1 && k < 3; ++k) {
+            ck_assert_double_eq_tol(i == 0 ? after[2][k] : before[2][k], 0.0, 1e-11);
         }
     }
     for (double t = 0.29; t < 2.25; t += 0.1) {
         const double h = 1e-5;
-        weft__track_at(&track, t - h, before);
-        weft__track_at(&track, t, here);
-        weft__track_at(&track, t + h, after);
+        weft__curve_at(&of, t - h, t, before);
+        value_at(&of, t, here);
+        weft__curve_at(&of, t + h, t, after);
         for (size_t j = 0; j < 6; ++j) {
             ck_assert_double_eq_tol(
                 here[j / 3 + 1][j % 3],
@@ -68,38 +99,113 @@ START_TEST(track_has_two_continuous_derivatives)
 }
 END_TEST
 
-/* In halves and quarters every number is exact: 10 s^3 - 15 s^4 + 6 s^5. */
-START_TEST(two_rows_are_a_smooth_ramp)
+/* Between two rows no component leaves their range or turns, however uneven the times,
+ * but for the last bits; equal rows are a rest to the last one. */
+START_TEST(track_stays_between_its_rows_and_rests_between_equal_ones)
 {
-    const double ramp[] = { 1.0, 0.0, 8.0, 0.0, 3.0, 16.0, 8.0, -32.0 };
-    const weft_track of = { ramp, 2 };
-    double value[3][3];
-    weft__track_at(&of, 2.0, value);
-    ck_assert(value[0][0] == 8.0 && value[0][1] == 8.0 && value[0][2] == -16.0);
-    ck_assert(value[1][0] == 15.0 && value[1][1] == 0.0 && value[2][0] == 0.0);
-    weft__track_at(&of, 1.5, value);
-    ck_assert(value[0][0] == 1.65625);
+    uint64_t seed = 11;
+    for (size_t trial = 0; trial < 200; ++trial) {
+        double some[4 * MOST];
+        const weft_track from = random_track(&seed, some, MOST);
+        const weft__curve of = weft__curve_make(&from, false, slopes);
+        for (size_t i = 0; i + 1 < MOST; ++i) {
+            const double *a = &some[4 * i], *b = a + 4;
+            for (double s = 0.0; s <= 1.0; s += 0.0625) {
+                double value[3][3];
+                weft__curve_at(&of, a[0] + s * (b[0] - a[0]), a[0], value);
+                for (size_t k = 0; k < 3; ++k) {
+                    const double low = fmin(a[k + 1], b[k + 1]);
+                    const double high = fmax(a[k + 1], b[k + 1]);
+                    const double way = b[k + 1] - a[k + 1];
+                    const double fast = fabs(way) / (b[0] - a[0]);
+                    ck_assert(value[0][k] >= low - 4.0 * DBL_EPSILON);
+                    ck_assert(value[0][k] <= high + 4.0 * DBL_EPSILON);
+                    ck_assert(way == 0.0
+                                  ? value[0][k] == low && value[1][k] == 0.0
+                                  : value[1][k] * copysign(1.0, way) >= -1e-9 * fast);
+                }
+            }
+        }
+    }
 }
 END_TEST
 
-/* Between inner rows, whatever their times: the slopes are those of the parabola. */
-START_TEST(track_through_a_parabola_is_the_parabola)
+/* Numbers of SciPy 1.17.1: CubicHermiteSpline with the inner slopes of
+ * PchipInterpolator and 0 at both ends; CubicSpline(bc_type="natural"). */
+START_TEST(track_has_the_values_of_scipy)
 {
-    double some[4 * 8], value[3][3];
-    const weft_track of = { some, 8 };
-    uint64_t seed = 5;
-    for (size_t i = 0; i < 8; ++i) {
-        const double t = (double)i + 0.5 * random_uniform(&seed);
-        const double row[4] = { t, 3.0 - 2.0 * t, t * t, 0.5 * t * (t - 7.0) };
-        memcpy(&some[4 * i], row, sizeof row);
+    static const double times[] = { 0.3, 0.6, 0.9, 1.3, 1.9, 2.2 };
+    static const double wanted[2][6][3] = {
+        { { 1.052, -2.0, 2.8959999999999999 },                             //
+          { 1.3543157894736844, 0.11199999999999899, 2.1759999999999997 }, //
+          { 0.81352757894736838, 3.9602559999999998, 2.3608959999999999 }, //
+          { 0.37169852631578937, 3.5895679999999999, 1.0634880000000002 }, //
+          { 0.0088791578947367555, 3.018176, -0.93638399999999855 },       //
+          { 0.4480000000000004, 3.0, -0.1039999999999992 } },
+        { { 1.1492827586206895, -2.3266482758620683, 2.7166620689655172 },  //
+          { 1.3895862068965519, 0.01724137931034353, 2.1126896551724141 },  //
+          { 0.60780689655172404, 6.8349793103448278, 2.5424551724137929 },  //
+          { -0.11547586206896575, 8.1736275862068943, 1.1001931034482759 }, //
+          { -0.13984827586206905, 3.435944827586205, -1.0987862068965502 }, //
+          { 0.39093793103448315, 2.932386206896552, -0.24609655172413708 } },
+    };
+    const weft__curve of = weft__curve_make(&track, _i == 1, slopes);
+    for (size_t i = 0; i < 6; ++i) {
+        double value[3][3];
+        value_at(&of, times[i], value);
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert_double_eq_tol(value[0][k], wanted[_i][i][k], 1e-14);
+        }
     }
-    for (double t = some[4]; t < some[24]; t += 0.07) {
-        const double wanted[9]
-            = { 3.0 - 2.0 * t, t * t, 0.5 * t * (t - 7.0), -2.0, 2.0 * t, t - 3.5, 0.0,
-                2.0,           1.0 };
-        weft__track_at(&of, t, value);
-        for (size_t j = 0; j < 9; ++j) {
-            ck_assert_double_eq_tol(value[j / 3][j % 3], wanted[j], 1e-11);
+}
+END_TEST
+
+/* In halves and quarters every number is exact: 3 s^2 - 2 s^3; a natural spline of two
+ * rows is a straight line. */
+START_TEST(two_rows_are_a_smooth_ramp)
+{
+    const double ramp[] = { 1.0, 0.0, 8.0, 0.0, 3.0, 16.0, 8.0, -32.0 };
+    const weft_track two = { ramp, 2 };
+    const weft__curve of = weft__curve_make(&two, false, slopes);
+    double value[3][3];
+    value_at(&of, 2.0, value);
+    ck_assert(value[0][0] == 8.0 && value[0][1] == 8.0 && value[0][2] == -16.0);
+    ck_assert(value[1][0] == 12.0 && value[1][1] == 0.0 && value[2][0] == 0.0);
+    value_at(&of, 1.5, value);
+    ck_assert(value[0][0] == 2.5);
+    const weft__curve line = weft__curve_make(&two, true, slopes);
+    value_at(&line, 1.5, value);
+    ck_assert(value[0][0] == 4.0 && value[1][0] == 8.0 && value[2][0] == 0.0);
+}
+END_TEST
+
+START_TEST(one_row_is_a_constant)
+{
+    const weft_track one = { rows, 1 };
+    const weft__curve of = weft__curve_make(&one, _i == 1, slopes);
+    double value[3][3];
+    for (double t = -1.0; t < 2.0; t += 0.5) {
+        value_at(&of, t, value);
+        ck_assert(value[0][0] == 1.0 && value[0][1] == -2.0 && value[1][0] == 0.0);
+    }
+}
+END_TEST
+
+/* The polynomial of a piece goes on outside of it: equidistant values of it have no
+ * fourth difference. */
+START_TEST(a_piece_is_one_polynomial_wherever_it_is_asked)
+{
+    const weft__curve of = weft__curve_make(&track, _i == 1, slopes);
+    for (size_t i = 0; i + 1 < ROWS; ++i) {
+        const double piece = 0.5 * (rows[4 * i] + rows[4 * i + 4]);
+        double is[5][3][3];
+        for (size_t j = 0; j < 5; ++j) {
+            weft__curve_at(&of, rows[4 * i] + 0.3 * ((double)j - 2.0), piece, is[j]);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert_double_eq_tol(is[0][0][k] - 4.0 * is[1][0][k] + 6.0 * is[2][0][k]
+                                        - 4.0 * is[3][0][k] + is[4][0][k],
+                                    0.0, 1e-10);
         }
     }
 }
@@ -107,13 +213,15 @@ END_TEST
 
 START_TEST(next_time_is_that_of_the_next_row)
 {
-    ck_assert(weft__track_next(&track, 0.0, 9.0) == 0.25);
-    ck_assert(weft__track_next(&track, 0.25, 9.0) == 0.5);
-    ck_assert(weft__track_next(&track, 0.25, 0.4) == 0.4);
-    ck_assert(weft__track_next(&track, 0.75 - DBL_EPSILON, 9.0) == 2.0);
-    ck_assert(weft__track_next(&track, 0.6, 0.75 + DBL_EPSILON) == 0.75 + DBL_EPSILON);
-    ck_assert(weft__track_next(&track, 2.25, 9.0) == 9.0);
-    ck_assert(weft__track_next(&(weft_track){ NULL, 0 }, 0.0, 9.0) == 9.0);
+    const weft__curve of = weft__curve_make(&track, false, slopes);
+    ck_assert(weft__curve_next(&of, 0.0) == 0.25);
+    ck_assert(weft__curve_next(&of, 0.25) == 0.5);
+    ck_assert(weft__curve_next(&of, 0.25 - DBL_EPSILON) == 0.5);
+    ck_assert(weft__curve_next(&of, 0.6) == 0.75);
+    ck_assert(weft__curve_next(&of, 2.25) == DBL_MAX);
+    ck_assert(weft__curve_next(&(weft__curve){ NULL, 0 }, 0.0) == DBL_MAX);
+    ck_assert(!weft__row_met(1e-15, 0.0) && !weft__row_met(DBL_MAX, 1e300));
+    ck_assert(weft__row_met(-1.0, -1.0) && weft__row_met(-2.0, -1.0));
 }
 END_TEST
 
@@ -215,7 +323,8 @@ START_TEST(path_adds_to_velocity_and_oscillation)
     weft_cloth_start(cloth, other);
     ck_assert_int_eq(weft_cloth_rhs(sum, t, other, both), 0);
     ck_assert_int_eq(weft_cloth_rhs(plain, t, other, alone), 0);
-    weft__track_at(&track, t, value);
+    const weft__curve of = weft__curve_make(&track, false, slopes);
+    value_at(&of, t, value);
     for (size_t j = 0; j < 6; ++j) {
         ck_assert_double_eq_tol(both[j * N] - alone[j * N], value[1 + j / 3][j % 3],
                                 1e-13);
@@ -234,6 +343,7 @@ START_TEST(wind_has_the_velocity_of_its_table)
     model = sheet(_i == 0);
     model.wind = track;
     model.wind_drag = 0.4;
+    const weft__curve of = weft__curve_make(&track, false, slopes);
     cloth = test_cloth(&model);
     model.wind.count = 0;
     weft_cloth_start(cloth, y);
@@ -243,7 +353,7 @@ START_TEST(wind_has_the_velocity_of_its_table)
     }
     for (double t = 0.0; t < 2.6; t += 0.2) {
         double value[3][3], power[2][WEFT_POWERS];
-        weft__track_at(&track, t, value);
+        value_at(&of, t, value);
         memcpy(model.wind_velocity, value[0], sizeof value[0]);
         weft_cloth *steady = test_cloth(&model);
         const weft_cloth *const both[] = { cloth, steady };
@@ -376,11 +486,15 @@ TEST_SUITE(track)
 {
     Suite *suite = suite_create("track");
     TCase *law = tcase_create("law"), *run = tcase_create("run");
-    tcase_add_test(law, track_goes_through_its_rows_exactly);
-    tcase_add_test(law, track_rests_before_its_first_row_and_after_its_last);
-    tcase_add_test(law, track_has_two_continuous_derivatives);
+    tcase_add_loop_test(law, track_goes_through_its_rows_exactly, 0, 2);
+    tcase_add_loop_test(law, track_rests_before_its_first_row_and_after_its_last, 0, 2);
+    tcase_add_loop_test(
+        law, track_has_one_continuous_derivative_and_a_natural_spline_two, 0, 2);
+    tcase_add_test(law, track_stays_between_its_rows_and_rests_between_equal_ones);
+    tcase_add_loop_test(law, track_has_the_values_of_scipy, 0, 2);
     tcase_add_test(law, two_rows_are_a_smooth_ramp);
-    tcase_add_test(law, track_through_a_parabola_is_the_parabola);
+    tcase_add_loop_test(law, one_row_is_a_constant, 0, 2);
+    tcase_add_loop_test(law, a_piece_is_one_polynomial_wherever_it_is_asked, 0, 2);
     tcase_add_test(law, next_time_is_that_of_the_next_row);
     tcase_add_checked_fixture(run, setup, end);
     tcase_add_loop_test(run, pins_move_along_a_path, 0, 2);

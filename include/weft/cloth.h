@@ -67,9 +67,14 @@ typedef struct weft_load {
     size_t vertex_count;
 } weft_load;
 
-/* A vector that changes with time: `count` rows t x y z, t [s] increasing. It has two
- * continuous derivatives, is constant before the first row and after the last, and no
- * step passes the time of a row (docs/physics.md). Fixed for ever. */
+/* A vector that changes with time: `count` rows t x y z, t [s] increasing, from before
+ * the start if you like. Between two rows no component leaves the range of its two
+ * values, and equal rows are a rest: a cubic Hermite polynomial with the slopes of
+ * Fritsch and Butland (SciPy's PchipInterpolator), 0 at the first and the last row. It
+ * has one continuous derivative, is constant before the first row and after the last,
+ * and no step passes the time of a row (docs/physics.md). Where a struct says so, it is
+ * a natural cubic spline instead: with two continuous derivatives between its ends,
+ * where its velocity jumps, and beyond the range of its rows. Fixed for ever. */
 typedef struct weft_track {
     const double *rows; /* 4 count numbers; count 0: none */
     size_t count;
@@ -84,7 +89,8 @@ typedef struct weft_pin {
     double frequency;       /* [Hz] >= 0 */
     const size_t *vertices; /* of triangles: vertex_count of them */
     size_t vertex_count;
-    weft_track path; /* [m] */
+    weft_track path;   /* [m] */
+    bool path_natural; /* it is a natural spline */
 } weft_pin;
 
 typedef enum weft_shape_kind {
@@ -286,8 +292,9 @@ typedef struct weft_cloth_def {
                        to scale, mass, density, law, springs, across, bending and
                        rim_half are not used, and pins and loads have vertices */
     weft_track wind;           /* [m/s] unless count is 0, instead of wind_velocity */
-    double untangle; /* [s] >= 0; > 0: a start may pass through itself and shapes, and
-                       weft_sim_create calls weft_cloth_untangle */
+    double untangle;   /* [s] >= 0; > 0: a start may pass through itself and shapes, and
+                         weft_sim_create calls weft_cloth_untangle */
+    bool wind_natural; /* the wind's table is a natural spline */
 } weft_cloth_def;
 
 /* Particles of the whole cloth. */

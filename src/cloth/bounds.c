@@ -208,8 +208,8 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
         return false;
     }
     memcpy(out->y, at->y, 3 * n * sizeof *out->y);
-    (void)weft__linearise(cloth, NULL, at->t, out->y, out->planes, of->bond_count,
-                          NULL);
+    const weft__state still = { .t = at->t, .y = out->y };
+    (void)weft__linearise(cloth, NULL, &still, out->planes, of->bond_count, NULL);
     (void)weft__linearise_links(cloth, at->t, out->y, out->numbers);
     return true;
 }

@@ -115,28 +115,20 @@ const char *weft_cloth_isa(const weft_cloth *cloth)
     return weft__isa_name(cloth->isa);
 }
 
-/* Own copies of the rows of all tracks, which are the caller's. */
-static weft_status keep_tracks(weft_cloth *cloth, weft_error *err)
+/* Room for the rows of all tracks: of paths, then of the wind. */
+static weft_status make_rows(weft_cloth *cloth, const weft_cloth_def *def,
+                             weft_error *err)
 {
-    const size_t paths = cloth->mesh.motion_count;
-    size_t count = cloth->wind.track.count;
-    for (size_t i = 0; i < paths; ++i) {
-        count += cloth->mesh.motions[i].path.count;
+    size_t count = def->wind.count;
+    for (size_t i = 0; i < def->pin_count; ++i) {
+        count += def->pins[i].path.count;
     }
-    double *to = cloth->rows
-        = weft__alloc(&cloth->memory, WEFT__TRACK_WIDTH * count, sizeof *to);
-    if (to == NULL) {
+    cloth->rows
+        = weft__alloc(&cloth->memory, WEFT__CURVE_WIDTH * count, sizeof *cloth->rows);
+    if (cloth->rows == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu rows", count);
     }
     cloth->row_count = count;
-    for (size_t i = 0; i <= paths; ++i) {
-        weft_track *of = i < paths ? &cloth->mesh.motions[i].path : &cloth->wind.track;
-        if (of->count > 0) {
-            memcpy(to, of->rows, WEFT__TRACK_WIDTH * of->count * sizeof *to);
-            of->rows = to;
-            to += WEFT__TRACK_WIDTH * of->count;
-        }
-    }
     return WEFT_OK;
 }
 
@@ -144,14 +136,15 @@ static weft_status keep_tracks(weft_cloth *cloth, weft_error *err)
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
     TRY(allocate(cloth, err));
-    weft__mesh_fill(&cloth->mesh, def);
+    TRY(make_rows(cloth, def, err));
+    double *rows = weft__mesh_fill(&cloth->mesh, def, cloth->rows);
+    cloth->wind.track = weft__curve_make(&def->wind, def->wind_natural, rows);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (!weft__table[k].force->init(weft__own_of(cloth, k), def, &cloth->memory)) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
                                   weft__table[k].force->name);
         }
     }
-    TRY(keep_tracks(cloth, err));
     if (!weft__grids_init(cloth, def)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for grids");
     }
@@ -387,7 +380,7 @@ void weft_cloth_start(const weft_cloth *cloth, double *y)
         weft__start_position(mesh, i, x);
         memcpy(v, weft__start_velocity(mesh, i), sizeof mesh->velocity);
         if (mesh->pin[i] != 0) {
-            weft__pin_rate(mesh, i, 0.0, v);
+            weft__pin_rate(mesh, i, 0.0, 0.0, v);
         }
         for (size_t k = 0; k < 3; ++k) {
             y[k * n + i] = x[k];
@@ -472,7 +465,7 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
     return sizeof *cloth + more + cloth->grid_count * sizeof *cloth
            + cloth->mesh.particles * each + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins
-           + WEFT__TRACK_WIDTH * cloth->row_count * sizeof *cloth->rows
+           + WEFT__CURVE_WIDTH * cloth->row_count * sizeof *cloth->rows
            + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions
            + cloth->contact.shape_count * sizeof *cloth->contact.shapes;
 }

@@ -67,10 +67,9 @@ void *weft__list_structure(const weft_cloth *cloth, bool links,
     return room;
 }
 
-int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
-                    const double *y, double *planes, size_t bonds, double *blocks)
+int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__state *at,
+                    double *planes, size_t bonds, double *blocks)
 {
-    const weft__state at = { .t = t, .y = y };
     double bad = 0.0;
     int failed = 0;
     if (blocks != NULL) {
@@ -78,7 +77,7 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
     }
     for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
         weft__grid_row row = { 0 };
-        while (weft__grids_next(cloth, &at, b, &row)) {
+        while (weft__grids_next(cloth, at, b, &row)) {
             planes = weft__springs_bonds(&row.cloth->springs, &row.at, row.row, planes,
                                          bonds, &bad);
         }
@@ -88,11 +87,10 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
         const void *own = weft__own(cloth, k);
         const bool has = force != NULL && force->bonds != NULL;
         for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
-            planes = force->bonds(own, &at, b, planes, bonds, &bad);
+            planes = force->bonds(own, at, b, planes, bonds, &bad);
         }
         if (force != NULL && force->blocks != NULL && blocks != NULL) {
-            failed
-                |= force->blocks(own, spaces != NULL ? spaces[k] : NULL, &at, blocks);
+            failed |= force->blocks(own, spaces != NULL ? spaces[k] : NULL, at, blocks);
         }
     }
     return bad == 0.0 ? failed : 1;

@@ -174,5 +174,5 @@ int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
 /* Writes planes[6 bonds] in that order, and unless NULL the contact to blocks[15 N], as
  * weft_structure::linearise; spaces as of weft__rhs_all. Returns 0, or 1 if a number is
  * not finite or a free particle is in a shape. */
-int weft__linearise(const weft_cloth *cloth, void *const *spaces, double t,
-                    const double *y, double *planes, size_t bonds, double *blocks);
+int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__state *at,
+                    double *planes, size_t bonds, double *blocks);

@@ -48,7 +48,7 @@ int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dyd
     int failed = weft__sum_blocks(cloth, at, WEFT__ACCELERATION, dydt, first, end);
     if (at->along == NULL) {
         const size_t low = weft__block(mesh, first);
-        weft__move_pins(mesh, at->t, dydt + low, mesh->particles, low,
+        weft__move_pins(mesh, at->t, weft__piece(at), dydt + low, mesh->particles, low,
                         weft__block(mesh, end));
     }
     return failed;
@@ -73,7 +73,7 @@ void weft__ghost_blocks(const weft_cloth *cloth, const weft__state *at, double *
         memcpy(dydt + k * n + low, at->y + (k + 3) * n + low,
                (high - low) * sizeof *dydt);
     }
-    weft__move_pins(mesh, at->t, dydt + low, n, low, high);
+    weft__move_pins(mesh, at->t, weft__piece(at), dydt + low, n, low, high);
 }
 
 int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y, double *dydt)

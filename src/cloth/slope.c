@@ -37,14 +37,15 @@ static void add_linear(const weft__force *force, const void *own, size_t n, doub
     (void)force->add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
 }
 
-int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
-                         const double *y, const double *w, double *room, double *out,
-                         double *net, weft__by_numbers *by)
+int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces,
+                         const weft__state *in, const double *w, double *room,
+                         double *out, double *net, weft__by_numbers *by)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles;
-    const weft__state at = { .t = t, .y = y, .along = room };
+    weft__state at = *in;
     bool others = false;
+    at.along = room;
     if (cloth->grid_count > 0) {
         return -1;
     }
@@ -77,9 +78,10 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
                                            double *out)
 {
     weft__by_numbers by;
+    const weft__state at = { .t = t, .y = y };
     double *room = weft__alloc(&cloth->memory, 9 * cloth->mesh.particles, sizeof *room);
     const int failed = room == NULL ? -1
-                                    : weft__rhs_transposed(cloth, NULL, t, y, w, room,
+                                    : weft__rhs_transposed(cloth, NULL, &at, w, room,
                                                            out, NULL, &by);
     weft__free(&cloth->memory, room);
     return failed;
@@ -241,12 +243,13 @@ static void add_difference(const weft__slope *of, double *const room[2], double 
     }
 }
 
-void weft__slope_pin(const weft__slope *of, size_t i, double t, double rate[6])
+void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
+                     double rate[6])
 {
     double less[6] = { 0.0 }, more[6] = { 0.0 };
     if (of->pins) {
-        weft__pin_rate(&of->less->mesh, i, t, less);
-        weft__pin_rate(&of->more->mesh, i, t, more);
+        weft__pin_rate(&of->less->mesh, i, at->t, weft__piece(at), less);
+        weft__pin_rate(&of->more->mesh, i, at->t, weft__piece(at), more);
     }
     for (size_t k = 0; k < 6; ++k) {
         rate[k] = of->scale * (more[k] - less[k]);
@@ -308,7 +311,7 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
         failed |= weft__slope_all(&of, NULL, &at, out, rooms);
         for (size_t j = 0; j < more->mesh.pinned; ++j) {
             double rate[6];
-            weft__slope_pin(&of, more->mesh.pins[j], t, rate);
+            weft__slope_pin(&of, more->mesh.pins[j], &at, rate);
             for (size_t k = 0; k < 6; ++k) {
                 out[k * n + more->mesh.pins[j]] = rate[k];
             }
@@ -367,7 +370,7 @@ int weft__slope_product(const weft__slope *of, void *const *spaces,
     }
     for (size_t j = 0; of->pins && j < mesh->pinned; ++j) {
         double rate[6];
-        weft__slope_pin(of, mesh->pins[j], at->t, rate);
+        weft__slope_pin(of, mesh->pins[j], at, rate);
         for (size_t k = 0; k < 6; ++k) {
             *sum += w[k * n + mesh->pins[j]] * rate[k];
         }

@@ -11,9 +11,9 @@
 
 /* J^T w to out[6 N]; net and *by as those of weft__springs.transposed. room: 9 N;
  * spaces as of weft__rhs_all. Returns as weft__rhs_blocks. */
-int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces, double t,
-                         const double *y, const double *w, double *room, double *out,
-                         double *net, weft__by_numbers *by);
+int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces,
+                         const weft__state *in, const double *w, double *room,
+                         double *out, double *net, weft__by_numbers *by);
 
 typedef struct weft__slope {
     const weft_cloth *less, *more;
@@ -53,4 +53,5 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
                     double *out, double *const room[2]);
 
 /* That of a pinned particle, which does not depend on the state. */
-void weft__slope_pin(const weft__slope *of, size_t i, double t, double rate[6]);
+void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
+                     double rate[6]);

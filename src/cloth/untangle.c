@@ -67,9 +67,10 @@ static void find_pairs(tangle *of, const weft_cloth *cloth, const double *y)
     }
     weft__free(of->memory, of->y);
     const size_t size = 6 * of->own->points;
-    of->y = of->own == &cloth->bodies.pairs
-                ? weft__bodies_spread(&cloth->bodies, 0.0, y)
-                : weft__alloc(of->memory, size, sizeof *y);
+    of->y
+        = of->own == &cloth->bodies.pairs
+              ? weft__bodies_spread(&cloth->bodies, &(weft__state){ .t = 0.0, .y = y })
+              : weft__alloc(of->memory, size, sizeof *y);
     of->count = 0;
     of->failed = of->y == NULL;
     if (!of->failed) {

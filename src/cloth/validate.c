@@ -71,7 +71,8 @@ static void check_motions(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t i = 0; i < def->pin_count; ++i) {
         const weft_pin *pin = &def->pins[i];
-        const weft__motion motion = weft__pin_motion(pin);
+        const weft__motion motion
+            = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
         size_t row;
         const char *fault = weft__track_fault(&pin->path, &row);
         (void)WEFT__NUMBERS_CHECK(weft__pin_numbers, pin, to, "pin %zu: ", i);

@@ -25,6 +25,7 @@ static inline size_t weft__trail_length(size_t cols)
 typedef struct weft__state {
     double t;
     const double *y;
+    const double *piece;  /* [s] of tables and keys, at t (mesh/track.h); NULL: t's */
     const double *along;  /* of products: a direction of the state; else NULL */
     const bool *families; /* in which the worst spring is sought; NULL: all */
     /* [N] of calls that each go on where the last one ended: what the last rows do to
@@ -32,6 +33,11 @@ typedef struct weft__state {
     double *trail;
     bool goes_on; /* the trail is that of the rows above */
 } weft__state;
+
+static inline double weft__piece(const weft__state *at)
+{
+    return at->piece != NULL ? *at->piece : at->t;
+}
 
 typedef enum weft__unit {
     WEFT__FORCE,       /* [N] */

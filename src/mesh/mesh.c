@@ -31,7 +31,7 @@ static void fill_triangles(weft__mesh *mesh, const weft_cloth_def *def)
     }
 }
 
-void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def)
+double *weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows)
 {
     if (mesh->triangles == NULL) {
         weft__grid_fill(mesh, def);
@@ -39,12 +39,14 @@ void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def)
         fill_triangles(mesh, def);
     }
     for (size_t i = 0; i < def->pin_count; ++i) {
-        mesh->motions[i] = weft__pin_motion(&def->pins[i]);
+        mesh->motions[i] = weft__pin_motion(&def->pins[i], rows);
+        rows += WEFT__CURVE_WIDTH * def->pins[i].path.count;
     }
     mesh->motions[def->pin_count] = (weft__motion){ .moves = true, .coasts = true };
     for (size_t i = 0; i < mesh->particles; ++i) {
         mesh->pinned += mesh->pin[i] != 0;
     }
+    return rows;
 }
 
 void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "base/faults.h"
+#include "mesh/track.h"
 #include "weft/cloth.h"
 
 #define WEFT__TWO_PI 6.283185307179586 /* correctly rounded */
@@ -31,7 +32,7 @@ typedef struct weft__motion {
     double frequency;    /* [Hz] */
     double omega;        /* [rad/s] 2 pi frequency */
     double since;        /* [s] 0 as defined */
-    weft_track path;     /* [m] */
+    weft__curve path;    /* [m] */
     bool moves;
     bool coasts; /* instead: each particle keeps its velocity in `coast` */
 } weft__motion;
@@ -77,8 +78,9 @@ static inline double weft__length(const double a[3])
 void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
                      struct weft__triangles *triangles);
 
-/* Masses, loads and pins of a definition, for which there is room. */
-void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def);
+/* Masses, loads and pins of a definition, for which there is room; of their paths at
+ * `rows`, which are kept. Returns where those end. */
+double *weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows);
 
 /* weft_cloth_rest */
 void weft__rest_positions(const weft__mesh *mesh, double *xyz);
@@ -127,10 +129,14 @@ static inline size_t weft__whole_index(const weft__mesh *mesh, size_t i)
 
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
                              double frequency);
-weft__motion weft__pin_motion(const weft_pin *pin);
 
-/* Velocity [m/s], then acceleration [m/s^2]. */
-void weft__motion_rate(const weft__motion *motion, double t, double rate[6]);
+/* That of a pin without faults; rows: room for its path, WEFT__CURVE_WIDTH numbers for
+ * each of its rows. */
+weft__motion weft__pin_motion(const weft_pin *pin, double *rows);
+
+/* Velocity [m/s], then acceleration [m/s^2]; `piece` of its path (track.h). */
+void weft__motion_rate(const weft__motion *motion, double t, double piece,
+                       double rate[6]);
 
 /* x(t) - x0 [m] */
 void weft__motion_offset(const weft__motion *motion, double t, double offset[3]);
@@ -148,9 +154,10 @@ static inline bool weft__pin_moves(const weft__mesh *mesh, size_t i)
 }
 
 /* The same as weft__motion_rate of pinned particle i. */
-void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6]);
+void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double piece,
+                    double rate[6]);
 
 /* Writes x' and v' of the pinned among particles [first, end) to six planes, which are
  * `stride` apart and begin with particle `first`. */
-void weft__move_pins(const weft__mesh *mesh, double t, double *to, size_t stride,
-                     size_t first, size_t end);
+void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,
+                     size_t stride, size_t first, size_t end);

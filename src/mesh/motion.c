@@ -7,7 +7,6 @@
 
 #include "base/hash.h"
 #include "mesh/mesh.h"
-#include "mesh/track.h"
 #include "weft/elementary.h"
 
 weft__motion weft__motion_of(const double velocity[3], const double amplitude[3],
@@ -23,16 +22,17 @@ weft__motion weft__motion_of(const double velocity[3], const double amplitude[3]
     return motion;
 }
 
-weft__motion weft__pin_motion(const weft_pin *pin)
+weft__motion weft__pin_motion(const weft_pin *pin, double *rows)
 {
     weft__motion motion
         = weft__motion_of(pin->velocity, pin->amplitude, pin->frequency);
-    motion.path = pin->path;
+    motion.path = weft__curve_make(&pin->path, pin->path_natural, rows);
     motion.moves = motion.moves || pin->path.count > 1;
     return motion;
 }
 
-void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
+void weft__motion_rate(const weft__motion *motion, double t, double piece,
+                       double rate[6])
 {
     const double w = motion->omega;
     double sine = 0.0, cosine = 1.0;
@@ -45,7 +45,7 @@ void weft__motion_rate(const weft__motion *motion, double t, double rate[6])
     }
     if (motion->path.count > 0) {
         double path[3][3];
-        weft__track_at(&motion->path, t, path);
+        weft__curve_at(&motion->path, t, piece, path);
         for (size_t k = 0; k < 3; ++k) {
             rate[k] += path[1][k];
             rate[k + 3] += path[2][k];
@@ -65,8 +65,8 @@ void weft__motion_offset(const weft__motion *motion, double t, double offset[3])
     }
     if (motion->path.count > 0) {
         double now[3][3], start[3][3];
-        weft__track_at(&motion->path, t, now);
-        weft__track_at(&motion->path, 0.0, start);
+        weft__curve_at(&motion->path, t, t, now);
+        weft__curve_at(&motion->path, 0.0, 0.0, start);
         for (size_t k = 0; k < 3; ++k) {
             offset[k] += now[0][k] - start[0][k];
         }
@@ -87,23 +87,24 @@ uint64_t weft__motion_hash(const weft__motion *motion, uint64_t hash)
     hash = weft__hash_reals(hash, motion->velocity, 3);
     hash = weft__hash_reals(hash, motion->amplitude, 3);
     hash = weft__hash_reals(hash, motion->path.rows,
-                            WEFT__TRACK_WIDTH * motion->path.count);
+                            WEFT__CURVE_WIDTH * motion->path.count);
     return weft__hash_real(hash, motion->omega);
 }
 
-void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double rate[6])
+void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double piece,
+                    double rate[6])
 {
     weft__motion motion = mesh->motions[mesh->pin[i] - 1];
     if (motion.coasts) {
         memcpy(motion.velocity, mesh->coast + 3 * i, sizeof motion.velocity);
     }
-    weft__motion_rate(&motion, t, rate);
+    weft__motion_rate(&motion, t, piece, rate);
 }
 
 enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
-void weft__move_pins(const weft__mesh *mesh, double t, double *to, size_t stride,
-                     size_t first, size_t end)
+void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,
+                     size_t stride, size_t first, size_t end)
 {
     uint32_t kept[KEPT] = { 0 };
     double rates[KEPT][6];
@@ -115,7 +116,7 @@ void weft__move_pins(const weft__mesh *mesh, double t, double *to, size_t stride
         const uint32_t pin = mesh->pin[i], at = pin % KEPT;
         if (kept[at] != pin || mesh->motions[pin - 1].coasts) {
             kept[at] = pin;
-            weft__pin_rate(mesh, i, t, rates[at]);
+            weft__pin_rate(mesh, i, t, piece, rates[at]);
         }
         for (size_t k = 0; k < 6; ++k) {
             to[k * stride + i - first] = rates[at][k];

@@ -53,7 +53,7 @@ weft__rigid weft__rigid_at(const weft__rigid_motion *of, double t)
     weft__rigid now = { .turns = of->turns, .quaternion = { 0.0, 0.0, 0.0, 1.0 } };
     double offset[3], rate[6];
     weft__motion_offset(&of->motion, t, offset);
-    weft__motion_rate(&of->motion, t, rate);
+    weft__motion_rate(&of->motion, t, t, rate);
     for (size_t k = 0; k < 3; ++k) {
         now.about[k] = turn->about[k] + offset[k];
         now.velocity[k] = rate[k];

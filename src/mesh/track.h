@@ -1,18 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* track.h -- the law of a weft_track (docs/physics.md): between two rows a polynomial
- * of degree 5, with two continuous derivatives everywhere. Steps end at rows, so that
- * within each step it is smooth and methods keep their order. */
+/* track.h -- the law of a weft_track (docs/physics.md): between two rows each component
+ * is a polynomial of degree 3, with one continuous derivative everywhere; at rest
+ * before the first row and after the last.
+ *
+ * The second derivative jumps at a row. So a step ends there, and all that a method
+ * evaluates for a step, also at its ends and outside of it, takes the polynomial of the
+ * interval in which the step lies, its piece. A piece is named by any time in it. */
 #pragma once
+
+#include <float.h>
+#include <math.h>
 
 #include "weft/cloth.h"
 
-enum { WEFT__TRACK_WIDTH = 4 }; /* numbers of a row */
+enum {
+    WEFT__TRACK_WIDTH = 4, /* numbers of a row: t, vector */
+    WEFT__CURVE_WIDTH = 8  /* and its slope; the last is room for weft__curve_make */
+};
 
-/* The vector at time t [s], its derivative and the second one. */
-void weft__track_at(const weft_track *of, double t, double value[3][3]);
+/* A track with the slopes at its rows. */
+typedef struct weft__curve {
+    const double *rows;
+    size_t count;
+} weft__curve;
 
-/* The first time of a row within (t, t_end), or t_end. */
-double weft__track_next(const weft_track *of, double t, double t_end);
+/* Whether a row or a key at `row` [s] is at t or before, which roundoff does not
+ * decide. */
+static inline bool weft__row_met(double row, double t)
+{
+    return row - t <= 16.0 * DBL_EPSILON * fmax(fabs(row), fabs(t));
+}
 
-/* What is wrong, with the number of the row; NULL: nothing. */
+/* The vector at t [s], its derivative and the second one, by the polynomial of the
+ * interval that `piece` [s] lies in or begins. */
+void weft__curve_at(const weft__curve *of, double t, double piece, double value[3][3]);
+
+/* The time of the first row that is not met at t; DBL_MAX: there is none. */
+double weft__curve_next(const weft__curve *of, double t);
+
+/* ---- track_def.c ----------------------------------------------------------------- */
+
+/* What is wrong with a track, with the number of the row; NULL: nothing. */
 const char *weft__track_fault(const weft_track *of, size_t *row);
+
+/* Writes the rows of a track without faults, with slopes, to rows[WEFT__CURVE_WIDTH
+ * count]: those of F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984),
+ * by which no component leaves the range of its two rows; or of the natural spline. */
+weft__curve weft__curve_make(const weft_track *of, bool natural, double *rows);

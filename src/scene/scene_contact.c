@@ -171,19 +171,18 @@ static void warn_of_friction(weft__report *report, const weft_contact_def *conta
 enum { TIMES = 997, MOST_TIMES = 1 << 20 };
 
 /* [s] The first time at which a pinned particle is inside a shape; < 0: never. */
-static double time_inside(const weft_shape *def, const weft_pin *pin,
+static double time_inside(const weft_shape *def, const weft__motion *motion,
                           const double start[3], double duration, size_t *compared)
 {
     const weft__shape shape = weft__shape_of(def, 0.0);
-    const weft__motion motion = weft__pin_motion(pin);
     const size_t last
-        = shape.motion.motion.moves || shape.motion.turns || motion.moves ? TIMES : 0;
+        = shape.motion.motion.moves || shape.motion.turns || motion->moves ? TIMES : 0;
     double found = -1.0;
     for (size_t i = 0; i <= last && found < 0.0; ++i) {
         const double t = duration * ((double)i / TIMES);
         const weft__pose pose = weft__pose_of(&shape, t);
         double x[3];
-        weft__motion_offset(&motion, t, x);
+        weft__motion_offset(motion, t, x);
         for (size_t k = 0; k < 3; ++k) {
             x[k] += start[k];
         }
@@ -202,6 +201,12 @@ static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin
     (void)weft__range_resolve(def->pins[pin].rows, def->rows, &top, &bottom);
     (void)weft__range_resolve(def->pins[pin].cols, def->cols, &left, &right);
     const size_t wide = right - left + 1, count = wide * (bottom - top + 1);
+    double *rows = weft__tree_take(reader->tree, def->pins[pin].path.count + 1,
+                                   WEFT__CURVE_WIDTH * sizeof *rows);
+    if (rows == NULL) {
+        return;
+    }
+    const weft__motion motion = weft__pin_motion(&def->pins[pin], rows);
     for (size_t i = 0; i < count * def->contact.shape_count; ++i) {
         const size_t k = i / count, r = top + i % count / wide, c = left + i % wide;
         double x[3];
@@ -212,7 +217,7 @@ static void warn_of_pin(weft__reader *reader, const weft__mesh *grid, size_t pin
         }
         const double t = weft__grid_pin_of(def, r, c) != pin + 1
                              ? -1.0
-                             : time_inside(&def->contact.shapes[k], &def->pins[pin], x,
+                             : time_inside(&def->contact.shapes[k], &motion, x,
                                            reader->scene->run.duration, compared);
         if (t >= 0.0) {
             weft__report_warning(reader->report, at,

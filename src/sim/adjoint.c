@@ -194,6 +194,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
 {
     weft_sim *sim = of->sim;
     const uint64_t taken_back = sim->vetoed;
+    const bool begins = of->count == 0 || sim->piece_begins;
     if (of->count == of->room_for) {
         const size_t more = 2 * of->room_for + 64;
         recorded_step *steps
@@ -212,7 +213,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
     sim->rates = (of->count + 1) % of->every == 0 ? of->rates[0] : NULL;
     of->steps[of->count] = (recorded_step){ .t = sim->t };
     const weft_status status = weft_sim_step(sim, t_end, err);
-    of->steps[of->count].restarts = of->count == 0 || sim->vetoed > taken_back;
+    of->steps[of->count].restarts = begins || sim->vetoed > taken_back;
     of->steps[of->count++].h = weft_sim_stats(sim).last_step;
     return status;
 }
@@ -324,11 +325,11 @@ static int repeat(adjoint *of, size_t first, size_t end)
     int failed = 0;
     if (of->table->carries) {
         memcpy(of->rates[0] + half, y + 2 * half, half * sizeof *y);
-        weft__move_pins(mesh, of->steps[first].t, of->rates[0], mesh->particles, 0,
-                        mesh->particles);
+        weft__move_pins(mesh, of->steps[first].t, of->steps[first].t, of->rates[0],
+                        mesh->particles, 0, mesh->particles);
     }
     for (size_t i = first; i < end; ++i) {
-        const double t = of->steps[i].t, h = of->steps[i].h;
+        const double t = forces->piece = of->steps[i].t, h = of->steps[i].h;
         const bool last = i + 1 == end;
         if (of->steps[i].restarts && of->table->carries) {
             failed |= weft__forces_rhs(forces, t, y, of->rates[0]);
@@ -398,12 +399,12 @@ static void find_by_rate(const adjoint *of, size_t k, double h, double *w)
 static int go_through(adjoint *of, double t, const double *y, const double *w,
                       double *out)
 {
-    const weft__state at = { .t = t, .y = y };
+    const weft__state at = weft__forces_state(&of->sim->forces, t, y);
     const weft_cloth *cloth = of->sim->cloth;
     void *const *spaces = of->sim->forces.spaces;
     weft__by_numbers by;
     int failed
-        = weft__rhs_transposed(cloth, spaces, t, y, w, of->room[0], out, of->net, &by);
+        = weft__rhs_transposed(cloth, spaces, &at, w, of->room[0], out, of->net, &by);
     for (size_t j = 0; j < of->def->count; ++j) {
         failed |= weft__slope_product(&of->slopes[j], spaces, &at, w, &by, of->net,
                                       of->room, &of->by_number[j]);
@@ -445,7 +446,7 @@ static void find_start(const adjoint *of, double h, double *to)
 static int step_back(adjoint *of, size_t step)
 {
     const size_t end = of->table->count + 1, dim = dim_of(of);
-    const double t = of->steps[step].t, h = of->steps[step].h;
+    const double t = of->sim->forces.piece = of->steps[step].t, h = of->steps[step].h;
     double *start = of->by_state[0], *by_first = of->rates[0]; /* no longer needed */
     int failed = 0;
     for (size_t k = end - 1; k > 0; --k) {

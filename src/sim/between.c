@@ -180,7 +180,8 @@ static int evaluate(weft_sim *sim, double t, const double *y, double *rates)
 static weft_status find_rates(weft_sim *sim, weft_error *err)
 {
     weft__between *of = &sim->between;
-    const double h = sim->t - of->t0;
+    const double h = sim->t - of->t0, piece = sim->forces.piece;
+    sim->forces.piece = of->t0;
     int failed = evaluate(sim, of->t0, of->start, of->rates[0]);
     failed = failed == 0 ? evaluate(sim, sim->t, sim->y, of->rates[1]) : failed;
     for (of->levels = failed == 0; failed == 0 && of->levels <= of->nodes;) {
@@ -191,6 +192,7 @@ static weft_status find_rates(weft_sim *sim, weft_error *err)
         of->levels += failed == 0;
     }
     sim->refused.found = false;
+    sim->forces.piece = piece;
     return failed < 0 || of->levels == 0
                ? weft_error_set(err, failed < 0 ? WEFT_STOPPED : WEFT_NOT_FINITE,
                                 "no rates between t = %.9g s and %.9g s", of->t0,

@@ -41,7 +41,8 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                          .pool = pool,
                          .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
                          .measures = measures,
-                         .memory = memory };
+                         .memory = memory,
+                         .piece = (double)NAN };
     if (touches) {
         out.self = weft__self_list_create(&cloth->self, pool, NULL, &memory);
     }
@@ -112,7 +113,7 @@ static void force_band(void *ctx, size_t first, size_t end)
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
                      double *dydt)
 {
-    const weft__state at = { .t = t, .y = y };
+    const weft__state at = weft__forces_state(forces, t, y);
     call all = { .forces = forces, .at = &at, .dydt = dydt };
     if (forces->comm != NULL) {
         return weft__bands_rhs(forces, &at, dydt);

@@ -19,7 +19,18 @@ typedef struct weft__forces {
     weft_measures *all;         /* band 0: of all blocks of the whole cloth */
     weft__mail mail;
     weft_allocator memory;
+    double piece; /* [s] of tables and keys: that of the step under way (mesh/track.h),
+                     which is where the step begins; NAN: that of the time */
 } weft__forces;
+
+/* A state at t, in the piece of the step under way. */
+static inline weft__state weft__forces_state(const weft__forces *forces, double t,
+                                             const double *y)
+{
+    return (weft__state){ .t = t,
+                          .y = y,
+                          .piece = isnan(forces->piece) ? NULL : &forces->piece };
+}
 
 /* Uses at most `threads`, fewer for a small cloth. given NULL: malloc's. */
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,

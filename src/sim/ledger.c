@@ -24,7 +24,7 @@ static const struct {
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
                         double force_power, double *rates)
 {
-    const weft__state of = { .t = t, .y = y };
+    const weft__state of = weft__forces_state(forces, t, y);
     const weft_measures all = weft__forces_measure(forces, &of, weft__block_power);
     memcpy(rates, all.power, sizeof all.power);
     rates[WEFT_POWERS] = force_power;
@@ -33,7 +33,7 @@ bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
 
 static weft_energy energy_of(const weft__forces *forces, double t, const double *y)
 {
-    const weft__state of = { .t = t, .y = y };
+    const weft__state of = weft__forces_state(forces, t, y);
     return weft__forces_measure(forces, &of, weft__block_energy).energy;
 }
 

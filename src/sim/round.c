@@ -19,6 +19,7 @@ enum {
 };
 
 typedef struct round_job {
+    const weft__forces *forces;
     const weft_cloth *cloth;
     const weft_round *of;
     weft_part *after;
@@ -51,7 +52,7 @@ static void take(round_job *all, weft_part *part, size_t first, size_t end)
 
 static void evaluate(round_job *all, size_t first, size_t end)
 {
-    const weft__state at = { .t = all->of->t, .y = all->of->y };
+    const weft__state at = weft__forces_state(all->forces, all->of->t, all->of->y);
     if (first < end && all->of->f != NULL
         && weft__rhs_blocks(all->cloth, &at, all->of->f, first, end) != 0) {
         atomic_store(&all->failed, 1);
@@ -111,7 +112,8 @@ int weft__round_run(const weft__forces *forces, weft_round *round)
     const size_t most = mesh->cols < WEFT_PAST ? 1 : mesh->rows / BAND;
     const size_t threads = weft__pool_threads(forces->pool);
     const size_t bands = least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
-    round_job all = { .cloth = forces->cloth,
+    round_job all = { .forces = forces,
+                      .cloth = forces->cloth,
                       .of = round,
                       .after = round->f != NULL ? round->after : NULL,
                       .bands = bands > 0 ? bands : 1,

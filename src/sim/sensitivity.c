@@ -287,9 +287,9 @@ static int add_others(const job *of, size_t j, size_t first, size_t end)
 {
     const weft__sensitivity *all = &of->sim->sensitivity;
     const size_t dim = weft_cloth_dim(of->sim->cloth);
-    const weft__state still = { .t = of->t, .y = of->y };
-    const weft__state along
-        = { .t = of->t, .y = of->y, .along = of->y + (1 + j) * dim };
+    const weft__state still = weft__forces_state(&of->sim->forces, of->t, of->y);
+    weft__state along = still;
+    along.along = of->y + (1 + j) * dim;
     double *out = of->out + (1 + j) * dim;
     return weft__rhs_others(of->sim->cloth, &along, WEFT__ACCELERATION, out + dim / 2,
                             first, end)
@@ -301,6 +301,7 @@ static void move_pins(const job *of, size_t i, size_t low, size_t high)
 {
     const weft__sensitivity *all = &of->sim->sensitivity;
     const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const weft__state at = weft__forces_state(&of->sim->forces, of->t, of->y);
     for (size_t j = 0; j < mesh->pinned; ++j) {
         const size_t p = mesh->pins[j], row = p / all->row;
         double rate[6];
@@ -308,9 +309,9 @@ static void move_pins(const job *of, size_t i, size_t low, size_t high)
             continue;
         }
         if (i == 0) {
-            weft__pin_rate(mesh, p, of->t, rate);
+            weft__pin_rate(mesh, p, at.t, weft__piece(&at), rate);
         } else {
-            weft__slope_pin(&all->of[i - 1], p, of->t, rate);
+            weft__slope_pin(&all->of[i - 1], p, &at, rate);
         }
         for (size_t k = 0; k < 6; ++k) {
             of->out[all->direct ? place(of->sim, k, i, row) + p % all->row
@@ -347,7 +348,7 @@ static int add_whole(const job *of)
     const weft_sim *sim = of->sim;
     const weft__sensitivity *all = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
-    const weft__state still = { .t = of->t, .y = of->y };
+    const weft__state still = weft__forces_state(&sim->forces, of->t, of->y);
     weft__state along = still;
     int failed = 0;
     for (size_t j = 1; j <= all->count; ++j) {

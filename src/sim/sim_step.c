@@ -120,15 +120,36 @@ static void log_rejected(weft_sim *sim, double h)
     sim->rejected = rejected;
 }
 
-/* A step from the present time does not pass the time of a row of a track. */
-static double end_of_piece(const weft_sim *sim, double t_end)
+/* Where the piece of all tables and keys ends that begins now (mesh/track.h). */
+static double end_of_piece(const weft_sim *sim)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
-    double end = weft__track_next(&sim->cloth->wind.track, sim->t, t_end);
+    double end = weft__curve_next(&sim->cloth->wind.track, sim->t);
     for (size_t i = 0; i < mesh->motion_count; ++i) {
-        end = weft__track_next(&mesh->motions[i].path, sim->t, end);
+        end = fmin(end, weft__curve_next(&mesh->motions[i].path, sim->t));
     }
-    return weft__bodies_next(&sim->cloth->contact, sim->t, end);
+    return fmin(end, weft__bodies_next(&sim->cloth->contact, sim->t));
+}
+
+/* A step within a piece, to its end at most, where methods start afresh. */
+static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
+{
+    const double before = sim->t, piece_end = end_of_piece(sim);
+    t_end = weft__row_met(t_end, piece_end) ? t_end : piece_end;
+    sim->forces.piece = before;
+    if (sim->def.event != NULL) {
+        t_end = weft__sim_before_event(sim, t_end);
+    }
+    weft_status status = weft__sim_take_step(sim, t_end, why);
+    if (status == WEFT_OK && sim->def.event != NULL) {
+        status = weft__sim_find_event(sim, before, why);
+    }
+    sim->forces.piece = (double)NAN;
+    sim->piece_begins = weft__row_met(piece_end, sim->t);
+    if (sim->piece_begins) {
+        weft_stepper_ode_changed(sim->def.method, sim->stepper);
+    }
+    return status;
 }
 
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
@@ -147,14 +168,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     if (sim->between.start != NULL) {
         weft__between_begin(sim);
     }
-    t_end = end_of_piece(sim, t_end);
-    if (sim->def.event != NULL) {
-        t_end = weft__sim_before_event(sim, t_end);
-    }
-    weft_status status = weft__sim_take_step(sim, t_end, &why);
-    if (status == WEFT_OK && sim->def.event != NULL) {
-        status = weft__sim_find_event(sim, before, &why);
-    }
+    const weft_status status = step_in_piece(sim, t_end, &why);
     if (status != WEFT_OK) {
         why.status = status;
         return weft__sim_fail(sim, &why, err);

@@ -81,6 +81,8 @@ struct weft_sim {
     uint64_t settings; /* weft__settings_hash of the definition */
     uint64_t rejected; /* attempts that were logged */
     double t;          /* [s] */
+    bool piece_begins; /* a table has a row at t, or a body a key: no rate from before
+                          it counts (mesh/track.h) */
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */

@@ -12,7 +12,8 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
                      void *ctx)
 {
     const weft_sim *sim = ctx;
-    return weft__linearise(sim->cloth, sim->forces.spaces, t, y, planes,
+    const weft__state at = weft__forces_state(&sim->forces, t, y);
+    return weft__linearise(sim->cloth, sim->forces.spaces, &at, planes,
                            sim->structure.bond_count,
                            sim->structure.block_planes > 0 ? blocks : NULL);
 }

@@ -311,6 +311,7 @@ WIDE static double take(const double *from, double *to, size_t n, double most)
 
 typedef struct wave_job {
     const weft__wave *wave;
+    const weft__forces *forces;
     const weft_cloth *cloth;
     weft_attempt *of;
 } wave_job;
@@ -431,16 +432,15 @@ static bool make_rates(const way *by, size_t i, size_t end)
     window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
-    const weft__state state = {
-        .t = t, .y = at->z, .trail = at->trail, .goes_on = at->done > first_of(by, i)
-    };
+    weft__state state = weft__forces_state(by->of->forces, t, at->z);
+    state.trail = at->trail, state.goes_on = at->done > first_of(by, i);
     double *to = at->k + slot(by, i, at->done) * cols;
     place(by, at);
     const int failed
         = weft__sum_blocks(&at->cloth, &state, WEFT__ACCELERATION, to - first * cols,
                            first, first + (end - at->done));
-    weft__move_pins(&by->of->cloth->mesh, t, to, by->of->wave->stride, at->done * cols,
-                    end * cols);
+    weft__move_pins(&by->of->cloth->mesh, t, weft__piece(&state), to,
+                    by->of->wave->stride, at->done * cols, end * cols);
     return failed == 0;
 }
 
@@ -533,7 +533,7 @@ static void do_band(void *ctx, size_t b)
 
 int weft__wave_run(weft__wave *wave, const weft__forces *forces, weft_attempt *attempt)
 {
-    wave_job of = { wave, forces->cloth, attempt };
+    wave_job of = { wave, forces, forces->cloth, attempt };
     weft__pool_run(forces->pool, do_band, &of, wave->bands);
     bool failed = false;
     attempt->norm = attempt->most[0] = attempt->most[1] = 0.0;

@@ -222,7 +222,7 @@ static double pin_power(const weft__bending *own, const weft__state *at, size_t 
     double power = 0.0, rate[6], force[3];
     for (size_t i = r * mesh->cols; i < (r + 1) * mesh->cols; ++i) {
         if (weft__pin_moves(mesh, i)) {
-            weft__pin_rate(mesh, i, at->t, rate);
+            weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
             force_on(own, at->y, i, force);
             for (size_t k = 0; k < 3; ++k) {
                 power -= force[k] * rate[k];

@@ -304,7 +304,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
         add_rows(of, &terms[m], b, rows);
         for (size_t i = first; i < end; ++i) {
             if (weft__pin_moves(mesh, i)) {
-                weft__pin_rate(mesh, i, at->t, rate);
+                weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
                 sum->power[WEFT_POWER_PINS] += weft__dot(rows[i - first], rate);
             }
         }

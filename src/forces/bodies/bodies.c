@@ -31,13 +31,26 @@ size_t weft__bodies_shape(const weft__bodies *own, size_t point)
     return shape;
 }
 
-/* Bodies that rest stay where they were put, and all do at the same time. */
-static const double *spread(const weft__bodies *own, double t, const double *y,
+/* Whether a shape is elsewhere, or at another velocity, than in *was. */
+static bool moved(const weft__shape *shape, double t, double piece,
+                  const weft__spread *was)
+{
+    const weft_body *body = shape->def.body;
+    return (t != was->t
+            && (weft__body_moves(shape, t) || weft__body_moves(shape, was->t)))
+           || (body->keys > 1
+               && weft__body_keys_until(body, piece)
+                      != weft__body_keys_until(body, was->piece));
+}
+
+/* Bodies that rest stay where they were put, and all do at the same time of a piece. */
+static const double *spread(const weft__bodies *own, const weft__state *at,
                             weft__spread *to)
 {
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
+    const double piece = weft__piece(at);
     for (size_t k = 0; k < 6; ++k) {
-        memcpy(to->y + k * points, y + k * n, n * sizeof *y);
+        memcpy(to->y + k * points, at->y + k * n, n * sizeof *to->y);
     }
     const bool placed = to->placed && to->changes == own->contact->changes;
     size_t first = n;
@@ -46,23 +59,21 @@ static const double *spread(const weft__bodies *own, double t, const double *y,
         if (shape->def.body == NULL) {
             continue;
         }
-        if (!placed
-            || (t != to->t
-                && (weft__body_moves(shape, t) || weft__body_moves(shape, to->t)))) {
-            weft__body_place(shape, t, 6, points, 1, to->y + first);
+        if (!placed || moved(shape, at->t, piece, to)) {
+            weft__body_place(shape, at->t, piece, 6, points, 1, to->y + first);
         }
         first += shape->def.body->vertices;
     }
-    to->t = t, to->changes = own->contact->changes;
+    to->t = at->t, to->piece = piece, to->changes = own->contact->changes;
     to->placed = true;
     return to->y;
 }
 
-double *weft__bodies_spread(const weft__bodies *own, double t, const double *y)
+double *weft__bodies_spread(const weft__bodies *own, const weft__state *at)
 {
     weft__spread to
         = { .y = weft__alloc(&own->memory, 6 * own->pairs.points, sizeof *to.y) };
-    return to.y == NULL ? NULL : weft__unconst(spread(own, t, y, &to));
+    return to.y == NULL ? NULL : weft__unconst(spread(own, at, &to));
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
@@ -71,9 +82,8 @@ double *weft__bodies_spread(const weft__bodies *own, double t, const double *y)
 static const double *points_at(const weft__bodies *own, weft__bodies_space *space,
                                const weft__state *at, double **once)
 {
-    *once = space == NULL && at->y != NULL ? weft__bodies_spread(own, at->t, at->y)
-                                           : NULL;
-    return space != NULL ? spread(own, at->t, at->y, &space->now) : *once;
+    *once = space == NULL && at->y != NULL ? weft__bodies_spread(own, at) : NULL;
+    return space != NULL ? spread(own, at, &space->now) : *once;
 }
 
 /* The list, which passes over bodies that rest: the last ones. */
@@ -98,7 +108,7 @@ static const double *points_of_twin(const weft__bodies *own, weft__bodies_space 
                                     const weft__state *at)
 {
     space->before.placed = false;
-    const double *y = spread(own, at->t, at->y, &space->before);
+    const double *y = spread(own, at, &space->before);
     space->before.placed = false;
     return y;
 }
@@ -285,9 +295,11 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
     if (weft__self_list_far(list_of(space), path->y0, path->y1, path->t1 - path->t0)) {
         return true;
     }
+    const weft__state ends[] = { { .t = path->t0, .y = path->y0 },
+                                 { .t = path->t1, .y = path->y1, .piece = &path->t0 } };
     const weft__stride stride
-        = { &own->pairs, spread(own, path->t0, path->y0, &space->before),
-            spread(own, path->t1, path->y1, &space->now), path->t1 - path->t0 };
+        = { &own->pairs, spread(own, &ends[0], &space->before),
+            spread(own, &ends[1], &space->now), path->t1 - path->t0 };
     weft_primitive pair[2];
     if (weft__self_list_clear(list_of(space), &stride, pair, &out->gap)) {
         const weft__spread end = space->now; /* where the next step starts */
@@ -305,8 +317,9 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 {
     const weft__bodies *own = space->own;
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
-    (void)spread(own, t, y, &space->now);
-    weft__self_list_hold(list_of(space), spread(own, t, from, &space->before),
+    (void)spread(own, &(weft__state){ .t = t, .y = y }, &space->now);
+    const weft__state start = { .t = t, .y = from };
+    weft__self_list_hold(list_of(space), spread(own, &start, &space->before),
                          space->now.y);
     for (size_t k = 0; k < 6; ++k) {
         memcpy(y + k * n, space->now.y + k * points, n * sizeof *y);

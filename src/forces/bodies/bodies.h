@@ -19,7 +19,7 @@ typedef struct weft__bodies {
 /* All points at a time. */
 typedef struct weft__spread {
     double *y; /* six planes */
-    double t;
+    double t, piece;
     bool placed;    /* the bodies are where they are at t */
     size_t changes; /* of shapes then */
 } weft__spread;
@@ -54,7 +54,7 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 /* The shape that a point is of; a state of all points, to be freed with the bodies'
  * memory. NULL: no memory. */
 size_t weft__bodies_shape(const weft__bodies *own, size_t point);
-double *weft__bodies_spread(const weft__bodies *own, double t, const double *y);
+double *weft__bodies_spread(const weft__bodies *own, const weft__state *at);
 
 /* What the cloth exerts on shape k: force [N], torque [N m] about `at`. */
 void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,

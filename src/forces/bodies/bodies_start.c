@@ -169,7 +169,7 @@ weft_status weft__bodies_error(const weft__bodies *own, double t, const double *
     if (!own->pairs.law.self) {
         return WEFT_OK;
     }
-    double *all = weft__bodies_spread(own, t, y);
+    double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
     uint32_t *label
         = weft__alloc(&own->memory, own->pairs.mesh->particles, sizeof *label);
     weft_status status = all == NULL || label == NULL ? WEFT_NO_MEMORY : WEFT_OK;

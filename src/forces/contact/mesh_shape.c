@@ -8,7 +8,6 @@
 #include "base/grow.h"
 #include "base/hash.h"
 #include "base/sized.h"
-#include "mesh/track.h"
 
 /* The least height of a triangle, by its longest edge. */
 #define LEAST_HEIGHT 1e-6
@@ -200,12 +199,17 @@ static double key_time(const weft_body *of, size_t i)
     return (double)i / of->fps;
 }
 
-/* The key before t, of times between the first and the last. */
-static size_t key_before(const weft_body *of, double t)
+size_t weft__body_keys_until(const weft_body *of, double piece)
 {
-    size_t i = (size_t)(t * of->fps);
-    i -= i > 0 && key_time(of, i) > t;
-    return i + (key_time(of, i + 1) <= t);
+    const double last = (double)(of->keys - 1);
+    size_t i = (size_t)fmin(fmax(piece * of->fps, 0.0), last);
+    while (i > 0 && !weft__row_met(key_time(of, i), piece)) {
+        --i;
+    }
+    while (i < of->keys && weft__row_met(key_time(of, i), piece)) {
+        ++i;
+    }
+    return i;
 }
 
 /* Adds to shares a X_i + b X_(i+1), and what c X''_i + d X''_(i+1), times h^2 / 6, are
@@ -227,15 +231,16 @@ static void add_shares(size_t i, size_t count, const double of[4], double *share
     }
 }
 
-static keys keys_at(const weft_body *of, double t)
+static keys keys_at(const weft_body *of, double t, double piece)
 {
-    if (of->keys == 1 || !(t >= 0.0 && t < key_time(of, of->keys - 1))) {
-        const size_t key = of->keys > 1 && t > 0.0 ? of->keys - 1 : 0;
-        return (keys){ .first = key, .count = 1, .share[0] = 1.0 };
+    const size_t until = of->keys > 1 ? weft__body_keys_until(of, piece) : 0;
+    if (until == 0 || until == of->keys) {
+        return (
+            keys){ .first = until > 0 ? until - 1 : 0, .count = 1, .share = { 1.0 } };
     }
-    const size_t i = key_before(of, t);
-    keys out = { .first = i + 1 > KEYS_BESIDE ? i + 1 - KEYS_BESIDE : 0 };
-    const size_t end = i + 1 + KEYS_BESIDE < of->keys ? i + 1 + KEYS_BESIDE : of->keys;
+    const size_t i = until - 1;
+    keys out = { .first = until > KEYS_BESIDE ? until - KEYS_BESIDE : 0 };
+    const size_t end = until + KEYS_BESIDE < of->keys ? until + KEYS_BESIDE : of->keys;
     out.count = end - out.first;
     const double s = (t - key_time(of, i)) * of->fps, r = 1.0 - s;
     const double place[4] = { r, s, r * (r * r - 1.0), s * (s * s - 1.0) };
@@ -269,12 +274,12 @@ static void blend(const weft_body *of, const keys *at, const double *share, size
     }
 }
 
-void weft__body_place(const weft__shape *shape, double t, size_t planes, size_t plane,
-                      size_t next, double *to)
+void weft__body_place(const weft__shape *shape, double t, double piece, size_t planes,
+                      size_t plane, size_t next, double *to)
 {
     const weft_body *body = shape->def.body;
     const weft__pose pose = weft__pose_of(shape, t);
-    const keys at = keys_at(body, t);
+    const keys at = keys_at(body, t, piece);
     for (size_t i = 0; i < body->vertices; ++i, to += next) {
         double local[2][3], r[3], v[3], turned[3];
         blend(body, &at, at.share, i, local[0]);
@@ -296,23 +301,19 @@ void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
     (void)weft__sized_read(&def, sizeof def, shape, size);
     const weft__shape made = weft__shape_of(&def, 0.0);
     if (made.def.body != NULL) {
-        weft__body_place(&made, t, 3, 1, 3, xyz);
+        weft__body_place(&made, t, t, 3, 1, 3, xyz);
     }
 }
 
-double weft__bodies_next(const weft__contact *of, double t, double t_end)
+double weft__bodies_next(const weft__contact *of, double t)
 {
+    double next = DBL_MAX;
     for (size_t k = 0; k < of->shape_count; ++k) {
         const weft_body *body = of->shapes[k].def.body;
-        if (body == NULL || body->keys == 1 || !(t < key_time(body, body->keys - 1))) {
-            continue;
+        if (body != NULL && body->keys > 1) {
+            const size_t i = weft__body_keys_until(body, t);
+            next = fmin(next, i < body->keys ? key_time(body, i) : DBL_MAX);
         }
-        double rows[2 * WEFT__TRACK_WIDTH] = { 0.0 };
-        const size_t next = t > 0.0 ? key_before(body, t) + 1 : 1;
-        rows[0] = key_time(body, next);
-        rows[WEFT__TRACK_WIDTH] = key_time(body, next + 1);
-        t_end = weft__track_next(&(weft_track){ rows, next + 1 < body->keys ? 2 : 1 },
-                                 t, t_end);
     }
-    return t_end;
+    return next;
 }

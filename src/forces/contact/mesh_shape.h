@@ -22,10 +22,14 @@ size_t weft__bodies_vertices(const weft__contact *of);
 /* Whether a body moves after time t. */
 bool weft__body_moves(const weft__shape *shape, double t);
 
-/* Writes component k of where vertex i of a shape is at time t to to[k plane + i next],
- * and of its velocity to to[(3 + k) plane + i next] if `planes` is 6, not 3. */
-void weft__body_place(const weft__shape *shape, double t, size_t planes, size_t plane,
-                      size_t next, double *to);
+/* How many keys are met at a time: the same within a piece of a body (mesh/track.h). */
+size_t weft__body_keys_until(const weft_body *of, double piece);
 
-/* The first time of a key of a body within (t, t_end), or t_end. */
-double weft__bodies_next(const weft__contact *of, double t, double t_end);
+/* Writes component k of where vertex i of a shape is at time t to to[k plane + i next],
+ * and of its velocity to to[(3 + k) plane + i next] if `planes` is 6, not 3; by the
+ * polynomial of a piece. */
+void weft__body_place(const weft__shape *shape, double t, double piece, size_t planes,
+                      size_t plane, size_t next, double *to);
+
+/* The first time of a key of a body that is not met at t; DBL_MAX: there is none. */
+double weft__bodies_next(const weft__contact *of, double t);

@@ -123,7 +123,7 @@ static double pin_power(const weft__membrane *own, const weft__state *at, size_t
                 weft__membrane_forces(own, at, b, force);
             }
             moves = true;
-            weft__pin_rate(mesh, i, at->t, rate);
+            weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
             power -= weft__dot(force[i - first], rate);
             if (own->arc.begin != NULL) {
                 weft__arc_force(own, at, i, force[i - first]);

@@ -199,7 +199,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
             double force[3], rate[6];
             const weft__ways in = state_of(of, at->y);
             pull_of(of, i, &in, NULL, force);
-            weft__pin_rate(mesh, i, at->t, rate);
+            weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
             sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
         }
     }

@@ -28,7 +28,6 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     weft__wind *of = own;
     (void)memory;
     of->drag = def->wind_drag;
-    of->track = def->wind;
     memcpy(of->velocity, def->wind_velocity, sizeof of->velocity);
     return true;
 }
@@ -36,17 +35,17 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 static uint64_t hash_of(const void *own, uint64_t hash)
 {
     const weft__wind *of = own;
-    hash = weft__hash_reals(hash, of->track.rows, WEFT__TRACK_WIDTH * of->track.count);
+    hash = weft__hash_reals(hash, of->track.rows, WEFT__CURVE_WIDTH * of->track.count);
     return weft__hash_real(weft__hash_reals(hash, of->velocity, 3), of->drag);
 }
 
-/* With the velocity that it has at t. */
-static weft__wind at_time(const weft__wind *of, double t)
+/* With the velocity that it has at the state's time. */
+static weft__wind at_time(const weft__wind *of, const weft__state *at)
 {
     weft__wind now = *of;
     if (of->track.count > 0) {
         double value[3][3];
-        weft__track_at(&of->track, t, value);
+        weft__curve_at(&of->track, at->t, weft__piece(at), value);
         memcpy(now.velocity, value[0], sizeof now.velocity);
     }
     return now;
@@ -331,7 +330,7 @@ int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
 static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
                size_t first, size_t end)
 {
-    const weft__wind now = at_time(own, at->t);
+    const weft__wind now = at_time(own, at);
     weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : now.fast;
     if (now.mesh->triangles != NULL) {
         return sails(&now, at, unit, to, first, end);
@@ -342,7 +341,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
 static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
                   size_t first, size_t end)
 {
-    const weft__wind now = at_time(own, at->t), *of = &now;
+    const weft__wind now = at_time(own, at), *of = &now;
     const size_t n = of->mesh->stride, last = weft__block(of->mesh, end);
     double bad = 0.0;
     (void)unit;
@@ -398,7 +397,7 @@ static void transposed_sails(const weft__wind *of, const weft__state *at, double
 
 static void transposed(const void *own, const weft__state *at, double *out)
 {
-    const weft__wind now = at_time(own, at->t), *of = &now;
+    const weft__wind now = at_time(own, at), *of = &now;
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->stride;
     if (mesh->triangles != NULL) {
@@ -420,7 +419,7 @@ static void transposed(const void *own, const weft__state *at, double *out)
 
 static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
 {
-    const weft__wind now = at_time(own, at->t), *of = &now;
+    const weft__wind now = at_time(own, at), *of = &now;
     const size_t n = of->mesh->stride, end = weft__block(of->mesh, b + 1);
     for (size_t i = weft__block(of->mesh, b); i < end; ++i) {
         if (of->mesh->pin[i] == 0) {

@@ -11,13 +11,12 @@
 #pragma once
 
 #include "forces/force.h"
-#include "mesh/track.h"
 
 typedef struct weft__wind {
     const weft__mesh *mesh;
     double velocity[3]; /* [m/s] */
     double drag;        /* [kg/(m^2 s)] 0: none */
-    weft_track track;   /* [m/s] unless count is 0, instead of velocity */
+    weft__curve track;  /* [m/s] unless count is 0, instead of velocity */
     bool changed;       /* by weft_sim_set_wind */
     weft__add_fn *fast;
 } weft__wind;
