@@ -63,7 +63,7 @@ START_TEST(mistakes_have_their_place)
 {
     put("plate.obj", plate);
     put("flat.obj", "v 0 0 0\\nv 1 0 0\\nv 2 0 0\\nf 1 2 3\\n");
-    put("five.obj", "v 0 0 0\\nv 1 0 0\\nv 2 1 0\\nv 1 2 0\\nv 0 1 0\\nf 1 2 3 4 5\\n");
+    put("two.obj", "v 0 0 0\\nv 1 0 0\\nv 2 1 0\\nv 1 2 0\\nv 0 1 0\\nf 1 2\\n");
     put("bare.obj", "v 0 0 0\\nv 1 0 0\\nv 2 1 0\\n");
     put("one-0.obj", plate);
     put("walk-1.obj", plate);
@@ -74,8 +74,10 @@ START_TEST(mistakes_have_their_place)
     refused("    - {shape: sphere, radius: 1}\n", "lacks the required key 'at'", 7);
     refused("    - {shape: sphere, at: [0, 0, 0], radius: 1, file: a.obj}\n",
             "file does not belong to a sphere", 7);
-    refused("    - {shape: mesh, file: flat.obj}\n", "no area", 4);
-    refused("    - {shape: mesh, file: five.obj}\n", "a body is made of triangles", 6);
+    refused("    - {shape: mesh, file: flat.obj}\n", "no face of this body has an area",
+            4);
+    refused("    - {shape: mesh, file: two.obj}\n",
+            "a face of 2 corners: it has 3 or more", 6);
     refused("    - {shape: mesh, file: plate.obj, fps: 30}\n", "fps needs key frames",
             7);
     refused("    - {shape: mesh, file: walk-%d.obj}\n", "key frames need fps", 7);

@@ -344,6 +344,173 @@ START_TEST(check_and_run_print_the_stretch_and_the_span_of_the_keys)
 }
 END_TEST
 
+/* ---- statements, marks and faces of real files -------------------------------------
+ */
+
+START_TEST(a_byte_order_mark_is_no_part_of_the_first_statement)
+{
+    put("cloth.obj", "\xEF\xBB\xBF" SHEET);
+    accepted(CLOTH, "", 0);
+    put("cloth.obj", "\xEF\xBB\xBFv 0 0 x\n" SHEET);
+    refused(CLOTH, "");
+    stands(0, "'x' is not a finite decimal number", "cloth.obj", 1, "v 0 0 x");
+}
+END_TEST
+
+static void put_bytes(const char *name, const char *bytes, size_t size)
+{
+    put(name, "");
+    FILE *stream = fopen(FOLDER "/cloth.obj", "w");
+    ck_assert(stream != NULL && fwrite(bytes, 1, size, stream) == size);
+    ck_assert_int_eq(fclose(stream), 0);
+}
+
+START_TEST(nul_bytes_behind_the_text_do_not_matter)
+{
+    static const char text[] = SHEET "\0\0"; /* and a third */
+    static const char within[] = SHEET "v 1\0 2 3\n";
+    static const char wide[] = "\xFF\xFEv\0 \0001\0";
+    put_bytes("cloth.obj", text, sizeof text);
+    accepted(CLOTH, "", 0);
+    put_bytes("cloth.obj", within, sizeof within - 1);
+    refused(CLOTH, "");
+    stands(0, "a NUL byte: this is not the text of an OBJ file", "cloth.obj", 10,
+           "v 1? 2 3");
+    put_bytes("cloth.obj", wide, sizeof wide - 1);
+    refused(CLOTH, "");
+    ck_assert_ptr_nonnull(strstr(found.items[0].message, "it looks like UTF-16"));
+}
+END_TEST
+
+START_TEST(lines_may_end_with_cr_alone)
+{
+    char text[] = SHEET;
+    for (char *at = text; (at = strchr(at, '\n')) != NULL;) {
+        *at = '\r';
+    }
+    put("cloth.obj", text);
+    accepted(CLOTH, "", 0);
+}
+END_TEST
+
+START_TEST(unknown_statements_are_warned_of_once)
+{
+    put("cloth.obj", SHEET "vn 0 1 0\no x\ns off\nl 1 2\nmtllib a.mtl\n# e\n\n");
+    accepted(CLOTH, "", 0);
+    put("cloth.obj", SHEET "stitch 1 2\ne 1 2\nnl 3\n");
+    put("body.obj", "V 1 2 3\n" PLATE);
+    accepted(CLOTH, BODY, 2);
+    stands(0,
+           "'stitch' is no statement that weft reads, and is left out, the first of 3 "
+           "lines",
+           "cloth.obj", 10, "stitch 1 2");
+    stands(1, "'V' is no statement that weft reads, and is left out", "body.obj", 1,
+           "V 1 2 3");
+}
+END_TEST
+
+/* The only shape, whose body is returned. */
+static const weft_body *body_of(const weft_scene *scene)
+{
+    ck_assert_msg(scene != NULL, "%s", all_found());
+    return weft_scene_cloth(scene)->contact.shapes[0].body;
+}
+
+START_TEST(faces_of_a_body_with_many_corners_are_fans)
+{
+    static const uint32_t corners[] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 1, 0, 6 };
+    put("cloth.obj", SHEET);
+    put("body.obj", "v 1 -1 0\nv 1 -1 1\nv 0 -1 2\nv -1 -1 1\nv -1 -1 0\nv 0 -1 -1\n"
+                    "v 2 -1 0\nf 1 2 3 4 5 6\nf 2 1 7\n");
+    weft_scene *scene = load(CLOTH, BODY);
+    const weft_body *body = body_of(scene);
+    ck_assert_uint_eq(found.count, 0);
+    ck_assert_uint_eq(body->triangles, 5);
+    ck_assert_mem_eq(body->corners, corners, sizeof corners);
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(a_corner_that_a_face_of_a_body_repeats_adds_nothing)
+{
+    static const uint32_t corners[] = { 0, 1, 2, 0, 2, 3 };
+    put("cloth.obj", SHEET);
+    put("body.obj", "v 1 -1 0\nv 1 -1 1\nv 0 -1 2\nv -1 -1 1\nf 1 1 2\nf 1 2 2 3 1\n"
+                    "f 1 3 4 4 4\n");
+    weft_scene *scene = load(CLOTH, BODY);
+    const weft_body *body = body_of(scene);
+    ck_assert_uint_eq(body->triangles, 2);
+    ck_assert_mem_eq(body->corners, corners, sizeof corners);
+    ck_assert_uint_eq(found.count, 1);
+    stands(0, "1 triangle of this body has no area, the first here, and is left out",
+           "body.obj", 5, "f 1 1 2");
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+/* Vertices 1 and 4 (from 0) are of flat triangles alone. */
+START_TEST(triangles_of_a_body_without_area_are_left_out_with_their_vertices)
+{
+    static const uint32_t corners[] = { 0, 1, 2 };
+    static const double places[] = { 0, -1, 0, 0, -1, 1, 1, -1, 1 };
+    put("cloth.obj", SHEET);
+    put("body.obj", "v 0 -1 0\nv 5 -1 0\nv 0 -1 1\nv 1 -1 1\nv 9 -1 0\nf 1 2 5\n"
+                    "f 1 3 4\nf 1 5 2\n");
+    weft_scene *scene = load(CLOTH, BODY);
+    const weft_body *body = body_of(scene);
+    ck_assert_uint_eq(body->triangles, 1);
+    ck_assert_uint_eq(body->vertices, 3);
+    ck_assert_mem_eq(body->corners, corners, sizeof corners);
+    ck_assert_mem_eq(body->places, places, sizeof places);
+    stands(0, "2 triangles of this body have no area, the first here, and are left out",
+           "body.obj", 6, "f 1 2 5");
+    weft_scene_destroy(scene);
+    put("body.obj", "v 0 -1 0\nv 5 -1 0\nv 9 -1 0\nf 1 2 3\n");
+    refused(CLOTH, BODY);
+    stands(0, "no face of this body has an area", "body.obj", 4, "f 1 2 3");
+}
+END_TEST
+
+START_TEST(a_triangle_that_is_flat_at_one_key_is_left_out_at_all)
+{
+    static const double places[]
+        = { 0, -1, 0, 0, -1, 1, 1, -1, 1, 0, -2, 0, 0, -2, 1, 1, -2, 1 };
+    put("cloth.obj", SHEET);
+    put("flat-0.obj", "v 9 -1 0\nv 0 -1 0\nv 0 -1 1\nv 1 -1 1\nf 2 3 4\nf 1 2 4\n");
+    put("flat-1.obj", "v 0 -2 0\nv 0 -2 0\nv 0 -2 1\nv 1 -2 1\nf 2 3 4\nf 1 2 4\n");
+    weft_scene *scene = load(CLOTH, "{shape: mesh, file: flat-%d.obj, fps: 10}");
+    const weft_body *body = body_of(scene);
+    ck_assert_uint_eq(body->triangles, 1);
+    ck_assert_uint_eq(body->vertices, 3);
+    ck_assert_mem_eq(body->places, places, sizeof places);
+    stands(0, "1 triangle of this body has no area", "flat-1.obj", 6, "f 1 2 4");
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+START_TEST(every_face_of_a_cloth_with_many_corners_is_named)
+{
+    put("cloth.obj", SHEET "v 5 5 5\nf 1/1 2/2 3/3 4/4 5/1\nf 1/1 2/2 3/3 5/2 4/4\n");
+    refused(CLOTH, "");
+    ck_assert_uint_eq(found.errors, 2);
+    stands(1,
+           "a face of 5 corners: cloth is made of triangles and quadrilaterals; "
+           "triangulate the mesh on export",
+           "cloth.obj", 12, "f 1/1 2/2 3/3 5/2 4/4");
+}
+END_TEST
+
+START_TEST(a_cloth_without_vt_is_told_a_way_out)
+{
+    put("cloth.obj", PLATE);
+    refused(CLOTH, "");
+    stands(0,
+           "the file has no vt lines, which give the rest shape in the plane: unwrap "
+           "the mesh and export its UVs",
+           "cloth.obj", 5, "f 4 3 2 1");
+}
+END_TEST
+
 TEST_SUITE(mesh_files)
 {
     Suite *suite = suite_create("mesh_files");
@@ -364,6 +531,17 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, a_gap_in_key_frames_is_an_error_that_names_it);
     tcase_add_test(files, a_gap_in_folders_of_key_frames_is_an_error);
     tcase_add_test(files, check_and_run_print_the_stretch_and_the_span_of_the_keys);
+    tcase_add_test(files, a_byte_order_mark_is_no_part_of_the_first_statement);
+    tcase_add_test(files, nul_bytes_behind_the_text_do_not_matter);
+    tcase_add_test(files, lines_may_end_with_cr_alone);
+    tcase_add_test(files, unknown_statements_are_warned_of_once);
+    tcase_add_test(files, faces_of_a_body_with_many_corners_are_fans);
+    tcase_add_test(files, a_corner_that_a_face_of_a_body_repeats_adds_nothing);
+    tcase_add_test(files,
+                   triangles_of_a_body_without_area_are_left_out_with_their_vertices);
+    tcase_add_test(files, a_triangle_that_is_flat_at_one_key_is_left_out_at_all);
+    tcase_add_test(files, every_face_of_a_cloth_with_many_corners_is_named);
+    tcase_add_test(files, a_cloth_without_vt_is_told_a_way_out);
     suite_add_tcase(suite, files);
     return suite;
 }

@@ -255,7 +255,7 @@ static const struct {
       "shirt.obj:9:1: error: a face of 2 corners: cloth is made of triangles and "
       "quadrilaterals\nf 1/1 2/2\n^\n"
       "shirt.obj:10:1: error: a face of 5 corners: cloth is made of triangles and "
-      "quadrilaterals\nf 1/1 2/2 3/3 4/4 1/1\n^\n"
+      "quadrilaterals; triangulate the mesh on export\nf 1/1 2/2 3/3 4/4 1/1\n^\n"
       "shirt.obj:11:11: error: corner 2/3 repeats a vertex of the face\nf 1/1 2/2 2/3\n"
       "          ^\n"
       "shirt.obj:12:1: error: a face of 0 corners: cloth is made of triangles and "
@@ -265,7 +265,9 @@ static const struct {
     { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n",
       "shirt.obj:4:1: error: the file has no vt lines, which give the rest shape in "
       "the "
-      "plane\nf 1 2 3\n^\n" },
+      "plane: unwrap the mesh and export its UVs as lengths; of a flat mesh, in "
+      "Python, "
+      "weft.Mesh.of(trimesh.load('x.obj')).write('y.obj') writes them\nf 1 2 3\n^\n" },
     { "v 0 0 0\nv 1 0 0\nv 0 1 x\nv 2 0 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 0 1\nvt 2 0\n"
       "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\nf 2/2 4/4 7/3\n",
       "shirt.obj:3:7: error: 'x' is not a finite decimal number\nv 0 1 x\n      ^\n"

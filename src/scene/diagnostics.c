@@ -85,6 +85,9 @@ static void place_in_file(weft__named_file *file, size_t byte, weft_diagnostic *
     while (begin > file->text && begin[-1] != '\n') {
         --begin;
     }
+    if (begin == file->text && byte >= weft__mark_length(begin)) {
+        begin += weft__mark_length(begin);
+    }
     end = end == NULL ? file->text + file->length : end;
     end -= end > begin && end[-1] == '\r';
     const weft__source line

@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <string.h>
+
 #include "base/grow.h"
 #include "weft/scene.h"
 
@@ -43,6 +45,12 @@ weft__mark weft__source_mark(const weft__source *source, size_t offset);
  * of out to point at, from 1, or 0 if there is no such line or nothing on it. */
 int weft__source_excerpt(const weft__source *source, weft__mark mark, char *out,
                          size_t size);
+
+/* Bytes of a byte order mark at the beginning of a text that ends with NUL. */
+static inline size_t weft__mark_length(const char *text)
+{
+    return strncmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+}
 
 /* Bytes of the character at text, which is not at the end; one for a byte that is not
  * UTF-8. */

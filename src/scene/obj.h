@@ -45,7 +45,9 @@ typedef struct weft__obj {
     uint32_t *vertex_byte, *place_byte; /* of the text, where they stand */
     weft__obj_face *face;
     weft__obj_point *point;
-    size_t point_room;
+    size_t point_room, face_room;
+    size_t flat;        /* faces of a body that were dropped, as they have no area */
+    uint32_t flat_byte; /* the first of them */
     weft__obj_names fabrics, groups;
     uint32_t *vertex_of;          /* of v in the definition; WEFT__NONE: unused */
     uint32_t *place_of, *face_of; /* vt of a place, face of a triangle */

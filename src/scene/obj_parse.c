@@ -15,6 +15,8 @@ typedef struct cursor {
     const char *at, *end;
     size_t vertices, places, faces; /* read so far */
     const char *word;               /* of the statement */
+    const char *unknown;            /* the first that is none; NULL: none */
+    size_t unknowns;
 } cursor;
 
 static uint32_t byte_of(const cursor *self, const char *text)
@@ -186,16 +188,86 @@ static bool repeats(const weft__obj_face *face, size_t k)
     return repeated;
 }
 
-static void read_face(cursor *self)
+/* The next face, as it begins; NULL: no memory. */
+static weft__obj_face *new_face(cursor *self)
 {
     weft__obj *obj = self->obj;
+    if (!weft__report_reserve(obj->report, &obj->face, &obj->face_room, self->faces + 1,
+                              sizeof *obj->face)) {
+        return NULL;
+    }
     weft__obj_face *face = &obj->face[self->faces];
-    size_t corners = 0, length;
-    bool good = true;
     *face = (weft__obj_face){ .byte = byte_of(self, self->word),
                               .fabric = obj->fabrics.statements,
                               .groups = obj->groups.statements };
     face->vertex[3] = WEFT__NONE;
+    return face;
+}
+
+/* One corner more than a quadrilateral, which becomes two triangles, or than a triangle
+ * of a fan around corner 0: another triangle, which is returned; NULL: no memory. */
+static weft__obj_face *widen_fan(cursor *self, weft__obj_face *face, uint32_t vertex)
+{
+    const weft__obj_face before = *face;
+    const uint32_t *v = before.vertex;
+    const bool quad = v[3] != WEFT__NONE;
+    face->vertex[3] = WEFT__NONE;
+    ++self->faces;
+    face = new_face(self);
+    if (face != NULL && quad) {
+        memcpy(face->vertex, (uint32_t[]){ v[0], v[2], v[3] }, 3 * sizeof vertex);
+        ++self->faces;
+        face = new_face(self);
+    }
+    if (face != NULL) {
+        memcpy(face->vertex, (uint32_t[]){ v[0], v[quad ? 3 : 2], vertex },
+               3 * sizeof vertex);
+    }
+    return face;
+}
+
+/* A face of a body has any number of corners. One that is there already adds no area; a
+ * face of which fewer than three are left is dropped. */
+static void read_body_face(cursor *self)
+{
+    weft__obj *obj = self->obj;
+    size_t corners = 0, written = 0, length;
+    uint32_t vertex, none, last = WEFT__NONE;
+    weft__obj_face *face = new_face(self);
+    for (; face != NULL && (length = next_word(self)) > 0; self->at += length) {
+        ++written;
+        if (!read_corner(self, length, &vertex, &none)) {
+            return;
+        }
+        if (corners > 0 && (vertex == last || vertex == face->vertex[0])) {
+            continue;
+        }
+        if (corners < 4) {
+            face->vertex[corners] = vertex;
+        } else {
+            face = widen_fan(self, face, vertex);
+        }
+        last = vertex;
+        ++corners;
+    }
+    if (written < 3) {
+        MISTAKE(self, self->word, "a face of %zu %s: it has 3 or more", written,
+                written == 1 ? "corner" : "corners");
+    } else if (corners < 3) {
+        obj->flat_byte = obj->flat++ == 0 ? byte_of(self, self->word) : obj->flat_byte;
+    } else {
+        ++self->faces;
+    }
+}
+
+static void read_face(cursor *self)
+{
+    weft__obj_face *face = new_face(self);
+    size_t corners = 0, length;
+    bool good = true;
+    if (face == NULL) {
+        return;
+    }
     for (; (length = next_word(self)) > 0; self->at += length, ++corners) {
         if (corners >= 4 || !good) {
             continue;
@@ -209,8 +281,9 @@ static void read_face(cursor *self)
     }
     if (corners < 3 || corners > 4) {
         MISTAKE(self, self->word,
-                "a face of %zu %s: %s is made of triangles and quadrilaterals", corners,
-                corners == 1 ? "corner" : "corners", obj->body ? "a body" : "cloth");
+                "a face of %zu %s: cloth is made of triangles and quadrilaterals%s",
+                corners, corners == 1 ? "corner" : "corners",
+                corners > 4 ? "; triangulate the mesh on export" : "");
         good = false;
     }
     self->faces += good;
@@ -276,13 +349,34 @@ static void read_points(cursor *self)
 
 static const struct {
     const char *word;
-    void (*read)(cursor *self);
+    void (*read)(cursor *self), (*read_of_body)(cursor *self); /* NULL: no effect */
 } statements[] = {
-    { "v", read_vertex }, { "vt", read_texture }, { "f", read_face },
-    { "p", read_points }, { "g", read_groups },   { "usemtl", read_fabric },
+    { "v", read_vertex, read_vertex },
+    { "vt", read_texture, NULL },
+    { "f", read_face, read_body_face },
+    { "p", read_points, NULL },
+    { "g", read_groups, NULL },
+    { "usemtl", read_fabric, NULL },
+    /* of pictures and names */
+    { "vn", NULL, NULL },
+    { "vp", NULL, NULL },
+    { "o", NULL, NULL },
+    { "s", NULL, NULL },
+    { "l", NULL, NULL },
+    { "mg", NULL, NULL },
+    { "mtllib", NULL, NULL },
+    { "usemap", NULL, NULL },
+    { "maplib", NULL, NULL },
+    { "lod", NULL, NULL },
+    { "bevel", NULL, NULL },
+    { "c_interp", NULL, NULL },
+    { "d_interp", NULL, NULL },
+    { "shadow_obj", NULL, NULL },
+    { "trace_obj", NULL, NULL },
 };
 
-enum { KINDS = sizeof statements / sizeof statements[0], V = 0, VT = 1, F = 2 };
+/* NONE: an empty line. */
+enum { KINDS = sizeof statements / sizeof statements[0], NONE, V = 0, VT = 1, F = 2 };
 
 /* ---- the text ----------------------------------------------------------------- */
 
@@ -290,7 +384,7 @@ enum { KINDS = sizeof statements / sizeof statements[0], V = 0, VT = 1, F = 2 };
 static size_t next_statement(cursor *self)
 {
     const size_t length = next_word(self);
-    size_t kind = 0;
+    size_t kind = length == 0 ? NONE : 0;
     self->word = self->at;
     while (kind < KINDS
            && (strncmp(statements[kind].word, self->word, length) != 0
@@ -301,54 +395,113 @@ static size_t next_statement(cursor *self)
     return kind;
 }
 
+/* At the beginning of the text, behind its byte order mark. */
+static cursor begin(weft__obj *obj)
+{
+    const char *text = obj->file.text;
+    return (cursor){ .obj = obj,
+                     .at = text + weft__mark_length(text),
+                     .end = text + obj->file.length };
+}
+
 static bool make_room(weft__obj *obj)
 {
-    size_t count[KINDS + 1] = { 0 };
-    for (cursor self = { .obj = obj,
-                         .at = obj->file.text,
-                         .end = obj->file.text + obj->file.length };
-         self.at < self.end; skip_line(&self)) {
+    size_t count[NONE + 1] = { 0 };
+    for (cursor self = begin(obj); self.at < self.end; skip_line(&self)) {
         ++count[next_statement(&self)];
     }
     obj->vertices = count[V];
     obj->places = obj->body ? 0 : count[VT];
+    obj->face_room = count[F] + 1;
     obj->vertex = weft__report_take(obj->report, count[V], sizeof *obj->vertex);
     obj->vertex_byte
         = weft__report_take(obj->report, count[V], sizeof *obj->vertex_byte);
     obj->place = weft__report_take(obj->report, count[VT], sizeof *obj->place);
     obj->place_byte
         = weft__report_take(obj->report, count[VT], sizeof *obj->place_byte);
-    obj->face = weft__report_take(obj->report, count[F] + 1, sizeof *obj->face);
+    obj->face = weft__report_take(obj->report, obj->face_room, sizeof *obj->face);
     return !obj->report->no_memory;
+}
+
+/* Leaves out what programs put behind the end of a text, and takes line ends of CR
+ * alone. false: it is none, which is reported. */
+static bool is_text(weft__obj *obj)
+{
+    weft__named_file *file = &obj->file;
+    cursor self = { .obj = obj };
+    const bool wide = file->length > 1
+                      && (memcmp(file->text, "\xFF\xFE", 2) == 0
+                          || memcmp(file->text, "\xFE\xFF", 2) == 0);
+    while (file->length > 0 && file->text[file->length - 1] == '\0') {
+        --file->length;
+    }
+    const char *nul = memchr(file->text, '\0', file->length);
+    if (nul != NULL) {
+        MISTAKE(&self, nul, "a NUL byte: this is not the text of an OBJ file%s",
+                wide ? "; it looks like UTF-16, and OBJ files are UTF-8" : "");
+    }
+    const bool bare = nul == NULL && memchr(file->text, '\n', file->length) == NULL;
+    for (char *at = file->text; bare && (at = strchr(at, '\r')) != NULL; ++at) {
+        *at = '\n';
+    }
+    return nul == NULL;
+}
+
+static void read_statements(cursor *self)
+{
+    const weft__obj *obj = self->obj;
+    for (; self->at < self->end && !obj->report->no_memory; skip_line(self)) {
+        const size_t kind = next_statement(self);
+        if (kind == KINDS) {
+            self->unknown = self->unknowns++ == 0 ? self->word : self->unknown;
+        } else if (kind != NONE) {
+            void (*read)(cursor *)
+                = obj->body ? statements[kind].read_of_body : statements[kind].read;
+            if (read != NULL) {
+                read(self);
+            }
+        }
+    }
+}
+
+static void warn_of_unknown(cursor *self)
+{
+    char more[48] = "";
+    self->at = self->unknown;
+    const size_t length = next_word(self);
+    if (self->unknowns > 1) {
+        (void)snprintf(more, sizeof more, ", the first of %zu lines", self->unknowns);
+    }
+    weft__report_warning(self->obj->report,
+                         weft__obj_mark(self->obj, byte_of(self, self->unknown)),
+                         "'%.*s' is no statement that weft reads, and is left out%s",
+                         (int)(length < 40 ? length : 40), self->unknown, more);
 }
 
 bool weft__obj_parse(weft__obj *obj)
 {
     const size_t before = obj->report->mistakes;
-    const char *nul = memchr(obj->file.text, '\0', obj->file.length);
-    cursor self = { .obj = obj,
-                    .at = obj->file.text,
-                    .end = obj->file.text + obj->file.length };
-    if (nul != NULL) {
-        MISTAKE(&self, nul, "a NUL byte: this is not the text of an OBJ file");
+    if (!is_text(obj) || !make_room(obj)) {
         return false;
     }
-    if (!make_room(obj)) {
-        return false;
-    }
-    for (; self.at < self.end && !obj->report->no_memory; skip_line(&self)) {
-        const size_t kind = next_statement(&self);
-        if (kind < KINDS && (!obj->body || kind == V || kind == F)) {
-            statements[kind].read(&self);
-        }
-    }
+    cursor self = begin(obj);
+    read_statements(&self);
     obj->faces = self.faces;
-    if (obj->report->mistakes == before && obj->faces == 0) {
+    if (self.unknowns > 0) {
+        warn_of_unknown(&self);
+    }
+    if (obj->report->mistakes == before && obj->faces == 0 && obj->flat > 0) {
+        MISTAKE(&self, obj->file.text + obj->flat_byte,
+                "no face of this body has an area");
+    } else if (obj->report->mistakes == before && obj->faces == 0) {
         MISTAKE(&self, obj->file.text, "the file has no faces (lines 'f %s')",
                 obj->body ? "1 2 3" : "1/1 2/2 3/3");
     } else if (obj->report->mistakes == before && obj->places == 0 && !obj->body) {
-        MISTAKE(&self, obj->file.text + obj->face[0].byte,
-                "the file has no vt lines, which give the rest shape in the plane");
+        MISTAKE(
+            &self, obj->file.text + obj->face[0].byte,
+            "the file has no vt lines, which give the rest shape in the plane: unwrap "
+            "the mesh and export its UVs as lengths; of a flat mesh, in Python, "
+            "weft.Mesh.of(trimesh.load('x.obj')).write('y.obj') writes them");
     }
     return obj->report->mistakes == before && !obj->report->no_memory;
 }

@@ -68,7 +68,7 @@ static const char *name_in_messages(const weft_scene_def *def)
 static weft_status make_sources(weft__base *base, weft_error *err)
 {
     const weft_scene_def *def = &base->def;
-    const size_t mark = strncmp(base->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    const size_t mark = weft__mark_length(base->text);
     base->sources
         = weft__tree_take(&base->tree, def->set_count + 1, sizeof *base->sources);
     if (base->sources == NULL) {

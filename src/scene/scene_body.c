@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/finite.h"
 #include "base/grow.h"
 #include "forces/contact/mesh_shape.h"
 #include "scene/read.h"
@@ -142,24 +143,35 @@ static void find_gap(weft__reader *reader, const weft__node *at, const pattern *
     }
 }
 
-/* Takes one key from a file, or reports what does not suit the first. */
-static void take_key(weft__reader *reader, weft__obj *obj, double unit, size_t key,
-                     weft_body *to)
+/* A body while its keys are read. */
+typedef struct making {
+    weft__reader *reader;
+    weft_body *to;
+    bool *flat; /* triangles without area at some key, which are dropped */
+} making;
+
+/* Makes room for all keys, whose triangles are those of the first. */
+static bool take_first(making *self, const weft_mesh_def *def)
 {
-    const weft_mesh_def *def = &obj->def;
-    double *places = weft__unconst(to->places);
-    if (key == 0) {
-        uint32_t *corners
-            = weft__tree_take(reader->tree, 3 * def->triangles, sizeof *corners);
-        places = weft__tree_take(reader->tree, 3 * def->vertices * to->keys,
-                                 sizeof *places);
-        if (corners == NULL || places == NULL) {
-            return;
-        }
-        memcpy(corners, def->corners, 3 * def->triangles * sizeof *corners);
-        to->vertices = def->vertices, to->triangles = def->triangles;
-        to->corners = corners, to->places = places;
+    weft__tree *tree = self->reader->tree;
+    const size_t t = def->triangles, n = def->vertices;
+    uint32_t *corners = weft__tree_take(tree, 3 * t, sizeof *corners);
+    self->to->places = weft__tree_take(tree, 3 * n * self->to->keys, sizeof(double));
+    self->flat = weft__tree_take(tree, t, sizeof *self->flat);
+    if (corners == NULL || self->to->places == NULL || self->flat == NULL) {
+        return false;
     }
+    memcpy(corners, def->corners, 3 * t * sizeof *corners);
+    self->to->vertices = n, self->to->triangles = t;
+    self->to->corners = corners;
+    return true;
+}
+
+/* Whether a key has the triangles of the first, or the mistake is reported. */
+static bool is_like_first(const making *self, weft__obj *obj)
+{
+    const weft_body *to = self->to;
+    const weft_mesh_def *def = &obj->def;
     const bool same = def->vertices == to->vertices && def->triangles == to->triangles;
     for (size_t t = 0; t < to->triangles; ++t) {
         const size_t size = 3 * sizeof *to->corners;
@@ -167,39 +179,122 @@ static void take_key(weft__reader *reader, weft__obj *obj, double unit, size_t k
             weft__obj_fault(obj, WEFT__MESH_TRIANGLE, same ? t : 0,
                             "key frames must have the same vertices and faces: this "
                             "one differs from the first");
-            return;
+            return false;
         }
     }
-    for (size_t i = 0; i < 3 * to->vertices; ++i) {
-        places[3 * to->vertices * key + i] = unit * def->start[i];
-    }
-    const weft_body one = {
-        to->vertices, to->triangles, 1, places + 3 * to->vertices * key, to->corners,
-        0.0
-    };
-    size_t triangle = SIZE_MAX;
-    const char *fault = weft__body_fault(&one, &triangle);
-    if (fault != NULL) {
-        weft__obj_fault(obj,
-                        triangle == SIZE_MAX ? WEFT__MESH_VERTEX : WEFT__MESH_TRIANGLE,
-                        triangle == SIZE_MAX ? 0 : triangle, fault);
+    return true;
+}
+
+static void warn_of_flat(weft__obj *obj, size_t count, uint32_t first)
+{
+    if (count > 0) {
+        weft__report_warning(
+            obj->report, weft__obj_mark(obj, first),
+            "%zu %s of this body %s no area, the first here, and %s left out", count,
+            count == 1 ? "triangle" : "triangles", count == 1 ? "has" : "have",
+            count == 1 ? "is" : "are");
     }
 }
 
-static void read_key_frame(weft__reader *reader, weft__mark at, const char *path,
-                           double unit, size_t key, weft_body *to)
+/* Finds triangles without area, and reports what else is wrong with a key. */
+static void check_key(making *self, weft__obj *obj, size_t key)
 {
-    const size_t before = reader->report->mistakes;
-    weft__obj obj = { .report = reader->report,
+    const weft_body *to = self->to;
+    const double *places = to->places + 3 * to->vertices * key;
+    size_t count = key == 0 ? obj->flat : 0, all = 0;
+    uint32_t first = obj->flat_byte;
+    if (!weft__all_finite(places, 3 * to->vertices)) {
+        weft__obj_fault(obj, WEFT__MESH_VERTEX, 0,
+                        "its body has a place that is not finite");
+        return;
+    }
+    for (size_t t = 0; t < to->triangles; ++t) {
+        bool flat;
+        const char *fault = weft__body_flaw(places, &to->corners[3 * t], &flat);
+        if (fault != NULL && !flat) {
+            weft__obj_fault(obj, WEFT__MESH_TRIANGLE, t, fault);
+            return;
+        }
+        all += flat;
+        if (flat && !self->flat[t]) {
+            self->flat[t] = true;
+            const uint32_t byte = obj->face[obj->face_of[t]].byte;
+            first = count++ == 0 || byte < first ? byte : first;
+        }
+    }
+    if (all == to->triangles) {
+        weft__obj_fault(obj, WEFT__MESH_TRIANGLE, 0,
+                        "no face of this body has an area");
+    } else {
+        warn_of_flat(obj, count, first);
+    }
+}
+
+static void read_key_frame(making *self, weft__mark at, const char *path, double unit,
+                           size_t key)
+{
+    weft__report *report = self->reader->report;
+    const size_t before = report->mistakes;
+    weft_body *to = self->to;
+    weft__obj obj = { .report = report,
                       .at = at,
                       .file = { .path = path, .order = key },
                       .body = true,
                       .like = key == 0 ? NULL : to };
-    if (path != NULL && weft__obj_load(&obj, path)
-        && reader->report->mistakes == before) {
-        take_key(reader, &obj, unit, key, to);
+    if (path != NULL && weft__obj_load(&obj, path) && report->mistakes == before
+        && (key == 0 ? take_first(self, &obj.def) : is_like_first(self, &obj))) {
+        double *places = weft__unconst(to->places);
+        for (size_t i = 0; i < 3 * to->vertices; ++i) {
+            places[3 * to->vertices * key + i] = unit * obj.def.start[i];
+        }
+        check_key(self, &obj, key);
     }
-    weft__obj_close(&obj, reader->report->memory);
+    weft__obj_close(&obj, report->memory);
+}
+
+/* Leaves out triangles without area, and the vertices that no other has. */
+static void drop_flat(making *self, const weft__node *file)
+{
+    weft_body *to = self->to;
+    uint32_t *corners = weft__unconst(to->corners);
+    double *places = weft__unconst(to->places);
+    const size_t all = to->vertices;
+    size_t kept = 0, vertices = 0;
+    for (size_t t = 0; t < to->triangles; ++t) {
+        if (!self->flat[t]) {
+            memmove(&corners[3 * kept++], &corners[3 * t], 3 * sizeof *corners);
+        }
+    }
+    if (kept == to->triangles) {
+        return;
+    }
+    uint32_t *number = weft__tree_take(self->reader->tree, all, sizeof *number);
+    if (number == NULL) {
+        return;
+    }
+    if (kept == 0) {
+        ERROR_AT(self->reader, file,
+                 "no triangle of this body has an area at every key");
+        return;
+    }
+    for (size_t i = 0; i < 3 * kept; ++i) {
+        number[corners[i]] = 1;
+    }
+    for (size_t i = 0; i < all * to->keys;
+         ++i) { /* by keys: never ahead of the reader */
+        const size_t v = i % all;
+        if (number[v] != 0) {
+            memmove(&places[3 * vertices++], &places[3 * i], 3 * sizeof *places);
+        }
+    }
+    to->vertices = vertices / to->keys;
+    to->triangles = kept;
+    for (size_t v = 0, next = 0; v < all; ++v) {
+        number[v] = number[v] != 0 ? (uint32_t)next++ : WEFT__NONE;
+    }
+    for (size_t i = 0; i < 3 * kept; ++i) {
+        corners[i] = number[corners[i]];
+    }
 }
 
 /* The files of a body, which the scene lists. */
@@ -258,10 +353,14 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
         return;
     }
     body->keys = keys, body->fps = keyed ? item->fps : 0.0;
+    making made = { .reader = reader, .to = body };
     for (size_t k = 0;
          k < keys && reader->report->mistakes == before && !reader->report->no_memory;
          ++k) {
-        read_key_frame(reader, file->at, files->paths[k], item->unit, k, body);
+        read_key_frame(&made, file->at, files->paths[k], item->unit, k);
+    }
+    if (reader->report->mistakes == before && !reader->report->no_memory) {
+        drop_flat(&made, file);
     }
     item->shape.body = body;
     if (reader->report->mistakes == before && !reader->report->no_memory) {

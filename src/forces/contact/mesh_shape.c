@@ -14,24 +14,24 @@
 
 /* ---- numbers --------------------------------------------------------------------- */
 
-static const char *flat_fault(const double *places, const uint32_t *corner)
+const char *weft__body_flaw(const double *places, const uint32_t *corner, bool *flat)
 {
     const double *x[3]
         = { places + 3 * corner[0], places + 3 * corner[1], places + 3 * corner[2] };
-    double e[3][3], longest = 0.0;
+    double e[3][3], cross[3], longest = 0.0;
     for (size_t i = 0; i < 3; ++i) {
         for (size_t k = 0; k < 3; ++k) {
             e[i][k] = x[(i + 1) % 3][k] - x[i][k];
         }
         longest = fmax(longest, weft__dot(e[i], e[i]));
     }
-    double cross[3];
     weft__cross(e[0], e[1], cross);
     const double area = weft__length(cross);
-    return area > LEAST_HEIGHT * longest && isfinite(area) ? NULL
-           : isfinite(area) && isfinite(longest)
-               ? "a triangle of its body has no area"
-               : "a triangle of its body is too large for a double";
+    const bool finite = isfinite(area) && isfinite(longest);
+    *flat = finite && !(area > LEAST_HEIGHT * longest);
+    return *flat    ? "a triangle of its body has no area"
+           : finite ? NULL
+                    : "a triangle of its body is too large for a double";
 }
 
 const char *weft__body_fault(const weft_body *of, size_t *triangle)
@@ -57,7 +57,9 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle)
             return "a triangle of its body has a vertex that is not there";
         }
         for (size_t k = 0; k < of->keys; ++k) {
-            const char *fault = flat_fault(of->places + 3 * of->vertices * k, c);
+            bool flat;
+            const char *fault
+                = weft__body_flaw(of->places + 3 * of->vertices * k, c, &flat);
             if (fault != NULL) {
                 return fault;
             }

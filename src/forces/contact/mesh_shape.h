@@ -10,6 +10,10 @@
  * nothing. */
 const char *weft__body_fault(const weft_body *of, size_t *triangle);
 
+/* What is wrong with a triangle between places; NULL: nothing. *flat: it has no area.
+ */
+const char *weft__body_flaw(const double *places, const uint32_t *corner, bool *flat);
+
 /* Own copies of the bodies of shapes, to be freed. false: no memory. */
 bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *memory);
 void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *memory);
