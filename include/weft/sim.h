@@ -298,6 +298,13 @@ typedef struct weft_failure {
     double gap_step;             /* [s] length of that attempt */
     weft_primitive self_pair[2]; /* two primitives of the cloth that are the reason,
                            with the gap above; count 0: they are not */
+    bool held_by_contact; /* if no step was short enough: whether contact is stiffer
+                           than all else, with gap_particle and gap_shape or self_pair
+                           nearest; looser tolerances do not help then */
+    size_t other_shape;   /* another shape that is nearer than the thickness; gap_shape:
+                           there is none */
+    double other_gap;     /* [m] of the nearest particle to it */
+    char held[320];       /* what holds the step, in words; empty: not looked for */
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */

@@ -153,6 +153,25 @@ void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
     }
 }
 
+weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double *y)
+{
+    const weft__sides sides = { .count = 2, .way = { { 1.0, 0.0 }, { 0.0, 1.0 } } };
+    const weft__mesh *mesh = &cloth->mesh;
+    const weft__state at = { .t = t, .y = y };
+    const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
+    weft__stiffest out = { 0 };
+    for (size_t i = weft__block(mesh, mesh->band.above); i < end; ++i) {
+        double sums[WEFT__SIDES][6];
+        if (mesh->pin[i] == 0) {
+            bound_of(cloth, &at, i, &sides, sums);
+            const double rate = fmax(sqrt(fmax(0.0, largest_eigenvalue(sums[0]))),
+                                     largest_eigenvalue(sums[1]));
+            out = rate > out.rate ? (weft__stiffest){ rate, i } : out;
+        }
+    }
+    return out;
+}
+
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES])
 {

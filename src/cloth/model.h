@@ -158,6 +158,17 @@ void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES]);
 
+/* The free particle of the own blocks at which all forces but contact are fastest, and
+ * the larger one of its bounds sqrt(K) and C [1/s]; 0: there is none. stiffest.c: its
+ * stiffest spring, or its flattest triangle, in words. */
+typedef struct weft__stiffest {
+    double rate;
+    size_t particle;
+} weft__stiffest;
+weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double *y);
+void weft__stiffest_text(const weft_cloth *cloth, size_t particle, char *text,
+                         size_t size);
+
 /* linearise.c: fills what weft_structure lists: the runs of all forces, bending's last,
  * and with `links` the links and ties. Returns the memory of the lists, NULL: none. */
 void *weft__list_structure(const weft_cloth *cloth, bool links,

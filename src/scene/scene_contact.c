@@ -2,8 +2,11 @@
 /* scene_contact.c -- contact in a scene: rules between its keys, and warnings. */
 #include <string.h>
 
+#include "base/memory.h"
 #include "cloth/model.h"
+#include "forces/contact/closing.h"
 #include "mesh/grid_def.h"
+#include "mesh/triangles_work.h"
 #include "scene/read.h"
 
 void weft__read_shape(weft__reader *reader, const weft__key *key,
@@ -267,6 +270,68 @@ static void warn_of_cells(weft__reader *reader, weft__mark at)
     }
 }
 
+/* Where a cloth starts. */
+typedef struct start {
+    const weft_cloth_def *def;
+    weft__mesh grid;
+} start;
+
+static void start_of(const void *ctx, size_t i, double x[3])
+{
+    const start *of = ctx;
+    if (of->def->mesh != NULL) {
+        weft__def_start(of->def->mesh, i, x);
+    } else {
+        weft__grid_start(&of->grid, i, x);
+    }
+}
+
+/* Of shapes that will meet with the cloth between them, where it starts. */
+static void warn_of_closing(weft__reader *reader, const weft__node *nodes)
+{
+    const weft_cloth_def *def = &reader->scene->cloth;
+    const weft_contact_def *law = &def->contact;
+    const size_t count = law->shape_count;
+    const double compared = (double)weft__particles_in(reader->scene) * (double)count;
+    start of = { .def = def };
+    char name[96];
+    if (count < 2 || compared * (double)count >= MAX_COMPARED) {
+        return;
+    }
+    weft__shape *shapes = weft__alloc(reader->report->memory, count, sizeof *shapes);
+    if (shapes == NULL) {
+        reader->report->no_memory = true;
+        return;
+    }
+    for (size_t k = 0; k < count; ++k) {
+        shapes[k] = weft__shape_of(&law->shapes[k], law->friction);
+    }
+    if (def->mesh == NULL) {
+        weft__grid_init(&of.grid, def);
+    }
+    const weft__closing_search search
+        = { .shapes = shapes,
+            .shape_count = count,
+            .end = def->mesh != NULL ? def->mesh->vertices : of.grid.particles,
+            .place = start_of,
+            .ctx = &of,
+            .thickness = law->thickness,
+            .within = INFINITY,
+            .t_last = reader->scene->run.duration };
+    const weft__closing found = weft__shapes_closing(&search);
+    weft__free(reader->report->memory, shapes);
+    if (found.found) {
+        weft__report_warning(
+            reader->report, weft__item(nodes, found.shape[1])->at,
+            "shapes[%zu] and shapes[%zu] are two thicknesses (%.3g mm) apart at t = "
+            "%.3g s and meet at t = %.3g s, with %s between them at the start: contact "
+            "cannot keep cloth out of both, so steps shrink until the run ends",
+            found.shape[0], found.shape[1], 2e3 * law->thickness, found.near_time,
+            found.meet_time,
+            weft__particle_text(def, found.particle, name, sizeof name));
+    }
+}
+
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
 {
     const weft_cloth_def *def = &reader->scene->cloth;
@@ -299,6 +364,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
         weft__grid_init(&grid, def);
         warn_of_pin(reader, &grid, i, weft__item(pins, i)->at, &compared);
     }
+    warn_of_closing(reader, shapes);
     warn_of_stepper(reader, weft__value_of(stepper, "method"),
                     weft__value_of(stepper, "fixed_step"));
 }

@@ -45,9 +45,10 @@ static void set_message(const weft_failure *self, const weft_cloth *cloth,
                                100.0 * worst->strain);
     }
     weft_error_set(err, self->status,
-                   "%s at t = %.9g s, last h = %.3g s; fastest %s at "
+                   "%s at t = %.9g s, last h = %.3g s; %s%sfastest %s at "
                    "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
-                   self->reason, self->time, self->last_step,
+                   self->reason, self->time, self->last_step, self->held,
+                   self->held[0] != '\0' ? "; " : "",
                    weft_particle_text(cloth, self->particle, fastest, sizeof fastest),
                    self->position[0], self->position[1], self->position[2], self->speed,
                    spring, self->energy);
@@ -73,6 +74,10 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
         }
         failure->gap = sim->refused.gap;
         failure->gap_step = sim->refused.t - sim->t;
+    }
+    if (!sim->refused.found && sim->config.fixed_step == 0.0
+        && (why->status == WEFT_STEP_TOO_SMALL || why->status == WEFT_SOLVER)) {
+        weft__sim_find_holder(sim, &measures, failure);
     }
     (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
     find_fastest(sim, failure);

@@ -152,6 +152,28 @@ static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
     return status;
 }
 
+/* [s] No frame is taken to be longer: a caller may step towards the end of a run. */
+#define LONGEST_FRAME 0.04
+
+/* Before a step towards t_end, which is another with each frame. */
+static void watch_pace(weft_sim *sim, double t_end)
+{
+    weft__pace *of = &sim->pace;
+    if (t_end != of->end) {
+        of->frame = fmin(t_end - sim->t, LONGEST_FRAME);
+        of->end = t_end;
+        if (sim->cloth->contact.shape_count > 1) {
+            weft__sim_look_ahead(sim);
+        }
+    }
+    if (of->steps == WEFT__PACE) {
+        weft__sim_look_back(sim);
+        of->steps = 0;
+    }
+    of->since = of->steps == 0 ? sim->t : of->since;
+    ++of->steps;
+}
+
 weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 {
     TRY(weft__sim_outside_play(sim, "weft_sim_step", err));
@@ -165,6 +187,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     sim->failure.status = WEFT_OK;
     sim->refused.found = false;
     sim->event_passed = false;
+    watch_pace(sim, t_end);
     if (sim->between.start != NULL) {
         weft__between_begin(sim);
     }

@@ -52,6 +52,15 @@ typedef struct weft__ledger {
     double limit_work, outside_work; /* [J] */
 } weft__ledger;
 
+/* pace.c: how far the last steps went. */
+enum { WEFT__PACE = 1000 };
+typedef struct weft__pace {
+    double end, frame; /* [s] that steps lead to, and how long that is at most */
+    double since;      /* [s] where the first of `steps` began */
+    unsigned steps;
+    bool told, closed; /* of a run that hardly advances; of shapes that close */
+} weft__pace;
+
 enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
 struct weft_sim {
@@ -92,6 +101,7 @@ struct weft_sim {
         unsigned attempts, vetoed; /* of the present WINDOW, checked_step.c */
         bool told;
     } crawl;
+    weft__pace pace;
     weft__breach refused; /* by the last right-hand side; of the whole cloth */
     uint64_t calls;       /* of it, with shapes */
     weft_agree agree;     /* with a comm: its maximum, for the stepper */
@@ -176,6 +186,14 @@ weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
 
 /* Room for checked steps. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
+
+/* pace.c: warns once of shapes that close on the cloth; after WEFT__PACE steps, once of
+ * a run that hardly advances. Then what holds a step, from the measures of the present
+ * state, to the fields of *out that say so. The last two are collective. */
+void weft__sim_look_ahead(weft_sim *sim);
+void weft__sim_look_back(weft_sim *sim);
+void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
+                           weft_failure *out);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err
  * as a message. Returns the status of *why. */

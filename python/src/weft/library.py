@@ -97,6 +97,14 @@ class Failure(NamedTuple):
     """[s]"""
     self_pair: tuple[tuple[int, ...], tuple[int, ...]]
     """the particles of two parts of the cloth that are the reason, each 1, 2 or 3; empty: they are not"""
+    held_by_contact: bool
+    """if no step was short enough: whether contact is stiffer than all else; looser tolerances do not help then"""
+    other_shape: int
+    """another shape that is nearer than the thickness; gap_shape: there is none"""
+    other_gap: float
+    """[m]"""
+    held: str
+    """what holds the step, in words; empty: not looked for"""
 
 
 class StepError(Error):
@@ -177,7 +185,7 @@ def failure(of: Any) -> Failure:
     plain = {name: getattr(of, name) for name in Failure._fields}
     return Failure(**{**plain, "status": status_text(of.status), "spring": spring(of.spring),
                       "position": numbers_of(of.position), "reason": text(of.reason),
-                      "self_pair": pair(of.self_pair)})
+                      "self_pair": pair(of.self_pair), "held": text(of.held)})
 
 
 # ---- messages -------------------------------------------------------------------------

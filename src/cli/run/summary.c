@@ -299,6 +299,37 @@ static const char *advise_fixed(double h, double start, double now, double any,
     return out->text;
 }
 
+/* Looser tolerances help where contact does not hold the step. */
+static const char *advise_adaptive(const weft_failure *failure, const weft_cloth *cloth,
+                                   sentence *out)
+{
+    const double two = 2e3 * weft_cloth_contact(cloth).thickness;
+    if (!failure->held_by_contact) {
+        say(out,
+            "try looser tolerances, a smaller stepper.min_step or another method, and "
+            "look at what drives the cloth there");
+    } else if (!failure->contact) {
+        say(out, "look at what presses the cloth on itself there: other tolerances do "
+                 "not help where contact holds the step");
+    } else if (failure->other_shape == failure->gap_shape) {
+        say(out,
+            "look at what presses the cloth on shapes[%zu] there: other tolerances do "
+            "not help where contact holds the step",
+            failure->gap_shape);
+    } else {
+        say(out,
+            "keep shapes[%zu] and shapes[%zu] two thicknesses (%.3g mm) apart where "
+            "cloth is between them, or stop the run before they meet: other tolerances "
+            "do not help where contact holds the step",
+            failure->gap_shape < failure->other_shape ? failure->gap_shape
+                                                      : failure->other_shape,
+            failure->gap_shape < failure->other_shape ? failure->other_shape
+                                                      : failure->gap_shape,
+            two);
+    }
+    return out->text;
+}
+
 /* To stderr, and to *out with "; " between the lines. */
 WEFT_PRINTF(2, 3)
 static void add_line(sentence *out, const char *format, ...)
@@ -321,6 +352,9 @@ static void add_state(const weft_failure *failure, const weft_cloth *cloth,
     char spring[SPRING], fastest[SPRING];
     add_line(out, "%s at t = %.9g s, last h = %.3g s", failure->reason, failure->time,
              failure->last_step);
+    if (failure->held[0] != '\0') {
+        add_line(out, "%s", failure->held);
+    }
     add_line(out, "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s",
              weft_particle_text(cloth, failure->particle, fastest, sizeof fastest),
              x[0], x[1], x[2], failure->speed);
@@ -365,10 +399,7 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
             weft_scene_plugin(scene), weft_scene_method(scene), start, now,
             sqrt(present.omega2), present.damping);
     }
-    add_line(
-        out, "%s",
-        h > 0.0 && start > 0.0
-            ? advise_fixed(h, start, now, any, &advice)
-            : "try looser tolerances, a smaller stepper.min_step or another method, "
-              "and look at what drives the cloth there");
+    add_line(out, "%s",
+             h > 0.0 && start > 0.0 ? advise_fixed(h, start, now, any, &advice)
+                                    : advise_adaptive(failure, cloth, &advice));
 }

@@ -239,6 +239,37 @@ static void measure_all(const void *own, void *space, const weft__state *at,
     }
 }
 
+typedef struct gap_search {
+    const weft__bodies *own;
+    size_t than;
+    weft_measures *least;
+} gap_search;
+
+static void keep_other(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
+                       size_t count)
+{
+    const gap_search *of = ctx;
+    const size_t n = of->own->pairs.mesh->particles, last = weft__kind_particles(kind);
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pushes *from = &pushes[i / WEFT__BLOCK];
+        const size_t lane = i % WEFT__BLOCK;
+        const size_t first = (size_t)from->particle[0][lane],
+                     end = (size_t)from->particle[last - 1][lane];
+        const size_t shape = weft__bodies_shape(of->own, first < n ? end : first);
+        if (shape != of->than) {
+            weft__keep_gap(of->least, from->gap[lane], first < n ? first : end, shape);
+        }
+    }
+}
+
+void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
+                      const weft__state *at, size_t than, weft_measures *least)
+{
+    gap_search of = { own, than, least };
+    const double *y;
+    (void)each(own, space, at, keep_other, &of, &y);
+}
+
 typedef struct load_sums {
     range of;
     const double *y;

@@ -60,6 +60,10 @@ double *weft__bodies_spread(const weft__bodies *own, const weft__state *at);
 void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
                        const weft__state *at, size_t k, double load[WEFT__LOAD]);
 
+/* Keeps the smallest gap to a body but that of shape `than`, as weft__keep_gap. */
+void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
+                      const weft__state *at, size_t than, weft_measures *least);
+
 /* As weft__crossing_error, at a time; also of cloth that is inside a closed body. */
 weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
                                size_t loose, const char *where, weft_error *err);
