@@ -511,6 +511,46 @@ START_TEST(a_cloth_without_vt_is_told_a_way_out)
 }
 END_TEST
 
+/* The Moebius band of five vertices, whose triangle i has vertices i, i + 1, i + 2, and
+ * a sheet one of whose triangles is turned over. */
+START_TEST(a_moebius_band_is_not_called_flipped)
+{
+    put("cloth.obj",
+        "v 1 0 0\nv .3 1 .1\nv -.8 .6 .3\nv -.8 -.6 .7\nv .3 -1 .9\nvt 0 0\nvt 1 0\n"
+        "vt 0 1\nf 1/1 2/2 3/3\nf 2/1 3/2 4/3\nf 3/1 4/2 5/3\nf 4/1 5/2 1/3\n"
+        "f 5/1 1/2 2/3\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvt 1 1\nf 6/1 7/2 8/4\n"
+        "f 6/1 9/3 8/4\n");
+    refused(CLOTH, "");
+    size_t flipped = 0, one_sided = 0;
+    for (size_t i = 0; i < found.count; ++i) {
+        const bool sheet = found.items[i].line > 13;
+        const char *wanted
+            = sheet ? "edge 5-7 in the same direction: one of them is flipped"
+                    : "direction: the surface has one side alone, as a "
+                      "Moebius band: cut it open";
+        const bool about = strstr(found.items[i].message, wanted) != NULL;
+        ck_assert_msg(about || strstr(found.items[i].message, "turned over") != NULL,
+                      "%s", all_found());
+        flipped += about && sheet;
+        one_sided += about && !sheet;
+    }
+    ck_assert_uint_eq(flipped, 1);
+    ck_assert_uint_ge(one_sided, 1);
+}
+END_TEST
+
+START_TEST(a_triangle_that_is_one_point_at_rest_is_described_without_nan)
+{
+    put("cloth.obj", "v 0 0 0\nv .1 0 0\nv 0 .1 0\nvt .5 .5\nf 1/1 2/1 3/1\n");
+    refused(CLOTH, "");
+    stands(
+        0,
+        "the triangle of vertices 0, 1, 2 is degenerate at rest: its corners have the "
+        "same place in the rest shape",
+        "cloth.obj", 5, "f 1/1 2/1 3/1");
+}
+END_TEST
+
 TEST_SUITE(mesh_files)
 {
     Suite *suite = suite_create("mesh_files");
@@ -542,6 +582,9 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, a_triangle_that_is_flat_at_one_key_is_left_out_at_all);
     tcase_add_test(files, every_face_of_a_cloth_with_many_corners_is_named);
     tcase_add_test(files, a_cloth_without_vt_is_told_a_way_out);
+    tcase_add_test(files, a_moebius_band_is_not_called_flipped);
+    tcase_add_test(files,
+                   a_triangle_that_is_one_point_at_rest_is_described_without_nan);
     suite_add_tcase(suite, files);
     return suite;
 }

@@ -113,9 +113,10 @@ static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
     } else if (count == 2 && from[0].down == from[1].down) {
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, from[1].triangle,
-            "two triangles run along edge %zu-%zu in the same direction: one of them "
-            "is flipped",
-            p, q);
+            "two triangles run along edge %zu-%zu in the same direction: %s", p, q,
+            weft__is_one_sided(at, from[1].triangle)
+                ? "the surface has one side alone, as a Moebius band: cut it open"
+                : "one of them is flipped");
     } else if (count == 2 && same_places(at->def, &from[0], &from[1])) {
         const uint32_t a = root(at->piece, from[0].triangle),
                        b = root(at->piece, from[1].triangle);
@@ -613,8 +614,8 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
     if (out != NULL && !at.failed) {
         fill(&at);
     }
-    WEFT__FREE_ALL(memory, at.bad, at.clockwise, at.halves, at.first, at.piece, at.key,
-                   at.place_key, at.order, at.other);
+    WEFT__FREE_ALL(memory, at.bad, at.clockwise, at.one_sided, at.halves, at.first,
+                   at.piece, at.key, at.place_key, at.order, at.other);
     *no_memory = at.no_memory;
     if (at.failed) {
         weft__triangles_destroy(at.out, memory);

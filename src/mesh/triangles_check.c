@@ -208,6 +208,14 @@ static bool check_triangle(weft__work *at, size_t t)
                          weft__name_of(at, a == b ? a : c));
         return false;
     }
+    if (longest == 0.0) {
+        weft__mesh_fault(
+            at, WEFT__MESH_TRIANGLE, t,
+            "the triangle of vertices %zu, %zu, %zu is degenerate at rest: its "
+            "corners have the same place in the rest shape",
+            weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c));
+        return false;
+    }
     if (!(height >= LEAST_HEIGHT * longest) || !isfinite(area)
         || !isfinite(1.0 / area)) {
         weft__mesh_fault(

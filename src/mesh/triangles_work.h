@@ -20,6 +20,7 @@ typedef struct weft__work {
     bool failed, no_memory;
     /* scratch */
     bool *clockwise; /* good triangles, in (u, v) */
+    bool *one_sided; /* no turning of triangles makes theirs run alike; NULL: unknown */
     uint8_t *bad; /* triangles with faults of their own; NULL: there are no triangles */
     weft__half_edge *halves; /* 3 T, by their lower ends, the higher ones, triangles */
     uint32_t *first;         /* of each lower end, and their number */
@@ -34,6 +35,9 @@ void *weft__work_take(weft__work *at, size_t count, size_t size);
 WEFT_PRINTF(4, 5)
 void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
                       const char *format, ...);
+
+/* orient.c: whether the surface that a triangle belongs to has one side alone. */
+bool weft__is_one_sided(weft__work *at, uint32_t triangle);
 
 /* Numbers, indices and shapes of triangles, one by one. */
 void weft__triangles_check(weft__work *at);
