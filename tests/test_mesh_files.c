@@ -551,6 +551,52 @@ START_TEST(a_triangle_that_is_one_point_at_rest_is_described_without_nan)
 }
 END_TEST
 
+/* ---- vertices without faces ---------------------------------------------------------
+ */
+
+START_TEST(exports_that_count_points_keep_vertices_without_faces_at_their_place)
+{
+    put("cloth.obj",
+        "v 9 0 0\nv 0 0 0\nv .1 0 0\nv 8 0 0\nv .1 0 .1\nv 0 0 .1\nv 7 1 0\nvt 0 0\n"
+        "vt 0 .1\nvt .1 .1\nvt .1 0\nf 2/1 3/2 5/3 6/4\n");
+    put("loose.yaml",
+        "weft: 1\ncloths: [{name: a, mesh: {file: cloth.obj}, " FABRIC
+        "}, {name: b, mesh: "
+        "{file: cloth.obj, unit: 2, at: [0, 3, 0], turn: {angle: 90}}, " FABRIC "}]\n"
+        "stepper: {plugin: arkode, method: dormand_prince}\nforces: {gravity: [0, 0, "
+        "0]}\n"
+        "run: {duration: 0.1, fps: 20}\n");
+    expect(
+        shell(
+            "cd " FOLDER " && rm -rf loose && ../../weft run loose.yaml --out loose "
+            "--quiet 2>/dev/null && ../../weft export loose --format pc2 >/dev/null && "
+            "../../weft export loose --format obj >/dev/null && ../../weft export "
+            "loose "
+            "--format csv >/dev/null"),
+        0);
+    /* 14 points of 3 frames */
+    expect(shell("cd " FOLDER
+                 "/loose && od -An -td4 -j16 -N4 run.pc2 | tr -d ' ' | grep -x 14 "
+                 "&& test $(wc -c <run.pc2) = $((32 + 3 * 14 * 12))"),
+           0);
+    expect(
+        shell(
+            "cd " FOLDER "/loose && cat >wanted <<'end'\n"
+            "v 9 0 0\nv 0 0 0\nv 0.1 0 0\nv 8 0 0\nv 0.1 0 0.1\nv 0 0 0.1\nv 7 1 0\n"
+            "v 0 3 -18\nv 0 3 0\nv 0 3 -0.2\nv 0 3 -16\nv 0.2 3 -0.2\nv 0.2 3 0\n"
+            "v 0 5 -14\nend\n"
+            "for file in rest.obj final.obj; do grep '^v ' $file | sed 's/-0$/0/; s/ "
+            "-0 / 0 "
+            "/g; s/[0-9.]*e-1[0-9]/0/g; s/-0 / 0 /g' | diff - wanted || exit 1; done"),
+        0);
+    expect(
+        shell("cd " FOLDER
+              "/loose && grep -e '^g' -e '^f' final.obj | sed 's|/[0-9]*||g' | "
+              "tr '\n' ' ' | grep -x 'g a f 2 3 5 f 2 5 6 g b f 9 10 12 f 9 12 13 '"),
+        0);
+}
+END_TEST
+
 TEST_SUITE(mesh_files)
 {
     Suite *suite = suite_create("mesh_files");
@@ -585,6 +631,8 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, a_moebius_band_is_not_called_flipped);
     tcase_add_test(files,
                    a_triangle_that_is_one_point_at_rest_is_described_without_nan);
+    tcase_add_test(
+        files, exports_that_count_points_keep_vertices_without_faces_at_their_place);
     suite_add_tcase(suite, files);
     return suite;
 }

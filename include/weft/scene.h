@@ -154,6 +154,13 @@ WEFT_API const weft_stepper_type *weft_scene_method_type(const weft_scene *scene
 WEFT_API const weft_stepper_config *weft_scene_config(const weft_scene *scene);
 WEFT_API double weft_scene_step(const weft_scene *scene);
 
+/* How many vertices of the OBJ file of the cloth, or of cloth k of several, belong to
+ * no face, so that the cloth does not have them. Unless NULL, *numbers are theirs in
+ * the file, from 0 and in rising order, and *places where they lie beside its start
+ * [m], x y z of each. */
+WEFT_API size_t weft_scene_loose(const weft_scene *scene, size_t k,
+                                 const size_t **numbers, const double **places);
+
 /* The OBJ file that the cloth, or the first of several, was read from; NULL: it has
  * none. A scene.yaml that has a
  * scene.obj beside it takes its mesh from there, whatever its name in the scene. */

@@ -9,24 +9,27 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "cli/loose.h"
 #include "record/export/export.h"
 #include "record/frames.h"
 #include "record/result.h"
 #include "record/series.h"
+
 typedef struct export_format {
     const char *name;
     record_write_fn *write;    /* one file per frame; NULL: none */
     const char *suffix;        /* of these files */
     const record_movie *movie; /* one file over all frames; NULL: none */
     bool rest;                 /* needs rest.obj beside it */
+    bool whole;                /* points are counted: with vertices that no face has */
 } export_format;
 
 static const export_format formats[] = {
-    { "obj", .write = record_obj, .suffix = "obj" },
-    { "ply", .write = record_ply, .suffix = "ply" },
+    { "obj", .write = record_obj, .suffix = "obj", .whole = true },
+    { "ply", .write = record_ply, .suffix = "ply", .whole = true },
     { "csv", .write = record_csv, .suffix = "csv" },
-    { "mdd", .movie = &record_mdd, .rest = true },
-    { "pc2", .movie = &record_pc2, .rest = true },
+    { "mdd", .movie = &record_mdd, .rest = true, .whole = true },
+    { "pc2", .movie = &record_pc2, .rest = true, .whole = true },
     { "pvd", .write = record_vtp, .suffix = "vtp", .movie = &record_pvd },
 };
 
@@ -47,6 +50,7 @@ typedef struct export_job {
     size_t first, last;     /* wanted, as indices below count */
     double *values;         /* 7 N: positions, velocities, strains */
     record_surface surface; /* of values: of one frame */
+    loose_surface loose;    /* what the format adds to it */
     record_file movie;
 } export_job;
 
@@ -70,11 +74,12 @@ static void name_part(char name[NAME], const char *stem, size_t part,
     (void)snprintf(name, NAME, "%s%s.%s", stem, shape, suffix);
 }
 
-static record_surface part_at(const export_job *job, size_t part, double time)
+static record_surface part_at(export_job *job, size_t part, double time)
 {
-    return part == 0 ? job->surface
-                     : record_shape_surface(weft_scene_cloth(job->scene), part - 1,
-                                            time, job->shape_position);
+    return part == 0 && job->loose.count > 0 ? loose_add(&job->loose, &job->surface)
+           : part == 0                       ? job->surface
+                       : record_shape_surface(weft_scene_cloth(job->scene), part - 1,
+                                              time, job->shape_position);
 }
 
 /* One line for any number of frames of a part. */
@@ -92,7 +97,7 @@ static void print_files(const export_job *job, size_t part)
     putchar('\n');
 }
 
-static weft_status write_parts(const export_job *job, const char *stem, double time,
+static weft_status write_parts(export_job *job, const char *stem, double time,
                                weft_error *err)
 {
     const record_movie *movie = job->format->movie;
@@ -114,7 +119,8 @@ static weft_status write_frame(export_job *job, size_t number, double time,
 {
     char stem[NAME / 2];
     if (job->format->write == NULL) {
-        job->format->movie->points(job->movie.stream, &job->surface);
+        const record_surface surface = part_at(job, 0, time);
+        job->format->movie->points(job->movie.stream, &surface);
         return WEFT_OK;
     }
     (void)snprintf(stem, sizeof stem, "frames/frame-%06zu", number);
@@ -390,7 +396,12 @@ static int make_surface(export_job *job)
     if (job->scene != NULL && job->format->write != record_csv) {
         job->shapes = weft_scene_cloth(job->scene)->contact.shape_count;
     }
-    return EXIT_DONE;
+    weft_error err = { 0 };
+    return !job->format->whole
+                   || loose_create(job->scene, &job->surface.faces, &job->loose, &err)
+                          == WEFT_OK
+               ? EXIT_DONE
+               : report_error(&err);
 }
 
 static int export_run(const arguments *given, export_job *job)
@@ -402,6 +413,7 @@ static int export_run(const arguments *given, export_job *job)
     free(job->values);
     free(job->shape_position);
     free(job->series);
+    loose_free(&job->loose);
     record_faces_free(&job->faces);
     record_frames_close(job->frames);
     weft_sim_destroy(job->sim);

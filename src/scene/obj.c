@@ -183,6 +183,21 @@ static void warn_of_unused(weft__obj *obj, size_t first, size_t count)
                          first, more);
 }
 
+/* Keeps vertices of a cloth that no face has, for what counts those of the file. */
+static void keep_loose(weft__obj *obj, size_t count)
+{
+    obj->loose_name = weft__report_take(obj->report, count, sizeof *obj->loose_name);
+    obj->loose_start
+        = weft__report_take(obj->report, count, 3 * sizeof *obj->loose_start);
+    for (size_t v = 0; !obj->report->no_memory && v < obj->vertices; ++v) {
+        if (obj->vertex_of[v] == WEFT__NONE) {
+            obj->loose_name[obj->loose] = v;
+            memcpy(&obj->loose_start[3 * obj->loose++], obj->vertex[v],
+                   sizeof *obj->vertex);
+        }
+    }
+}
+
 /* Numbers the vertices of faces in the order of the file. */
 static void take_vertices(weft__obj *obj, bool whole)
 {
@@ -207,6 +222,9 @@ static void take_vertices(weft__obj *obj, bool whole)
     }
     if (unused > 0 && whole) {
         warn_of_unused(obj, first, unused);
+    }
+    if (unused > 0 && whole && !obj->body) {
+        keep_loose(obj, unused);
     }
 }
 
@@ -339,6 +357,19 @@ bool weft__obj_load(weft__obj *obj, const char *path)
 
 /* ---- what scenes ask ----------------------------------------------------------- */
 
+/* Multiplies by the unit, turns by sine and cosine about k, and moves. */
+static void move_point(double *p, double unit, const double k[3], double sine,
+                       double cosine, const double at[3])
+{
+    const double x[] = { unit * p[0], unit * p[1], unit * p[2] };
+    const double along = (1.0 - cosine) * weft__dot(k, x);
+    for (size_t c = 0; c < 3; ++c) {
+        const size_t d = (c + 1) % 3, e = (c + 2) % 3;
+        p[c]
+            = cosine * x[c] + sine * (k[d] * x[e] - k[e] * x[d]) + along * k[c] + at[c];
+    }
+}
+
 void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double angle,
                     const double at[3])
 {
@@ -347,14 +378,10 @@ void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double an
     double sine, cosine;
     weft_sincos_turns(angle / 360.0, 1.0, &sine, &cosine);
     for (size_t i = 0; i < obj->def.vertices; ++i) {
-        double *p = &obj->start[3 * i];
-        const double x[] = { unit * p[0], unit * p[1], unit * p[2] };
-        const double along = (1.0 - cosine) * weft__dot(k, x);
-        for (size_t c = 0; c < 3; ++c) {
-            const size_t d = (c + 1) % 3, e = (c + 2) % 3;
-            p[c] = cosine * x[c] + sine * (k[d] * x[e] - k[e] * x[d]) + along * k[c]
-                   + at[c];
-        }
+        move_point(&obj->start[3 * i], unit, k, sine, cosine, at);
+    }
+    for (size_t i = 0; i < obj->loose; ++i) {
+        move_point(&obj->loose_start[3 * i], unit, k, sine, cosine, at);
     }
     for (size_t i = 0; i < 2 * obj->def.places; ++i) {
         obj->rest[i] *= unit;
@@ -445,13 +472,17 @@ void weft__obj_forget(weft__obj *obj)
                         .corner = obj->corner,
                         .corner_place = obj->corner_place,
                         .fabric_of = obj->fabric_of,
-                        .name = obj->name };
+                        .name = obj->name,
+                        .loose = obj->loose,
+                        .loose_name = obj->loose_name,
+                        .loose_start = obj->loose_start };
 }
 
 void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
 {
     weft__obj_forget(obj);
     WEFT__FREE_ALL(memory, obj->start, obj->rest, obj->corner, obj->corner_place,
-                   obj->fabric_of, obj->name, obj->file.text);
+                   obj->fabric_of, obj->name, obj->loose_name, obj->loose_start,
+                   obj->file.text);
     *obj = (weft__obj){ .def = { 0 } };
 }

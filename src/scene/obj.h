@@ -58,6 +58,9 @@ typedef struct weft__obj {
     double *start, *rest;
     uint32_t *corner, *corner_place, *fabric_of;
     size_t *name; /* number in the file of each vertex; freed if there is no other */
+    size_t loose; /* vertices that no face has */
+    size_t *loose_name;  /* their numbers in the file */
+    double *loose_start; /* where they would start */
 } weft__obj;
 
 /* Larger files are refused unread. */

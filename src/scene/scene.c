@@ -324,6 +324,19 @@ const char *weft_scene_part_text(const weft_scene *scene, size_t k)
     return scene->part_count > 0 ? scene->parts[k].obj.file.text : scene->obj.file.text;
 }
 
+size_t weft_scene_loose(const weft_scene *scene, size_t k, const size_t **numbers,
+                        const double **places)
+{
+    const weft__obj *of = scene->part_count > 0 ? &scene->parts[k].obj : &scene->obj;
+    if (numbers != NULL) {
+        *numbers = of->loose_name;
+    }
+    if (places != NULL) {
+        *places = of->loose_start;
+    }
+    return of->loose;
+}
+
 const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
                                  size_t size)
 {
