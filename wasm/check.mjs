@@ -74,5 +74,7 @@ refuses(`plugin 'gsl' not found: no weft-gsl.so in any folder: ${only}\n`,
     '', '1', 'scenes/flag.yaml');
 refuses(`plugin refused: plugins/weft-own.so: ${only}\n`,
     'plugins', '1', 'scenes/flag.yaml', 'stepper={plugin: own, method: own}');
+files.delete('scenes/walk-07.obj');
+expect(/key frame 07 of 'walk-%02d.obj' is missing, but 08 is there/.test(run('', '0.1', 'scenes/walk.yaml')), 'a key that is missing is named');
 console.log(`${passed} passed, ${failed} failed`);
 process.exitCode = failed > 0 ? 1 : 0;

@@ -12,7 +12,14 @@ export function wasi({ args = [], files = new Map(), write = () => {} } = {}) {
     let memory;
     const view = () => new DataView(memory.buffer);
     const bytes = (at, size) => new Uint8Array(memory.buffer, at, size);
-    const fileAt = (at, size) => files.get(new TextDecoder().decode(bytes(at, size)).replace(/^\.?\//, ''));
+    const pathAt = (at, size) => new TextDecoder().decode(bytes(at, size)).replace(/^\.?\//, '');
+    const fileAt = (at, size) => files.get(pathAt(at, size));
+    /** The names of the files in a folder, "/", "scenes" or "scenes/."; null: there is no such folder. */
+    const namesIn = (folder) => {
+        const start = folder.replace(/\/?\.?$/, '/').replace(/^\//, '');
+        const inside = [...files.keys()].filter((name) => name.startsWith(start)).map((name) => name.slice(start.length));
+        return start === '' || inside.length > 0 ? inside.filter((name) => !name.includes('/')) : null;
+    };
     const put32 = (at, value) => view().setUint32(at, value, true);
     const put64 = (at, value) => view().setBigUint64(at, BigInt(value), true);
 
@@ -76,7 +83,7 @@ export function wasi({ args = [], files = new Map(), write = () => {} } = {}) {
         },
         fd_fdstat_get: (fd, at) => {
             bytes(at, 24).fill(0);
-            view().setUint8(at, fd === ROOT ? FOLDER : fd < ROOT ? CHARACTERS : REGULAR);
+            view().setUint8(at, fd === ROOT || open.get(fd)?.names ? FOLDER : fd < ROOT ? CHARACTERS : REGULAR);
             bytes(at + 8, 16).fill(255); // all rights
             return fd <= ROOT || open.has(fd) ? 0 : BADF;
         },
@@ -88,14 +95,15 @@ export function wasi({ args = [], files = new Map(), write = () => {} } = {}) {
         },
         path_open: (fd, flags, path, size, how, rights, inherited, mode, at) => {
             const file = fileAt(path, size);
-            if (!file) {
+            const names = file ? null : namesIn(pathAt(path, size));
+            if (!file && !names) {
                 return NOENT;
             }
             let next = ROOT + 1;
             while (open.has(next)) {
                 ++next;
             }
-            open.set(next, { file, at: 0 });
+            open.set(next, { file: file ?? new Uint8Array(), at: 0, names });
             put32(at, next);
             return 0;
         },
@@ -108,6 +116,26 @@ export function wasi({ args = [], files = new Map(), write = () => {} } = {}) {
                 from.at += some.length;
                 return some.length;
             }) : BADF;
+        },
+        /** Entries from the one numbered `from` on, the last cut off where there is no more room. */
+        fd_readdir: (fd, at, size, from, used) => {
+            const names = open.get(fd)?.names;
+            let sum = 0;
+            for (let i = Number(from); names && i < names.length && sum < size; ++i) {
+                const name = new TextEncoder().encode(names[i]);
+                const entry = new Uint8Array(24 + name.length);
+                const numbers = new DataView(entry.buffer);
+                numbers.setBigUint64(0, BigInt(i + 1), true);
+                numbers.setBigUint64(8, BigInt(i + 1), true); // of a file: not 0
+                numbers.setUint32(16, name.length, true);
+                numbers.setUint8(20, REGULAR);
+                entry.set(name, 24);
+                const some = entry.subarray(0, size - sum);
+                bytes(at + sum, some.length).set(some);
+                sum += some.length;
+            }
+            put32(used, sum);
+            return names ? 0 : BADF;
         },
         fd_seek: (fd, by, whence, at) => {
             const of = open.get(fd);
