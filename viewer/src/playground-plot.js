@@ -5,6 +5,7 @@ import uPlot from 'uplot';
 import { powerText } from './decades.js';
 
 const MOST = 3000; // points; then every other one is dropped
+const HIGHEST = 1e3; // times the even part of the axis: a curve that blows up leaves the plot there
 const EVERY = 150; // ms between two drawings
 
 const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -21,7 +22,16 @@ function splits(unit, lo, hi) {
     const last = Math.floor(Math.log10(most));
     const every = Math.max(1, Math.ceil((last - first + 1) / 4));
     const powers = Array.from({ length: Math.floor((last - first) / every) + 1 }, (_, i) => 10 ** (last - i * every)).reverse();
-    return [...powers.map((v) => -v).reverse(), 0, ...powers].filter((v) => v >= lo && v <= hi);
+    const to = (v) => Math.asinh(v / unit);
+    const isApart = (v) => v === 0 || Math.abs(to(v)) > 0.1 * (to(hi) - to(lo));
+    return [...powers.map((v) => -v).reverse(), 0, ...powers].filter((v) => v >= lo && v <= hi && isApart(v));
+}
+
+/** What the axis shows of values from lo to hi: room around them, but no blow-up in full. */
+function range(unit, lo, hi) {
+    const clip = (v) => Math.min(Math.max(v, -HIGHEST * unit), HIGHEST * unit);
+    const room = 0.05 * (clip(hi) - clip(lo)) || unit;
+    return [clip(lo ?? 0) - room, clip(hi ?? 0) + room];
 }
 
 const text = (v) => (Math.abs(v) >= 1e4 ? powerText(v) : Number(v.toPrecision(3)).toString());
@@ -43,15 +53,16 @@ export class EnergyPlot {
             ? runs.map((run, i) => ({ label: `total, ${run.scene.method}`, stroke: inks[i], width: 1.75 }))
             : [{ label: 'total', stroke: style('--curve-4'), width: 1.75 }, { label: 'kinetic', stroke: inks[0], width: 1.5 }];
         const unit = this.unit();
+        this.even = unit;
         this.plot = new uPlot({
             title: 'energy [J]',
             width: this.root.clientWidth || 300,
             height: 170,
             cursor: { show: false },
             legend: { live: false },
-            scales: { x: { time: false }, y: { distr: 4, asinh: unit } },
+            scales: { x: { time: false }, y: { distr: 4, asinh: unit, range: (_, lo, hi) => range(unit, lo, hi) } },
             axes: [
-                { ...axis, label: 't [s]', labelSize: 16, labelFont: '11px system-ui', size: 28 },
+                { ...axis, label: 't [s]', labelSize: 16, labelFont: '11px system-ui', size: 28, values: (_, list) => list.map(text) },
                 { ...axis, size: 58, splits: (_, __, lo, hi) => splits(unit, lo, hi), values: (_, list) => list.map(text), filter: (_, list) => list },
             ],
             series: [{}, ...curves.map((curve) => ({ ...curve, points: { show: false } }))],
@@ -81,6 +92,7 @@ export class EnergyPlot {
             }
         }
         this.plot.setData(this.data());
+        this.root.dataset.highest = this.plot.scales.y.max / this.even;
     }
 
     resize() {

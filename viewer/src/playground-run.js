@@ -2,8 +2,8 @@
 // playground-run.js -- a cloth that steps in a worker, as the player's stage draws a run: its one
 // frame is the present state.
 
-const HELD = 2; // times its size at the start: a cloth that blows up is drawn until then,
-const REACH = 10; // and stepped until then
+const HELD = 1.5; // times its size at the start: particles farther out are drawn there,
+const REACH = 10; // and the cloth is stepped until it is so large
 
 /** The state as a block of the player's pages. */
 class State {
@@ -62,6 +62,9 @@ export class Run {
             this.blocks = [new State(scene.count)];
             Object.assign(this, scene, { onset: null, over: '', history: [] });
             this.take(answer);
+            const box = this.blocks[0].box();
+            this.middle = box.map(([lo, hi]) => (lo + hi) / 2);
+            this.reach = HELD * Math.hypot(...box.map(([lo, hi]) => hi - lo)) / 2;
         }
         return answer;
     }
@@ -73,8 +76,8 @@ export class Run {
         if (numbers.sudden && !this.onset) {
             this.onset = { time: numbers.time, particle: finite ? this.farthest(planes) : '' };
         }
-        if (finite && !(this.onset && numbers.size > HELD)) {
-            block.planes = planes;
+        if (finite) {
+            block.planes = this.onset ? this.clipped(planes) : planes;
         }
         if (!finite || numbers.size > REACH) {
             this.onset ??= { time: numbers.time, particle: '' };
@@ -98,7 +101,19 @@ export class Run {
         if (answer.planes) {
             this.take(answer);
         }
+        this.onset ??= answer.failure ? { time: this.numbers.time, particle: '' } : null;
         this.over ||= answer.failure;
+    }
+
+    /** The state with each particle at most HELD times as far from the middle as the cloth is large. */
+    clipped(planes) {
+        const { count } = this.blocks[0];
+        for (let i = 0; i < count; ++i) {
+            const away = [0, 1, 2].map((k) => planes[k * count + i] - this.middle[k]);
+            const part = Math.min(1, this.reach / Math.hypot(...away));
+            away.forEach((x, k) => { planes[k * count + i] = this.middle[k] + part * x; });
+        }
+        return planes;
     }
 
     /** The particle that has moved farthest from where it was drawn last. */

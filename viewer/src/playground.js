@@ -242,8 +242,8 @@ function write() {
     const [{ scene }] = runs;
     const fixed = runs.some((run) => run.scene.step > 0);
     const families = Object.entries(base.springs);
-    $('about').textContent = `${scene.name} · ${scene.cols > 0 ? `${scene.rows} × ${scene.cols} particles` : `${scene.count} vertices`}`
-        + `${base.substituted ? ' · the scene asks for a method that this page does not have: dormand_prince steps it' : ''}`;
+    $('about').textContent = `${scene.name}\u00a0· ${scene.cols > 0 ? `${scene.rows} × ${scene.cols} particles` : `${scene.count} vertices`}`
+        + `${base.substituted ? '\u00a0· the scene asks for a method that this page does not have: dormand_prince steps it' : ''}`;
     $('method').options[0].text = `${base.substituted ? SUBSTITUTE : base.method} (scene)`;
     Object.assign($('method'), { value: state.method });
     Object.assign($('other'), { value: state.other });
@@ -280,15 +280,32 @@ function writeLimits() {
     $('limits').replaceChildren(parts.length > 0 ? `${parts.join('; ')}.` : '', warning);
 }
 
+/** Why it may have blown up: by how much a fixed step is too long. */
+function cause({ scene }) {
+    const by = scene.step / scene.stable;
+    return scene.step > 0 && scene.stable > 0 && by > 1 ? `h is ${Number(by.toPrecision(2))} times the stable step` : '';
+}
+
+function blowUp(run) {
+    if (!run.onset) {
+        return run.over;
+    }
+    const when = run.numbers.steps > 0
+        ? `${run.over ? 'blew' : 'blows'} up at t = ${run.onset.time.toFixed(4)} s` : 'blew up in its first step';
+    const left = run.onset.particle ? `${run.onset.particle} left first` : '';
+    const said = [left, cause(run)].filter(Boolean).join(', ');
+    return said ? `${when}: ${said}` : when;
+}
+
 function caption(run) {
     const label = document.createElement('span');
     const name = document.createElement('b');
     name.textContent = run.scene.method;
     const step = document.createElement('i');
-    step.textContent = ` h = ${length(run.numbers.step ?? 0)}, ${run.numbers.steps} steps`;
+    const { steps, step: taken } = run.numbers;
+    step.textContent = ` h = ${length(taken || run.scene.step)}, ${steps} ${steps === 1 ? 'step' : 'steps'}`;
     label.append(name, step);
-    const left = run.onset?.particle ? `: ${run.onset.particle} left first` : '';
-    const said = run.onset ? `${run.over ? 'blew' : 'blows'} up at t = ${run.onset.time.toFixed(4)} s${left}` : run.over;
+    const said = blowUp(run);
     if (said) {
         const blown = document.createElement('b');
         blown.className = 'blown';
@@ -323,9 +340,13 @@ function writePace(now) {
     pace.pictures += 1;
     $('pace').dataset.took = Math.max(...runs.map((run) => run.took));
     $('canvas').dataset.strain = 100 * runs[0].blocks[0].range(3)[1];
+    if (reached < pace.time) { // from the start again
+        Object.assign(pace, { pictures: 0, since: now, time: reached });
+    }
     if (now - pace.since > 1000) {
         const seconds = (now - pace.since) / 1000;
-        $('pace').textContent = `${Math.round(pace.pictures / seconds)} pictures/s, ${((reached - pace.time) / seconds).toFixed(2)}× real time`;
+        const pictures = Math.round(pace.pictures / seconds);
+        $('pace').textContent = `${pictures} ${pictures === 1 ? 'picture' : 'pictures'}/s, ${((reached - pace.time) / seconds).toFixed(2)}× real time`;
         Object.assign(pace, { pictures: 0, since: now, time: reached });
     }
 }
@@ -397,6 +418,7 @@ const ACTIONS = {
         $('link').textContent = 'copied';
         setTimeout(() => { $('link').textContent = 'link'; }, 1500);
     },
+    versus: () => change({ method: 'velocity_verlet', other: 'euler', two: true }),
     run: () => {
         Object.assign(state, { scene: '', text: $('text').value });
         openScene();

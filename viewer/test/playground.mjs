@@ -69,6 +69,30 @@ test('Euler at an h beyond its stable step blows up beside Verlet, which does no
     await shot(page, 'euler');
 });
 
+test('the button shows Euler against Verlet, and the pace is that since the start', async () => {
+    const { page } = await see();
+    await frame(page, 20);
+    await page.click('#versus');
+    await until(page, () => /blew up/.test(document.getElementById('labels').textContent));
+    const [verlet, euler] = await page.locator('#labels span').allTextContents();
+    assert.match(verlet, /^velocity_verlet h = 490 µs/);
+    assert.match(euler, /^euler h = 490 µs.*h is 2\.4 times the stable step$/);
+    await page.click('#restart');
+    await page.waitForTimeout(2500);
+    assert.match(await text(page, 'pace'), /^(1 picture|([02-9]|\d\d+) pictures)\/s, \d/);
+});
+
+test('stiffness beyond the limit shows what became of the cloth, and why', async () => {
+    const { page } = await see(link({ scene: 'playground', k: 2, h: 5e-4 }));
+    await until(page, () => /blew up/.test(document.getElementById('labels').textContent));
+    assert.match(await text(page, 'labels'), /^velocity_verlet h = 490 µs, \d+ stepsblew up at t = 0\.\d+ s: particle \(\d+, \d+\) left first, h is 4\.9 times the stable step$/);
+    const dark = (await pixels(page, '#canvas')).filter(([r, g, b]) => r < 90 && g < 30 && b < 90 && r > 1.5 * g);
+    assert.ok(dark.length > 2000, `${dark.length} pixels of strain beyond 100 %`);
+    await until(page, () => Number(document.getElementById('plots').dataset.highest) > 900);
+    assert.ok(Number(await page.locator('#plots').getAttribute('data-highest')) < 2000);
+    await shot(page, 'stiff');
+});
+
 test('a mistake in the text is reported at its line, and the scene that runs goes on', async () => {
     const { page } = await see();
     await page.click('#editing summary');
