@@ -10,7 +10,7 @@ const PAPER = 335; // px
 const LABELS = 66; // px: of an axis labelled -2.25e-10
 const SPAN = 1e3; // an axis that reaches so far beyond what it must show has powers of ten
 const DASHES = [[], [5, 4]]; // first run, second run
-const INKS = 5;
+const INKS = 6;
 const TIME = 'time t [s]';
 
 /** What a counter counts per frame: rows may be left out. */
@@ -39,6 +39,7 @@ const PLOTS = [
             { ...column('kinetic', 0), brief: true },
             { ...column('elastic', 1), brief: true },
             column('gravitational', 2),
+            { label: 'contact', ink: 5, of: (c) => nonzero(c.get('contact')) },
             column('dissipated', 3),
             { label: 'total', ink: 4, of: total, brief: true },
         ],

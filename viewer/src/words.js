@@ -129,9 +129,9 @@ function writeWay(page) {
         const way = element('p', '');
         way.id = 'way';
         const where = parameters(batch).map((p) => `${p.label} ${p.words(p.text(chosen))}`).join(', ');
-        way.append(link('?', `all runs of ${batch.directory}`), ` \u00b7 run ${chosen.number}${where && `: ${where}`}`);
+        way.append(link('?', `all runs of ${batch.directory}`), `\u00a0\u00b7 run ${chosen.number}${where && `: ${where}`}`);
         if (chosen.page && page.times.length < page.chosen) {
-            way.append(' \u00b7 ', link(chosen.page, 'every frame of this run'));
+            way.append('\u00a0\u00b7 ', link(chosen.page, 'every frame of this run'));
         }
         document.querySelector('header').prepend(way);
     }

@@ -205,7 +205,7 @@ test('a row opens the player of its run, and back the batch is as it was', async
         weft.setColour(0);
     });
     assert.ok(await clothShare(page) > 0.02);
-    assert.match(await page.textContent('#way'), /^all runs of batch · run 5: stiffness 60, damping 1\.0e-4$/);
+    assert.match(await page.textContent('#way'), /^all runs of batch\u00a0· run 5: stiffness 60, damping 1\.0e-4$/);
     await page.screenshot({ path: `${root}/batch-player.png` });
     await page.goBack();
     await page.waitForSelector('#runs tbody tr');

@@ -310,6 +310,14 @@ test('colours have a bar with numbers and a unit', async () => {
     }
 });
 
+test('facts are parted by dots behind them, so that no line begins with one', async () => {
+    const { page } = await open(browser, at('a/run.html'), '', { viewport: { width: 390, height: 844 } });
+    const [before, behind] = await page.evaluate(() => ['::before', '::after'].map((part) => (
+        [...document.querySelectorAll('#summary .fact')].map((fact) => getComputedStyle(fact, part).content))));
+    assert.ok(before.length > 3 && before.every((text) => text === 'none'));
+    assert.deepEqual(behind, [...behind.slice(1).map(() => '"\u00b7"'), 'none']);
+});
+
 test('plots show the columns there are', async () => {
     const { page } = await open(browser, at('a/run.html'));
     const titles = await page.locator('.u-title').allTextContents();
@@ -319,7 +327,9 @@ test('plots show the columns there are', async () => {
     for (const name of ['kinetic', 'elastic', 'gravitational', 'total']) {
         assert.match(legend, new RegExp(name));
     }
-    assert.doesNotMatch(legend, /dissipated/);
+    assert.doesNotMatch(legend, /dissipated|contact/);
+    const touching = await open(browser, at('shapes/run.html'));
+    assert.match(await touching.page.locator('.uplot').first().textContent(), /contact/);
     const ledger = await open(browser, at('spring/run.html'));
     assert.match(await ledger.page.locator('.uplot').first().textContent(), /dissipated/);
     const without = readFileSync(at('a/run.html'), 'utf8').replace(/,step_size,/, ',other,');
