@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/weft.h -- all of libweft: cloth as a mass-spring network under your solver. */
+/* weft/weft.h -- all of libweft: cloth, springs or triangles, under your solver. */
 #ifndef WEFT_WEFT_H
 #define WEFT_WEFT_H
 

@@ -20,10 +20,9 @@ static const verb *const verbs[] = {
 
 static void print_usage(FILE *stream)
 {
-    fputs(
-        "usage: weft VERB [OPTIONS] [FILES]\n\n"
-        "weft simulates cloth as a mass-spring network under established solvers.\n\n",
-        stream);
+    fputs("usage: weft VERB [OPTIONS] [FILES]\n\n"
+          "weft simulates cloth, springs or triangles, under established solvers.\n\n",
+          stream);
     for (size_t i = 0; i < VERBS; ++i) {
         fprintf(stream, "  %-12s %s\n", verbs[i]->name, verbs[i]->summary);
     }
