@@ -178,6 +178,75 @@ START_TEST(force_that_is_no_number_is_never_accepted)
 }
 END_TEST
 
+/* Pushes every particle, and one of them nowhere from a time on. */
+typedef struct fault {
+    size_t at;
+    double from;
+} fault;
+
+static int push_wrongly(void *ctx, double t, const double *y, double *f)
+{
+    const fault *of = ctx;
+    (void)y;
+    for (size_t i = 0; i < N; ++i) {
+        f[2 * N + i] += 0.01 * (double)(i + 1);
+    }
+    f[N + of->at] = t > of->from ? NAN : 0.0;
+    return 0;
+}
+
+START_TEST(force_that_is_no_number_is_reported_with_its_particle)
+{
+    if (test_is_spared(test_method((size_t)_i))
+        || test_needs_damping(test_method((size_t)_i))) {
+        return;
+    }
+    fault with = { .at = COLS + 1, .from = 0.01 };
+    weft_error err = { 0 };
+    weft_failure failure;
+    use_method(_i);
+    run.force = push_wrongly;
+    run.force_ctx = &with;
+    start();
+    ck_assert_int_ne(weft_sim_advance(sim, 1.0, &err), WEFT_OK);
+    ck_assert(weft_sim_failure(sim, &failure));
+    ck_assert(failure.force);
+    ck_assert_uint_eq(failure.force_particle, COLS + 1);
+    ck_assert_uint_ne(failure.particle, COLS + 1); /* the fastest */
+    ck_assert_double_nan(failure.added[1]);
+    ck_assert_ptr_nonnull(strstr(err.message,
+                                 "; the own force on particle (1, 1) is (0, "
+                                 "nan, "));
+    ck_assert_ptr_null(strstr(err.message, "fastest"));
+}
+END_TEST
+
+START_TEST(failure_without_a_fault_of_the_force_names_none)
+{
+    fault with = { .at = COLS + 1, .from = INFINITY };
+    weft_failure failure;
+    run.force = push_wrongly;
+    run.force_ctx = &with;
+    run.config.fixed_step = 1.0; /* far beyond what is stable */
+    start();
+    ck_assert_int_ne(weft_sim_advance(sim, 1e4, NULL), WEFT_OK);
+    ck_assert(weft_sim_failure(sim, &failure));
+    ck_assert(!failure.force && failure.force_particle == 0);
+    ck_assert(failure.added[0] == 0.0 && failure.added[2] == 0.0);
+}
+END_TEST
+
+START_TEST(force_that_is_no_number_on_a_pinned_particle_does_nothing)
+{
+    fault with = { .at = 0, .from = 0.0 };
+    run.force = push_wrongly;
+    run.force_ctx = &with;
+    start();
+    ck_assert(weft_cloth_pinned(weft_sim_cloth(sim), 0));
+    go(0.02);
+}
+END_TEST
+
 /* ---- correction and log ------------------------------------------------------------
  */
 
@@ -218,17 +287,18 @@ START_TEST(correction_comes_after_the_limit)
 }
 END_TEST
 
-START_TEST(correction_that_spoils_the_state_is_told)
+START_TEST(correction_that_spoils_the_state_is_told_with_the_particle)
 {
-    double floor = NAN;
+    double floor = NAN; /* of all; the first one is named */
     weft_error err = { 0 };
     run.correct = above_floor;
     run.correct_ctx = &floor;
     start();
     ck_assert_int_eq(weft_sim_step(sim, 1.0, &err), WEFT_NOT_FINITE);
-    ck_assert_ptr_nonnull(
-        strstr(err.message, "the correction left a state that is not finite at t = "
-                            "0.001 s, last h = 0.001 s;"));
+    ck_assert_ptr_nonnull(strstr(err.message,
+                                 "the correction left a state that is not finite: y of "
+                                 "particle (0, 0) is nan at t = "
+                                 "0.001 s, last h = 0.001 s;"));
 }
 END_TEST
 
@@ -831,8 +901,12 @@ TEST_SUITE(embed)
     tcase_add_loop_test(tcase, force_may_stop_a_run_and_the_state_is_the_last_good_one,
                         0, methods);
     tcase_add_loop_test(tcase, force_that_is_no_number_is_never_accepted, 0, methods);
+    tcase_add_loop_test(tcase, force_that_is_no_number_is_reported_with_its_particle, 0,
+                        methods);
+    tcase_add_test(tcase, failure_without_a_fault_of_the_force_names_none);
+    tcase_add_test(tcase, force_that_is_no_number_on_a_pinned_particle_does_nothing);
     tcase_add_test(tcase, correction_comes_after_the_limit);
-    tcase_add_test(tcase, correction_that_spoils_the_state_is_told);
+    tcase_add_test(tcase, correction_that_spoils_the_state_is_told_with_the_particle);
     tcase_add_loop_test(tcase, no_callback_can_change_or_save_its_simulation, 0,
                         methods);
     tcase_add_test(tcase, callbacks_of_a_play_may_change_between_steps_but_not_step);

@@ -119,6 +119,30 @@ START_TEST(own_force_and_floor_are_accounted_for)
 }
 END_TEST
 
+/* A flat pillow of side a that cannot stretch holds 0.19 a^3: 5.1 l. This one has cells
+ * of 3 cm, which press 20 Pa (3 cm)^2 on a vertex at first. */
+START_TEST(pressure_on_a_mesh_inflates_a_pillow_and_sums_to_zero)
+{
+    expect(shell(EXAMPLE("pillow") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 11);
+    for (int i = 0; i <= 10; ++i) {
+        double t, litres, largest, sum[3];
+        ck_assert_int_eq(
+            sscanf(line(i),
+                   "%lf s: %lf l, at most %lf N on a vertex, in all %lf %lf "
+                   "%lf N",
+                   &t, &litres, &largest, &sum[0], &sum[1], &sum[2]),
+            6);
+        ck_assert_double_eq_tol(t, 0.02 * i, 1e-9);
+        for (int k = 0; k < 3; ++k) {
+            ck_assert_double_eq_tol(sum[k], 0.0, 1e-14);
+        }
+        ck_assert_double_eq_tol(largest, 0.018, 1e-3);
+        ck_assert(i < 4 || fabs(litres - 4.7) < 0.3);
+    }
+}
+END_TEST
+
 START_TEST(own_stepper_is_of_order_4)
 {
     expect(shell(EXAMPLE("own_stepper") " 2>&1"), 0);
@@ -272,6 +296,7 @@ TEST_SUITE(examples)
     tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
     tcase_add_test(tcase, dragged_sphere_pushes_the_cloth);
     tcase_add_test(tcase, own_force_and_floor_are_accounted_for);
+    tcase_add_test(tcase, pressure_on_a_mesh_inflates_a_pillow_and_sums_to_zero);
     tcase_add_test(tcase, own_stepper_is_of_order_4);
     tcase_add_test(tcase, plugin_of_one_file_keeps_every_promise);
     tcase_add_test(tcase, plugin_of_one_file_reaches_its_tolerance_at_a_fair_price);

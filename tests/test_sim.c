@@ -196,13 +196,20 @@ START_TEST(states_are_copied_particle_by_particle)
     ck_assert(y[0] == x[0] && y[3 * N] == 0.0);
     for (size_t bad = 0; bad < 6 * N; ++bad) {
         weft_error err = { 0 };
+        char expected[96];
+        const size_t j = bad % (3 * N);
+        (void)snprintf(
+            expected, sizeof expected,
+            "a state must be finite: the %s of particle (%zu, %zu) has %c = %s",
+            bad < 3 * N ? "position" : "velocity", j / 3 / COLS, j / 3 % COLS,
+            "xyz"[j % 3], bad % 2 ? "nan" : "inf");
         memcpy(a, x, sizeof a);
         memcpy(b, v, sizeof b);
         a[3 * N - 1] = 5.0;
         *(bad < 3 * N ? &a[bad] : &b[bad - 3 * N])
             = bad % 2 ? (double)NAN : (double)INFINITY;
         ck_assert_int_eq(weft_sim_set_state(sim, a, b, &err), WEFT_INVALID);
-        ck_assert_str_eq(err.message, "a state must be finite");
+        ck_assert_str_eq(err.message, expected);
         ck_assert_double_eq(y[3 * N - 1], x[3 * N - 1]);
     }
 }

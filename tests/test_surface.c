@@ -154,6 +154,63 @@ START_TEST(a_mesh_gives_back_what_defined_it)
 }
 END_TEST
 
+/* Own forces see a mesh in the order of its states; the index is that of
+ * weft_cloth_index. */
+typedef struct lifted {
+    size_t place, particles;
+    double force, lowest; /* [N] upwards on the vertex there; [m] its height */
+} lifted;
+
+static int lift(void *ctx, double t, const double *y, double *f)
+{
+    lifted *of = ctx;
+    (void)t;
+    f[of->particles + of->place] = of->force;
+    of->lowest = y[of->particles + of->place];
+    return 0;
+}
+
+START_TEST(own_force_acts_on_the_vertex_of_the_definition)
+{
+    test_mesh mesh;
+    weft_error err = { 0 };
+    weft_failure failure;
+    mesh_sheet(&mesh, 5, 9, 0.1, MESH_ALTERNATING, 0.0, 1);
+    mesh_shuffle(&mesh, 2, NULL);
+    const weft_cloth_def def = mesh_cloth(&mesh);
+    cloth = test_cloth(&def);
+    size_t moved = 0;
+    for (size_t v = 0; v < 45; ++v) {
+        double xyz[3 * 45], before[3 * 45];
+        lifted of = { weft_cloth_index(cloth, v), 45, 100.0, 0.0 };
+        weft_sim_def run = weft_sim_def_default();
+        weft_sim *sim = NULL;
+        run.cloth = cloth;
+        run.method = test_method_named("verlet/symplectic_euler");
+        run.config.fixed_step = 1e-6;
+        run.force = lift;
+        run.force_ctx = &of;
+        ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_OK);
+        weft_sim_positions(sim, before);
+        ck_assert_int_eq(weft_sim_step(sim, 1e-6, &err), WEFT_OK);
+        weft_sim_velocities(sim, xyz);
+        for (size_t i = 0; i < 45; ++i) { /* the weight of the others: g h */
+            ck_assert((xyz[3 * i + 1] > 1e-5) == (i == v));
+        }
+        ck_assert(of.lowest == before[3 * v + 1]);
+        of.force = NAN;
+        ck_assert_int_ne(weft_sim_step(sim, 2e-6, &err), WEFT_OK);
+        ck_assert(weft_sim_failure(sim, &failure) && failure.force);
+        ck_assert_uint_eq(failure.force_particle, v);
+        moved += of.place != v;
+        weft_sim_destroy(sim);
+    }
+    ck_assert_uint_gt(moved, 20);
+    destroy();
+    mesh_free(&mesh);
+}
+END_TEST
+
 /* What weft_sim_vertices must give, the slow way: from the lists of triangles. */
 static void expect_vertices(const weft_sim *sim)
 {
@@ -294,6 +351,7 @@ TEST_SUITE(surface)
     TCase *triangles = tcase_create("triangles");
     tcase_add_test(triangles, vertices_of_a_mesh_have_their_names);
     tcase_add_test(triangles, a_mesh_gives_back_what_defined_it);
+    tcase_add_test(triangles, own_force_acts_on_the_vertex_of_the_definition);
     tcase_add_test(triangles, vertices_are_positions_and_normals_of_the_triangles);
     tcase_add_test(triangles, normals_of_a_chain_are_zero);
     tcase_add_test(triangles, bytes_of_a_mesh_are_those_it_takes);

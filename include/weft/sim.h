@@ -23,13 +23,20 @@ typedef struct weft_sim weft_sim;
 
 /* Called after every accepted step of size h [s] that ended at t [s], after the strain
  * limit. May edit y[6 N], except the part of pinned particles. Returns whether it did.
- * It must leave every number finite. */
+ * It must leave every number finite. Triangles: y has the order of a state, as in
+ * weft_force_fn. */
 typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
 
 /* The caller's own force: adds [N] to f[3 N], planes fx fy fz, at t [s] in the state
  * y[6 N]. A force on a pinned particle has no effect. Returns, as weft_rhs_fn does, 0;
  * > 0 if y is unusable and a smaller step may help; < 0 to end the run, which then
- * fails with WEFT_STOPPED.
+ * fails with WEFT_STOPPED. A force that is not finite fails the step, and
+ * weft_sim_failure names the particle.
+ *
+ * If the cloth is a mesh, vertex v of its file has the place i =
+ * weft_cloth_index(cloth, v) of each plane: y[i], y[N + i], y[2 N + i] is its position,
+ * f[i], f[N + i], f[2 N + i] the force on it. Compute the places once, from the
+ * definition's cloth, and hand them over in ctx: examples/pillow.c.
  *
  * Called in every evaluation of the right-hand side, many times per step, also for
  * rejected attempts, in the thread that steps. It must be a function of (t, y) alone,
@@ -305,6 +312,10 @@ typedef struct weft_failure {
                            there is none */
     double other_gap;     /* [m] of the nearest particle to it */
     char held[320];       /* what holds the step, in words; empty: not looked for */
+    bool force; /* whether weft_sim_def.force is the reason: what it added to the free
+                   particle force_particle is not finite; else the fields below are 0 */
+    size_t force_particle;
+    double added[3]; /* [N] to that particle */
 } weft_failure;
 
 /* Whether the last step failed; the message of weft_sim_step has the same in words. */

@@ -25,3 +25,9 @@ static inline bool weft__all_finite(const double *values, size_t count)
     }
     return sum == 0.0;
 }
+
+/* For a text, in which NaN has no sign. */
+static inline double weft__unsigned_nan(double x)
+{
+    return isnan(x) ? (double)NAN : x;
+}

@@ -34,24 +34,80 @@ static void find_fastest(const weft_sim *sim, weft_failure *out)
                             sizeof *out);
 }
 
+/* The first free particle, in the order of the definition, on which the own force of
+ * the last evaluation is not finite. */
+static void find_force(const weft_sim *sim, weft_failure *out)
+{
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles;
+    for (size_t v = 0; sim->def.force != NULL && v < n; ++v) {
+        const size_t i = weft__meant(mesh, v);
+        const double f[3] = { sim->added[i], sim->added[n + i], sim->added[2 * n + i] };
+        if (mesh->pin[i] == 0 && !weft__all_finite(f, 3)) {
+            out->force = true;
+            out->force_particle = v;
+            memcpy(out->added, f, sizeof f);
+            return;
+        }
+    }
+}
+
+/* What moves fastest or, if the own force is the reason, where it is not finite. */
+static const char *particle_text(const weft_failure *self, const weft_cloth *cloth,
+                                 char *text, size_t size)
+{
+    char name[64];
+    const size_t i = self->force ? self->force_particle : self->particle;
+    const char *who = weft_particle_text(cloth, i, name, sizeof name);
+    const double *x = self->position, *f = self->added;
+    if (self->force) {
+        (void)weft_text_format(
+            text, size, "the own force on %s is (%.3g, %.3g, %.3g) N, not finite", who,
+            weft__unsigned_nan(f[0]), weft__unsigned_nan(f[1]),
+            weft__unsigned_nan(f[2]));
+    } else {
+        (void)weft_text_format(text, size,
+                               "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s", who,
+                               x[0], x[1], x[2], self->speed);
+    }
+    return text;
+}
+
 static void set_message(const weft_failure *self, const weft_cloth *cloth,
                         weft_error *err)
 {
     const weft_spring *worst = &self->spring;
-    char name[96], spring[128] = "no springs", fastest[64];
+    char name[96], spring[128] = "no springs", particle[192];
     if (worst->p != worst->q) {
         (void)weft_text_format(spring, sizeof spring, "most strained %s at %.3g %%",
                                weft_spring_text(cloth, worst, name, sizeof name),
                                100.0 * worst->strain);
     }
-    weft_error_set(err, self->status,
-                   "%s at t = %.9g s, last h = %.3g s; %s%sfastest %s at "
-                   "(%.3g, %.3g, %.3g) m, %.3g m/s; %s; energy %.4g J before that step",
-                   self->reason, self->time, self->last_step, self->held,
-                   self->held[0] != '\0' ? "; " : "",
-                   weft_particle_text(cloth, self->particle, fastest, sizeof fastest),
-                   self->position[0], self->position[1], self->position[2], self->speed,
-                   spring, self->energy);
+    weft_error_set(
+        err, self->status,
+        "%s at t = %.9g s, last h = %.3g s; %s%s%s; %s; energy %.4g J before that "
+        "step",
+        self->reason, self->time, self->last_step, self->held,
+        self->held[0] != '\0' ? "; " : "",
+        particle_text(self, cloth, particle, sizeof particle), spring, self->energy);
+}
+
+void weft__sim_not_finite(const weft_sim *sim, weft_error *why)
+{
+    static const char *const of[] = { "x", "y", "z", "vx", "vy", "vz" };
+    const size_t n = sim->cloth->mesh.particles;
+    char name[64];
+    for (size_t j = 0; j < 6 * n; ++j) {
+        const double value = sim->y[j % 6 * n + weft__meant(&sim->cloth->mesh, j / 6)];
+        if (!isfinite(value)) {
+            weft_error_set(
+                why, WEFT_NOT_FINITE,
+                "the correction left a state that is not finite: %s of %s is %g",
+                of[j % 6], weft_particle_text(sim->cloth, j / 6, name, sizeof name),
+                weft__unsigned_nan(value));
+            return;
+        }
+    }
 }
 
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err)
@@ -75,7 +131,8 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
         failure->gap = sim->refused.gap;
         failure->gap_step = sim->refused.t - sim->t;
     }
-    if (!sim->refused.found && sim->config.fixed_step == 0.0
+    find_force(sim, failure);
+    if (!sim->refused.found && !failure->force && sim->config.fixed_step == 0.0
         && (why->status == WEFT_STEP_TOO_SMALL || why->status == WEFT_SOLVER)) {
         weft__sim_find_holder(sim, &measures, failure);
     }

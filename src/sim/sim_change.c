@@ -78,15 +78,30 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
     }
 }
 
+/* x y z of each vertex; NULL: none are given. */
+static weft_status check_finite(const weft_sim *sim, const char *what,
+                                const double *values, weft_error *err)
+{
+    const size_t count = 3 * weft_cloth_particles(sim->cloth);
+    char name[64];
+    for (size_t j = 0; values != NULL && j < count; ++j) {
+        if (!isfinite(values[j])) {
+            return weft_error_set(
+                err, WEFT_INVALID, "a state must be finite: the %s of %s has %c = %g",
+                what, weft_particle_text(sim->cloth, j / 3, name, sizeof name),
+                "xyz"[j % 3], weft__unsigned_nan(values[j]));
+        }
+    }
+    return WEFT_OK;
+}
+
 weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
                                const double *velocities, weft_error *err)
 {
     TRY(weft__sim_changeable(sim, "weft_sim_set_state", err));
     const size_t n = weft_cloth_particles(sim->cloth);
-    if ((positions != NULL && !weft__all_finite(positions, 3 * n))
-        || (velocities != NULL && !weft__all_finite(velocities, 3 * n))) {
-        return weft_error_set(err, WEFT_INVALID, "a state must be finite");
-    }
+    TRY(check_finite(sim, "position", positions, err));
+    TRY(check_finite(sim, "velocity", velocities, err));
     if (positions != NULL && weft__sim_checks(sim)) {
         memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
         set_planes(sim->cloth, positions, sim->start);

@@ -66,8 +66,10 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
     if (weft__sim_checks(sim)) {
         note_breach(sim, t, y, failed);
     }
-    if (sim->def.force != NULL && failed == 0) {
+    if (sim->def.force != NULL) { /* what an earlier call left is no reason any more */
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);
+    }
+    if (sim->def.force != NULL && failed == 0) {
         ++sim->callbacks;
         failed = sim->def.force(sim->def.force_ctx, t, y, sim->added);
         --sim->callbacks;

@@ -72,8 +72,7 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
 {
     weft_error why = { 0 };
     if (!weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))) {
-        weft_error_set(&why, WEFT_NOT_FINITE,
-                       "the correction left a state that is not finite");
+        weft__sim_not_finite(sim, &why);
         return weft__sim_fail(sim, &why, err);
     }
     sim->refused = weft__state_breach(sim->cloth, sim->t, sim->y);

@@ -199,6 +199,9 @@ void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
  * as a message. Returns the status of *why. */
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err);
 
+/* The same file: why a correction failed that left a number that is not finite. */
+void weft__sim_not_finite(const weft_sim *sim, weft_error *why);
+
 /* The length of y. */
 static inline size_t weft__sim_dim(const weft_sim *of)
 {
