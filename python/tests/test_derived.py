@@ -214,7 +214,17 @@ def test_sensitivity_is_that_of_the_runs_file(scene, tmp_path):
     assert (np.hstack(sim.sensitivity[key]) == rows).all()
 
 
-def test_without_a_key_there_is_no_sensitivity_and_arrays_of_triangles_have_none(scene):
+def test_without_a_key_there_is_no_sensitivity(scene):
     assert weft.load(scene).sensitivity == {}
-    with pytest.raises(TypeError, match="meshes are files"):
-        weft.load({**scene, "cloth": disc("chord")}, {"sensitivity": {"of": ["forces.gravity.1"]}})
+
+
+def test_sensitivity_of_arrays_of_triangles_is_that_of_their_file(scene, tmp_path):
+    sets = {"sensitivity": {"of": ["cloth.fabric.density", "forces.gravity.1"]}, "stepper.fixed_step": 2e-5}
+    arrays = {**scene, "cloth": {**disc("chord"), "pins": [{"vertices": [0, 1]}]}}
+    arrays["cloth"]["mesh"].write(tmp_path / "disc.obj")
+    file = {**arrays, "cloth": {**arrays["cloth"], "mesh": {"file": tmp_path / "disc.obj"}}}
+    sims = [weft.load(one, sets) for one in (arrays, file)]
+    for sim in sims:
+        sim.advance(0.01)
+    first, second = (sim.sensitivity for sim in sims)
+    assert all((first[key] == second[key]).all() and abs(first[key]).max() > 1e-6 for key in sets["sensitivity"]["of"])

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """weft.gradient, against differences of runs with fixed steps."""
+import json
+
 import numpy as np
 import pytest
 from conftest import sheet
@@ -73,3 +75,37 @@ def test_mistakes_are_errors():
     with pytest.raises(weft.Error, match="history"):
         weft.gradient(sheet(), distance, times=[0.01], overrides={
             "stepper": {"plugin": "gsl", "method": "msadams", "rtol": 1e-4, "atol": 1e-4}})
+
+
+def drape(body):
+    return {"cloth": {"grid": {"rows": 5, "cols": 5, "spacing": 0.02, "origin": [-0.04, 0.083, -0.04], "right": [1, 0, 0],
+                               "down": [0, 0, 1]}, "density": 0.2, "springs": {"stretch": {"stiffness": 50}}},
+            "contact": {"thickness": 4e-3, "shapes": [{"shape": "mesh", "file": body}]},
+            "stepper": {"method": "arkode/rk4", "fixed_step": 1e-4}, "run": {"duration": 0.01, "fps": 100}}
+
+
+def low(t, x, v):
+    return x[:, 1].sum(), np.tile([0.0, 1.0, 0.0], (len(x), 1))
+
+
+OCTAHEDRON = (np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]) * 0.08,
+              np.array([(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))
+
+
+def test_bodies_and_meshes_of_arrays_and_of_files_have_the_same_gradient(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vertices, triangles = OCTAHEDRON
+    (tmp_path / "body.obj").write_text("".join("v %r %r %r\n" % tuple(x) for x in vertices.tolist())
+                                       + "".join("f %d %d %d\n" % tuple(c) for c in triangles + 1))
+    (tmp_path / "drape.yaml").write_text(json.dumps({**drape("body.obj"), "weft": 1}))
+    found = [weft.gradient(scene, low, ["cloth.density", "contact.thickness"])
+             for scene in (drape(OCTAHEDRON), drape("body.obj"), drape(tmp_path / "body.obj"), "drape.yaml")]
+    assert found[0].numbers["cloth.density"] != 0.0
+    assert all(one.value == found[0].value and one.numbers == found[0].numbers for one in found)
+    uv = np.array([[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1], [0.05, 0.05]])
+    mesh = weft.Mesh(uv, None, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    mesh.write("cloth.obj")
+    cloth = {"fabric": {"preset": "royal-target"}, "pins": [{"vertices": [2]}]}
+    first, second = (weft.gradient({**drape(OCTAHEDRON), "contact": {}, "cloth": {"mesh": one, **cloth}}, low,
+                                   ["cloth.fabric.density"]) for one in (mesh, {"file": "cloth.obj"}))
+    assert first.numbers == second.numbers and first.numbers["cloth.fabric.density"] != 0.0

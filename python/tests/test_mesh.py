@@ -127,15 +127,14 @@ def test_scenes_of_meshes_are_changed_saved_and_pickled():
     sim = weft.load(scene, {"run.fps": 100.0, "cloth.pins.1": {"vertices": [24]}, "cloth.fabric.density": 0.5,
                             "forces.damping": 1e-3})
     assert sim.fps == 100 and sim.pinned[24] and not weft.load(scene).pinned[24]
-    assert 'mesh: {file: "scene.obj"}' in sim.scene and "{vertices: [24]}" in sim.scene and "damping: 0.001" in sim.scene
+    assert 'file: "scene.obj"' in sim.scene and "vertices: [24]" in sim.scene and "damping: 0.001" in sim.scene
     sim.advance(0.005)
     again = pickle.loads(pickle.dumps(sim))
     sim.advance(0.01)
     again.advance(0.01)
     assert again.measure().hash == sim.measure().hash and again.scene == sim.scene
-    with pytest.raises(ValueError, match="cloth.mesh.unit cannot be set"):
-        weft.load(scene, {"cloth.mesh.unit": 2})
-    with pytest.raises(ValueError, match="nothing can be set at '7'"):
+    assert (weft.load(scene, {"cloth.mesh.unit": 2}).rest == 2 * sim.rest).all()
+    with pytest.raises(weft.SceneError, match="override cloth.pins.7"):
         weft.load(scene, {"cloth.pins.7": {"vertices": [1]}})
 
 
@@ -234,12 +233,12 @@ def test_meshes_that_are_no_cloth_are_refused_when_loaded(words, rest, triangles
     (weft.SceneError, "the mesh has no group 'tpo' .*did you mean 'top'", {"pins": [{"group": "tpo"}]}),
     (IndexError, r"pins\[0\].vertices\[1\] is 25, but there are 25 vertices", {"pins": [{"vertices": [3, 25]}]}),
     (ValueError, r"pins\[0\].vertices is empty", {"pins": [{"vertices": []}]}),
-    (ValueError, r"loads\[0\]: no vertex of the mesh starts inside this sphere",
+    (weft.SceneError, "scene:8:15: error: no vertex of the mesh starts inside this sphere",
      {"loads": [{"inside": {"shape": "sphere", "at": [9, 9, 9], "radius": 1.0}, "mass": 1}]}),
     (weft.SceneError, "the mesh has no usemtl 'hem'", {"fabrics": {"hem": DENIM}}),
     (weft.SceneError, "'at' needs a grid", {"pins": [{"at": "top"}]}),
-    (ValueError, "inside: a shape is a mapping, not 3", {"pins": [{"inside": 3}]}),
-    (ValueError, "inside: a shape is a plane .* not {'shape': 'cone'}", {"pins": [{"inside": {"shape": "cone"}}]}),
+    (weft.SceneError, "a shape must be a mapping .* not '3'", {"pins": [{"inside": 3}]}),
+    (weft.SceneError, "shape must be plane, sphere, .* not the text 'cone'", {"pins": [{"inside": {"shape": "cone"}}]}),
     (weft.SceneError, "needs a grid: a mesh of triangles has a fabric", {"density": 0.1}),
 ])
 def test_mistakes_of_a_scene_are_those_of_a_file(error, words, cloth):
@@ -435,6 +434,43 @@ def test_a_simulation_with_a_body_of_arrays_is_copied(again, cloth):
     assert other.measure().hash == sim.measure().hash and other.scene == sim.scene and "friction: 0.5" in other.scene
     shape = other.shapes[0]
     assert triangles_of(shape["vertices"], shape["triangles"]) == triangles_of(0.03 * CUBE + [0.04, -0.03, 0], SIDES)
+
+
+@pytest.mark.parametrize("at", [[0.0, 0.0, 0.0], [-0.3, 0.0, 0.2]])
+def test_a_mesh_of_arrays_is_checked_where_it_is_and_not_at_the_origin(at, tmp_path):
+    """Near a body, sewn and with groups and fabrics, in load(), a Batch, run() and gradient()."""
+    uv, triangles = square(5)
+    mesh = Mesh(uv, np.c_[uv[:, 0], np.full(25, 0.05), uv[:, 1]] + at, triangles, groups={"top": [0, 1]}, fabrics={"hem": [3]})
+    body = {"shape": "mesh", "file": (0.04 * CUBE + at, SIDES)}
+    scene = {"cloth": {"mesh": mesh, "fabric": DENIM, "fabrics": {"hem": DENIM}, "pins": [{"group": "top"}]},
+             "contact": {"thickness": 2e-3, "friction": 0, "shapes": [body]},
+             "stepper": {"method": "arkode/dormand_prince", "rtol": 1e-4, "atol": 1e-4}, "run": {"duration": 0.02, "fps": 50}}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", weft.SceneWarning)
+        sim = weft.load(scene)
+        batch = weft.Batch(scene, 2, threads=1)
+    sim.advance(0.02), batch.advance(0.02)
+    assert sim.measure().hash == batch[1].measure().hash == weft.run(scene, tmp_path / "run").result["hash"]
+    mesh = Mesh(uv, np.c_[uv[:, 0], np.zeros(25), uv[:, 1]] + at, triangles)
+    with pytest.raises(weft.Error, match="touches shapes") as caught:
+        weft.load({**scene, "cloth": {"mesh": mesh, "fabric": DENIM}})
+    assert "/tmp" not in str(caught.value)
+
+
+def test_a_scene_of_trimesh_is_refused_with_the_way_to_one_mesh():
+    scene = SimpleNamespace(geometry={}, vertices=UV, faces=TRIANGLES)
+    for given in (hung(scene), over_body(scene)):
+        with pytest.raises(TypeError, match=r"trimesh.Scene; trimesh.load\(file, force='mesh'\)"):
+            weft.load(given)
+
+
+def test_files_of_a_dict_are_found_from_the_working_directory_by_all_doors(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = from_file(hung(sheet()), tmp_path)
+    scene["cloth"]["mesh"] = {"file": "mesh.obj"}
+    made = hashes(weft.load(scene))
+    assert list(weft.run(scene, "run").series["hash"]) == made
+    assert list(weft.batch(scene, "batch")["status"]) == ["done"]
 
 
 @pytest.mark.parametrize("body, error", [

@@ -32,19 +32,44 @@ def as_particles(plane: Array, n: int) -> Array:
     return plane.reshape(3, n).T
 
 
-class Hooks:
-    """The Python functions of a simulation, with the arrays that they see, and what they raised."""
+class Seen:
+    """The arrays in which a function of Python sees states, filled again for each call: x and v (N, 3), in the order of
+    Sim.positions. index (N,): where a state has each particle; None: in that order."""
 
-    def __init__(self, n: int) -> None:
-        self.force: Optional[Force] = None
-        self.correct: Optional[Correction] = None
-        self.event: Optional[Event] = None
-        self.y, self.f = np.zeros(6 * n), np.zeros(3 * n)
+    def __init__(self, n: int, index: Optional[Array]) -> None:
+        self.index = index
+        self.y = np.zeros(6 * n)
         self.x, self.v = as_particles(self.y[:3 * n], n), as_particles(self.y[3 * n:], n)
-        self.forces = as_particles(self.f, n)
         self.read = self.x.view(), self.v.view()
         for array in self.read:
             array.flags.writeable = False
+
+    def take(self, y: Any) -> None:
+        """Fills the arrays from a state of C."""
+        if self.index is None:
+            ffi.memmove(ffi.from_buffer(self.y), y, self.y.nbytes)
+        else:
+            planes = np.frombuffer(ffi.buffer(y, self.y.nbytes)).reshape(6, -1)
+            np.take(planes, self.index, axis=1, out=self.y.reshape(6, -1), mode="clip")
+
+    def give(self, planes: Array, to: Any) -> None:
+        """Writes planes in the order of the arrays to those of C, which have the order of states."""
+        if self.index is None:
+            ffi.memmove(to, ffi.from_buffer(planes), planes.nbytes)
+        else:
+            n = len(self.x)
+            np.frombuffer(ffi.buffer(to, planes.nbytes)).reshape(-1, n)[:, self.index] = planes.reshape(-1, n)
+
+
+class Hooks:
+    """The Python functions of a simulation, with the arrays that they see, and what they raised."""
+
+    def __init__(self, n: int, index: Optional[Array] = None) -> None:
+        self.force: Optional[Force] = None
+        self.correct: Optional[Correction] = None
+        self.event: Optional[Event] = None
+        self.seen, self.f = Seen(n, index), np.zeros(3 * n)
+        self.forces = as_particles(self.f, n)
         self.raised = ffi.new("bool *")
         self.error: Optional[BaseException] = None
 
@@ -66,10 +91,10 @@ def _none(value: Any, name: str, advice: str) -> None:
 def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
     hooks = ffi.from_handle(ctx)
     try:
-        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
+        hooks.seen.take(y)
         hooks.f[:] = 0.0
-        _none(hooks.force(t, *hooks.read, hooks.forces), "the force", "it adds to its last argument in place")
-        ffi.memmove(f, ffi.from_buffer(hooks.f), hooks.f.nbytes)
+        _none(hooks.force(t, *hooks.seen.read, hooks.forces), "the force", "it adds to its last argument in place")
+        hooks.seen.give(hooks.f, f)
     except BaseException as error:  # also KeyboardInterrupt: the caller of step() gets it
         hooks.keep(error)
         return -1
@@ -80,14 +105,14 @@ def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
 def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
     hooks = ffi.from_handle(ctx)
     try:
-        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
-        changed = hooks.correct(t, h, hooks.x, hooks.v)
+        hooks.seen.take(y)
+        changed = hooks.correct(t, h, hooks.seen.x, hooks.seen.v)
         if changed is not None and not isinstance(changed, (bool, np.bool_)):
             raise TypeError("the correction returned %s, not None or whether it changed the state"
                             % type(changed).__name__)
         if changed is False:
             return False
-        ffi.memmove(y, ffi.from_buffer(hooks.y), hooks.y.nbytes)
+        hooks.seen.give(hooks.seen.y, y)
     except BaseException as error:
         hooks.keep(error)
         return False
@@ -98,8 +123,8 @@ def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
 def weftpy_event(ctx: Any, _cloth: Any, t: float, y: Any) -> float:
     hooks = ffi.from_handle(ctx)
     try:
-        ffi.memmove(ffi.from_buffer(hooks.y), y, hooks.y.nbytes)
-        return float(hooks.event(t, *hooks.read))
+        hooks.seen.take(y)
+        return float(hooks.event(t, *hooks.seen.read))
     except BaseException as error:
         hooks.keep(error)
         return math.nan

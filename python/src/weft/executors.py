@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 from weft.library import PathLike, SceneError
 from weft.runs import RunError, _files, _process, _sets, _table
-from weft.simulation import Scene
+from weft.scenes import Scene, path_of
 
 if TYPE_CHECKING:
     import pandas as pd

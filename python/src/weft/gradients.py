@@ -8,10 +8,9 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 
 from weft._weft import ffi, lib
-from weft.callbacks import as_particles
-from weft.library import Array, check, read_scene, real, scene_twins
-from weft.mesh import has_bodies, has_mesh
-from weft.simulation import Scene, _form
+from weft.callbacks import Seen
+from weft.library import Array, check, index_of, read_scene, real, scene_twins
+from weft.scenes import Form, Scene, formed
 
 # (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
 Objective = Callable[[float, Array, Array], tuple[Any, ...]]
@@ -30,25 +29,24 @@ class Gradient(NamedTuple):
 class _Call:
     """An objective with the arrays that it sees, and what it raised."""
 
-    def __init__(self, objective: Objective, n: int) -> None:
+    def __init__(self, objective: Objective, cloth: Any) -> None:
         self.objective, self.error = objective, None  # type: Objective, Optional[BaseException]
-        self.y = np.zeros(6 * n)
-        self.x, self.v = as_particles(self.y[:3 * n], n), as_particles(self.y[3 * n:], n)
-        self.x.flags.writeable = self.v.flags.writeable = False
+        n = int(lib.weft_cloth_particles(cloth))
+        self.seen, self.slope = Seen(n, index_of(cloth)), np.zeros((2, 3, n))
 
 
 @ffi.def_extern()
 def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: Any) -> int:
     call = ffi.from_handle(ctx)
     try:
-        ffi.memmove(ffi.from_buffer(call.y), y, call.y.nbytes)
-        found, *slopes = call.objective(t, call.x, call.v)
-        n = len(call.x)
-        planes = np.frombuffer(ffi.buffer(slope, call.y.nbytes)).reshape(2, 3, n)
+        call.seen.take(y)
+        found, *slopes = call.objective(t, *call.seen.read)
         if not 1 <= len(slopes) <= 2:
             raise TypeError("the objective returns its value and its derivatives by x, or by x and by v")
+        call.slope[:] = 0.0
         for k, by in enumerate(slopes):
-            planes[k] += real(by, "the derivative by " + "xv"[k], (n, 3)).T
+            call.slope[k] = real(by, "the derivative by " + "xv"[k], call.seen.x.shape).T
+        call.seen.give(call.slope, slope)
         value[0] += float(found)
     except BaseException as error:  # also KeyboardInterrupt: the caller gets it
         call.error = error
@@ -56,10 +54,10 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
     return 0
 
 
-def _read(file: Any, content: Any, sets: list[Any], keys: Sequence[str]) -> tuple[Any, Any]:
+def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any]:
     """A scene, and the cloths with less and more of up to 16 numbers."""
     of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
-    scene, _ = read_scene(file, content, [*sets, of])
+    scene, _ = read_scene(form.file, form.content, [*form.sets, of], form.folder)
     return scene, scene_twins(scene)
 
 
@@ -69,8 +67,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
 
     objective(t, x, v) returns its value in a frame at t [s] and its derivatives by the positions x (N, 3) [m], or by
     these and by the velocities v (N, 3) [m/s]. It is called of each of `times` [s], the last one first (default: the
-    frames of the scene), with the same arrays each time, which it must not change; of triangles these have the order of
-    Sim.state. over: keys as overrides write them, any number of them. It costs some four runs in all, and for each
+    frames of the scene), with the same arrays each time, which it must not change. over: keys as overrides write them, any number of them. It costs some four runs in all, and for each
     number other than those of springs, gravity and drag up to two more. Explicit one-step methods, without strain limit
     or stop.
 
@@ -82,11 +79,9 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     >>> found.numbers["forces.gravity.1"] > 0, found.x.shape
     (True, (80, 3))
     """
-    if isinstance(scene, Mapping) and (has_mesh(scene) or has_bodies(scene)):
-        raise TypeError("gradient() needs a scene whose meshes and bodies are files: Mesh.write() makes one")
-    file, content, sets = _form(scene, overrides)
-    parts = [_read(file, content, sets, over[i:i + lib.WEFT_SENSITIVITIES])
-             for i in range(0, max(len(over), 1), lib.WEFT_SENSITIVITIES)]
+    with formed(scene, overrides) as form:
+        parts = [_read(form, over[i:i + lib.WEFT_SENSITIVITIES])
+                 for i in range(0, max(len(over), 1), lib.WEFT_SENSITIVITIES)]
     first = parts[0][0]
     err, cloth = ffi.new("weft_error *"), ffi.new("weft_cloth **")
     check(lib.weft_cloth_create(lib.weft_scene_cloth(first), cloth, err), err)
@@ -107,18 +102,18 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
         for j in range(0 if of == ffi.NULL else of.count):
             numbers[len(units)] = of.numbers[j]
             units.append(lib.weft_scene_sensitivities(read).values[j] or 1.0)
-    call = _Call(objective, int(lib.weft_cloth_particles(cloth)))
+    call = _Call(objective, cloth)
     handle, at = ffi.new_handle(call), ffi.new("double[]", frames)
     definition = ffi.new("weft_gradient_def *", lib.weft_gradient_def_default())
     definition.sim, definition.count, definition.numbers = sim, len(units), numbers
     definition.frames, definition.times = len(frames), at
     definition.objective, definition.ctx = lib.weftpy_objective, handle
-    value, by, start = ffi.new("double *"), np.zeros(max(len(units), 1)), np.zeros_like(call.y)
+    value, by, start = ffi.new("double *"), np.zeros(max(len(units), 1)), np.zeros_like(call.seen.y)
     status = lib.weft_gradient(definition, value, ffi.from_buffer("double[]", by),
                                ffi.from_buffer("double[]", start), err)
     if call.error is not None:
         raise call.error
     check(status, err)
-    half = len(start) // 2
+    call.seen.take(ffi.from_buffer("double[]", start))
     return Gradient(value[0], {key: float(by[j] / units[j]) for j, key in enumerate(over)},
-                    as_particles(start[:half], len(call.x)), as_particles(start[half:], len(call.x)))
+                    np.array(call.seen.x), np.array(call.seen.v))

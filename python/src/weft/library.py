@@ -10,6 +10,7 @@ import os
 import re
 import threading
 from collections.abc import Iterable, Mapping, Sequence
+from decimal import Decimal
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -31,6 +32,13 @@ class Error(RuntimeError):
     def __init__(self, message: str, status: str = "") -> None:
         super().__init__(message)
         self.status = status
+
+
+class NotFoundError(Error, FileNotFoundError):
+    """A scene, or a file of a run, is not there. It is an Error and a FileNotFoundError."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, "not found")
 
 
 class Diagnostic(NamedTuple):
@@ -105,6 +113,11 @@ class Failure(NamedTuple):
     """[m]"""
     held: str
     """what holds the step, in words; empty: not looked for"""
+    force: bool
+    """whether an own force is the reason, which is not finite on the free particle below"""
+    force_particle: int
+    added: Array
+    """[N], the own force on that particle"""
 
 
 class StepError(Error):
@@ -169,9 +182,19 @@ def chars(value: PathLike) -> Any:
 
 def real(value: Any, name: str, *shapes: tuple[int, ...]) -> Array:
     """An array of real numbers that has one of the shapes."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "biufO":  # O: Fraction, Decimal
-        raise TypeError("%s consists of real numbers, not of %s" % (name, array.dtype.name))
+    if np.ma.is_masked(value):
+        raise ValueError("%s has masked elements" % name)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise ValueError("%s has rows of different lengths" % name) from None
+    other = None
+    if array.dtype.kind == "O":  # NumPy would take None for NaN
+        other = next((type(one).__name__ for one in array.flat if not isinstance(one, (numbers.Real, Decimal))), None)
+    elif array.dtype.kind not in "biuf":
+        other = "text" if array.dtype.kind in "US" else array.dtype.name
+    if other is not None:
+        raise TypeError("%s consists of real numbers, not of %s" % (name, other.replace("NoneType", "None")))
     if array.shape not in shapes:
         raise ValueError("%s has the shape %s, not %s" % (name, array.shape, " or ".join(map(str, shapes))))
     return np.asarray(array, dtype=np.float64, order="C")
@@ -184,7 +207,7 @@ def numbers_of(values: Any) -> Array:
 def failure(of: Any) -> Failure:
     plain = {name: getattr(of, name) for name in Failure._fields}
     return Failure(**{**plain, "status": status_text(of.status), "spring": spring(of.spring),
-                      "position": numbers_of(of.position), "reason": text(of.reason),
+                      "position": numbers_of(of.position), "added": numbers_of(of.added), "reason": text(of.reason),
                       "self_pair": pair(of.self_pair), "held": text(of.held)})
 
 
@@ -364,14 +387,16 @@ def settings(overrides: Optional[Mapping[str, Any]]) -> list[str]:
     return [key + "=" + yaml_text(value) for key, value in (overrides or {}).items()]
 
 
-def _diagnostic(of: Any) -> tuple[Diagnostic, str]:
+def _diagnostic(of: Any, folder: str) -> tuple[Diagnostic, str]:
     room = ffi.new("char[]", 2048)
     lib.weft_diagnostic_format(ffi.addressof(of), room, 2048)
-    return Diagnostic(of.warning, of.line, of.column, text(of.place), text(of.message), text(of.source)), text(room)
+    place, message, source, whole = (text(one).replace(folder + os.sep, "") if folder else text(one)
+                                     for one in (of.place, of.message, of.source, room))
+    return Diagnostic(of.warning, of.line, of.column, place, message, source), whole
 
 
-def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> tuple[Any, list[str]]:
-    """A weft_scene and its warnings."""
+def read_scene(file: Optional[str], content: Optional[str], sets: list[str], folder: str = "") -> tuple[Any, list[str]]:
+    """A weft_scene and its warnings; no message names the folder."""
     err, out, found = ffi.new("weft_error *"), ffi.new("weft_scene **"), ffi.new("weft_diagnostics *")
     definition = ffi.new("weft_scene_def *", lib.weft_scene_def_default())
     alive = [chars(s) for s in sets]
@@ -383,13 +408,22 @@ def read_scene(file: Optional[str], content: Optional[str], sets: list[str]) -> 
         definition.text, definition.length = held, len(data)
     with registry_lock:
         status = lib.weftpy_scene(registry(), definition, out, found, err)
-    items = [_diagnostic(found.items[i]) for i in range(found.count)]
+    items = [_diagnostic(found.items[i], folder) for i in range(found.count)]
     if status == lib.WEFT_BAD_SCENE:
         more = found.errors - sum(not d.warning for d, _ in items)
         rest = ["and %d more" % more] if more > 0 else []
         raise SceneError("\n".join([t for _, t in items] + rest), [d for d, _ in items])
     check(status, err)
     return ffi.gc(out[0], lib.weft_scene_destroy), [t for _, t in items]
+
+
+def index_of(cloth: Any) -> Optional[np.ndarray[Any, np.dtype[np.intp]]]:
+    """(N,), where each vertex of triangles stands in a state; None of a grid: 0, 1, ..."""
+    if lib.weft_cloth_cols(cloth) > 0:
+        return None
+    places = np.empty(lib.weft_cloth_particles(cloth), dtype=np.intp)
+    lib.weftpy_index(cloth, ffi.from_buffer("size_t[]", places))
+    return places
 
 
 def scene_twins(scene: Any) -> Any:

@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Triangles of fabric from arrays: Mesh, and the scenes whose cloth is one."""
+"""Triangles of fabric from arrays: Mesh."""
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 import warnings
-from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Mapping
 from typing import Any, Optional
 
 import numpy as np
 
-from weft._weft import ffi, lib
-from weft.library import Array, PathLike, SceneWarning, chars, read_scene, real, yaml_text
+from weft.library import Array, PathLike, SceneWarning, real
 
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
+ONE_MESH = "trimesh.load(file, force='mesh') gives one mesh of all its geometry"
 _FLAT = 1e-6  # of its extent: a surface that leaves its plane by less is flat
 
 
@@ -248,6 +245,8 @@ class Mesh:
         """The mesh itself, or from_trimesh() or from_meshio() of what has their attributes."""
         if isinstance(value, Mesh):
             return value
+        if hasattr(value, "geometry"):
+            raise TypeError("a mesh is not a trimesh.Scene; %s" % ONE_MESH)
         if hasattr(value, "vertices") and hasattr(value, "faces"):
             return Mesh.from_trimesh(value)
         if hasattr(value, "points") and hasattr(value, "cells"):
@@ -376,284 +375,3 @@ def _used(uv: Any, start: Any, triangles: Any, fabrics: Any, groups: Mapping[str
     members = {name: _integers(of, "group '%s'" % name, len(start), "vertices") for name, of in groups.items()}
     return Mesh(np.asarray(uv)[kept], start[kept][first], vertex_of[places], places=places, fabrics=fabrics,
                 groups={name: vertex_of[number[of[flag[of]]]] for name, of in members.items()})
-
-
-# ---- scenes ---------------------------------------------------------------------------
-
-_WHERE = ("vertices", "group", "near", "inside")
-_ALL_PINNED = "are pinned: nothing will move freely"
-
-
-def _is_mesh(cloth: Any) -> bool:
-    """Whether a cloth is a mesh of arrays: neither a grid nor a file's."""
-    mesh = cloth.get("mesh") if isinstance(cloth, Mapping) else None
-    return mesh is not None and not isinstance(mesh, (Mapping, str, bytes, int, float, list, tuple, np.ndarray))
-
-
-def _several(scene: Mapping[str, Any]) -> list[Any]:
-    cloths = scene.get("cloths")
-    return list(cloths) if isinstance(cloths, (list, tuple)) else []
-
-
-def has_mesh(scene: Mapping[str, Any]) -> bool:
-    """Whether the cloth of a scene, or one of several, is a mesh of arrays."""
-    return any(map(_is_mesh, [scene.get("cloth"), *_several(scene)]))
-
-
-def with_file(scene: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The scene with a mesh from the OBJ file of a name."""
-    return {**scene, "cloth": {**scene["cloth"], "mesh": {"file": name}}}
-
-
-def with_files(scene: Mapping[str, Any], stem: str, folder: Optional[PathLike] = None) -> dict[str, Any]:
-    """The scene with its meshes of arrays from STEM.obj, of several cloths STEM-0.obj and so on, which are written
-    unless `folder` is None."""
-    def from_file(cloth: Any, name: str) -> Any:
-        if not _is_mesh(cloth):
-            mesh = cloth.get("mesh") if isinstance(cloth, Mapping) else None
-            if folder is None or not isinstance(mesh, Mapping) or "file" not in mesh:
-                return cloth
-            return {**cloth, "mesh": {**mesh, "file": os.path.abspath(mesh["file"])}}  # not below the folder
-        if folder is not None:
-            Mesh.of(cloth["mesh"]).write(Path(folder, name))
-        return {**cloth, "mesh": {"file": name}}
-
-    changed = {}
-    if "cloth" in scene:
-        changed["cloth"] = from_file(scene["cloth"], stem + ".obj")
-    if "cloths" in scene:
-        changed["cloths"] = [from_file(one, "%s-%d.obj" % (stem, k)) for k, one in enumerate(_several(scene))]
-    return {**scene, **changed}
-
-
-def _shapes(scene: Mapping[str, Any]) -> Any:
-    contact = scene.get("contact")
-    shapes = contact.get("shapes") if isinstance(contact, Mapping) else None
-    return shapes if isinstance(shapes, (list, tuple)) else []
-
-
-def has_bodies(scene: Mapping[str, Any]) -> bool:
-    """Whether a shape of a scene is a mesh, of arrays or of a file."""
-    return any(isinstance(shape, Mapping) and "file" in shape for shape in _shapes(scene))
-
-
-def _body(value: Any) -> Any:
-    """The path of a body's file, or copies of its arrays: (vertices, triangles), of key frames (keys, n, 3)."""
-    if isinstance(value, (str, os.PathLike)):
-        return os.path.abspath(value)
-    pair = value if isinstance(value, (tuple, list)) else (getattr(value, "vertices", None), getattr(value, "faces", None))
-    if len(pair) != 2 or pair[0] is None or pair[1] is None:
-        raise TypeError("the file of a body is a path, a trimesh.Trimesh or (vertices, triangles), not %.100r" % (value,))
-    array = _array(pair[0], "vertices of a body")
-    if array.ndim not in (2, 3) or array.shape[-1] != 3 or 0 in array.shape:
-        raise ValueError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (array.shape,))
-    places = _numbers(array.reshape(-1, 3), "vertices of a body", 3).reshape(array.shape)
-    return places, _corners(pair[1], "triangles of a body", None, places.shape[-2], "vertices")
-
-
-def _each_body(scene: Mapping[str, Any], change: Callable[[int, Any], Any]) -> dict[str, Any]:
-    shapes = [{**shape, "file": change(k, shape["file"])} if isinstance(shape, Mapping) and "file" in shape else shape
-              for k, shape in enumerate(_shapes(scene))]
-    return {**scene, "contact": {**scene["contact"], "shapes": shapes}}
-
-
-def own_bodies(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """The scene with paths or copies of the arrays of its bodies."""
-    return _each_body(scene, lambda k, value: _body(value))
-
-
-def with_bodies(scene: Mapping[str, Any], folder: Path, stem: str = "scene") -> dict[str, Any]:
-    """The scene with files of its bodies, those of arrays written to a folder."""
-    def write(k: int, value: Any) -> str:
-        body = _body(value)
-        if isinstance(body, str):
-            return body
-        keys = body[0] if body[0].ndim == 3 else body[0][None]
-        faces = "".join("f %d %d %d\n" % tuple(c) for c in body[1].astype(int) + 1)
-        name = str(folder / ("%s-shape%d" % (stem, k)))
-        for key, places in enumerate(keys):
-            file = name + ("-%04d" % key if body[0].ndim == 3 else "") + ".obj"
-            Path(file).write_text("".join("v %.17g %.17g %.17g\n" % tuple(x) for x in places) + faces, encoding="utf-8")
-        return name + ("-%04d.obj" if body[0].ndim == 3 else ".obj")
-    return _each_body(scene, write)
-
-
-def _override(node: Any, path: str, value: Any) -> Any:
-    """A copy of a scene with the value at a path of keys, as `--set` puts it there; None removes a key."""
-    key, _, rest = path.partition(".")
-    if node is None:
-        node = [] if key.isdigit() else {}
-    if isinstance(node, Mapping):
-        copy = dict(node)
-        copy[key] = _override(node.get(key), rest, value) if rest else value
-        return {k: v for k, v in copy.items() if k != key or v is not None}
-    if not isinstance(node, (list, tuple)) or not key.isdigit() or int(key) > len(node):
-        raise ValueError("nothing can be set at '%s' of %r" % (path, node))
-    items, k = list(node), int(key)
-    there = items[k] if k < len(items) else None
-    items[k:k + 1] = [_override(there, rest, value) if rest else value]
-    return items
-
-
-def _gap(shape: Mapping[str, Any], x: Array) -> Array:
-    """[m] Distances of points (N, 3) to a shape of a scene: weft_shape of include/weft/cloth.h."""
-    if not isinstance(shape, Mapping):
-        raise ValueError("inside: a shape is a mapping, not %r" % (shape,))
-    kind, end = shape.get("shape"), "from" if shape.get("shape") == "capsule" else "at"
-    needs = {"plane": ("at", "normal"), "sphere": ("at", "radius"), "capsule": ("from", "to", "radius"),
-             "box": ("at", "half", "rounding")}.get(str(kind))
-    if needs is None or set(shape) != {"shape", *needs}:
-        raise ValueError("inside: a shape is a plane (at, normal), sphere (at, radius), capsule (from, to, radius) or "
-                         "box (at, half, rounding) with just these keys, not %r" % (dict(shape),))
-    value = {name: real(shape[name], name, () if name in ("radius", "rounding") else (3,)) for name in needs}
-    if not all(np.isfinite(v).all() for v in value.values()):
-        raise ValueError("inside: %r has numbers that are not finite" % (dict(shape),))
-    r = x - value[end]
-    if kind == "plane":
-        return r @ (value["normal"] / np.linalg.norm(value["normal"]))
-    if kind == "sphere":
-        return np.sqrt((r * r).sum(axis=1)) - value["radius"]  # type: ignore[no-any-return]
-    if kind == "box":
-        over = np.maximum(np.abs(r) - (value["half"] - value["rounding"]), 0.0)
-        return (over ** 4).sum(axis=1) ** 0.25 - value["rounding"]  # type: ignore[no-any-return]
-    axis = value["to"] - value["from"]
-    length = np.sqrt(axis @ axis)
-    along = r @ (axis / length)
-    side = r - along[:, None] * (axis / length)
-    over = along - np.clip(along, 0.0, length)
-    return ((side * side).sum(axis=1) ** 2 + over ** 4) ** 0.25 - value["radius"]  # type: ignore[no-any-return]
-
-
-class ClothsScene:
-    """A scene, a dict, of several cloths, some of which are a Mesh: libweft reads those from files."""
-
-    def __init__(self, scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> None:
-        merged: Any = scene
-        for path, value in (overrides or {}).items():
-            merged = _override(merged, path.replace("[", ".").replace("]", ""), value)
-        self.scene: dict[str, Any] = {**merged, "cloths": [
-            {**one, "mesh": Mesh.of(one["mesh"])} if _is_mesh(one) else one for one in _several(merged)]}
-
-    def text(self) -> str:
-        return yaml_text(with_files(self.scene, "scene"))
-
-    def read(self) -> tuple[Any, list[str]]:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "scene.yaml")
-            path.write_text(yaml_text(with_files(self.scene, "mesh", folder)), encoding="utf-8")
-            return read_scene(str(path), None, [])
-
-    def definition(self, scene: Any) -> tuple[Any, list[Any]]:
-        return lib.weft_scene_cloth(scene), []
-
-
-def mesh_scene(scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> Any:
-    """A MeshScene or a ClothsScene."""
-    return (ClothsScene if "cloths" in scene else MeshScene)(scene, overrides)
-
-
-class MeshScene:
-    """A scene, a dict, whose cloth is a Mesh. libweft reads a text in which another mesh stands in for it: a triangle
-    for each fabric, with the names of all groups, and held, so that its place does not matter."""
-
-    def __init__(self, scene: Mapping[str, Any], overrides: Optional[Mapping[str, Any]] = None) -> None:
-        merged: Any = scene
-        for path, value in (overrides or {}).items():
-            if path == "cloth.mesh" or path.startswith("cloth.mesh."):
-                raise ValueError("%s cannot be set: cloth.mesh is a mesh of arrays" % path)
-            merged = _override(merged, path, value)
-        self.mesh = Mesh.of(merged["cloth"]["mesh"])
-        self.scene: dict[str, Any] = {**merged, "cloth": {**merged["cloth"], "mesh": self.mesh}}
-
-    def text(self) -> str:
-        return yaml_text(with_file(self.scene, "scene.obj"))
-
-    def _obj(self) -> str:
-        fabrics = ["usemtl %s\n" % name for name in ("", *self.mesh.fabric_names)]
-        corner = "v 0 0 0\nvt %d %d\n"
-        triangle = corner % (0, 0) + corner % (1, 0) + corner % (0, 1) + "%sf -3/-3 -2/-2 -1/-1\n"
-        return "".join(triangle % fabric for fabric in fabrics) + "".join("g %s\np 1\n" % g for g in self.mesh.groups)
-
-    def _stand_in(self, file: str) -> str:
-        """The text that libweft reads."""
-        def replaced(item: Any) -> Any:
-            if not isinstance(item, Mapping):
-                return item
-            return {("vertices" if key == "inside" else key): ([0] if key in ("vertices", "inside") else value)
-                    for key, value in item.items()}
-
-        scene = with_file(self.scene, file)
-        cloth = scene["cloth"]
-        for key in ("pins", "loads"):
-            if isinstance(cloth.get(key), (list, tuple)):
-                cloth[key] = [replaced(item) for item in cloth[key]]
-        held = {"vertices": list(range(3 * (1 + len(self.mesh.fabric_names))))}
-        if isinstance(cloth.get("pins", []), (list, tuple)):
-            cloth["pins"] = [*cloth.get("pins", []), held]
-        return yaml_text(scene)
-
-    def read(self) -> tuple[Any, list[str]]:
-        """A weft_scene with the mesh that stands in, and its warnings."""
-        for key in ("pins", "loads"):  # before libweft, which would find nothing wrong with them
-            for i, item in enumerate(self.scene["cloth"].get(key) or []):
-                if isinstance(item, Mapping) and "vertices" in item:
-                    self._vertices(item["vertices"], "%s[%d].vertices" % (key, i))
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "mesh.obj")
-            path.write_text(self._obj(), encoding="utf-8")
-            scene, found = read_scene(None, self._stand_in(str(path)), [])
-        return scene, [text for text in found if _ALL_PINNED not in text]
-
-    def _vertices(self, value: Any, name: str) -> Any:
-        found = _members(value, name, len(self.mesh.start), "vertices")
-        if len(found) == 0:
-            raise ValueError("%s is empty" % name)
-        return found
-
-    def _where(self, item: Mapping[str, Any], name: str) -> Any:
-        """The vertices of a pin or load, which libweft has read."""
-        key = next(key for key in _WHERE if key in item)
-        value, start = item[key], self.mesh.start
-        if key == "group":
-            return self.mesh.groups[str(value)]
-        if key == "vertices":
-            return self._vertices(value, name + ".vertices")
-        if key == "near":
-            away = start - real(value, name + ".near", (3,))
-            return np.array([(away * away).sum(axis=1).argmin()])
-        found = np.flatnonzero(_gap(value, start) <= 1e-9)
-        if len(found) == 0:
-            raise ValueError("%s: no vertex of the mesh starts inside this %s" % (name, value["shape"]))
-        return found
-
-    def _put(self, kind: str, of: Any, alive: list[Any]) -> Any:
-        """A copy of pins or loads, of vertices of the mesh."""
-        items = self.scene["cloth"].get(kind) or []
-        array = ffi.new("weft_%s[]" % kind[:-1], len(items))
-        for i, item in enumerate(items):
-            vertices = self._where(item, "%s[%d]" % (kind, i)).astype(np.uintp)
-            array[i] = of[i]
-            array[i].vertices, array[i].vertex_count = ffi.from_buffer("size_t[]", vertices), len(vertices)
-            alive.append(vertices)
-        alive.append(array)
-        return array, len(items)
-
-    def definition(self, scene: Any) -> tuple[Any, list[Any]]:
-        """A weft_cloth_def of what read() returned, and what must live as long."""
-        cloth = ffi.new("weft_cloth_def *", lib.weft_scene_cloth(scene)[0])
-        mesh, alive = ffi.new("weft_mesh_def *", cloth.mesh[0]), []
-        in_place = np.zeros(1 + len(self.mesh.fabric_names), dtype=np.uint32)  # of the triangles that stand in
-        if mesh.fabric_of != ffi.NULL:
-            in_place[:] = [mesh.fabric_of[k] for k in range(len(in_place))]
-        arrays = {"start": ("double[]", self.mesh.start), "rest": ("double[]", self.mesh.rest),
-                  "corners": ("uint32_t[]", self.mesh.triangles), "corner_places": ("uint32_t[]", self.mesh.places),
-                  "fabric_of": ("uint32_t[]", in_place[self.mesh.fabric_of])}
-        for name, (kind, array) in arrays.items():
-            alive.append(ffi.from_buffer(kind, array))
-            setattr(mesh, name, alive[-1])
-        mesh.vertices, mesh.places, mesh.triangles = len(self.mesh.start), len(self.mesh.rest), len(self.mesh.triangles)
-        mesh.names = ffi.NULL
-        cloth.mesh = mesh
-        cloth.pins, cloth.pin_count = self._put("pins", cloth.pins, alive)
-        cloth.loads, cloth.load_count = self._put("loads", cloth.loads, alive)
-        return cloth, [mesh, *alive]

@@ -13,7 +13,8 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.exclusion import Exclusion
 from weft.library import Array, Error, StepError, check, real, status_text, text
-from weft.simulation import Index, Scene, Sim, load
+from weft.scenes import Scene
+from weft.simulation import Index, Sim, load
 
 
 class BatchError(Error):
@@ -84,7 +85,7 @@ class Batch:
 
     def _member(self, i: int) -> Sim:
         sim, own = Sim.__new__(Sim), {**self._model._given, "threads": 1}
-        for name in ("_name", "_bodies", "_meshed", "_scene", "_cloth", "_twins"):
+        for name in ("_name", "_form", "_overrides", "_scene", "_cloth", "_twins"):
             setattr(sim, name, getattr(self._model, name))
         if self._added is not None:
             added = ffi.new("weftpy_added *", {"count": self._added[i].size, "force": ffi.from_buffer("double[]", self._added[i])})

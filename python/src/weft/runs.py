@@ -21,9 +21,8 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
-from weft.mesh import has_bodies, has_mesh, with_bodies, with_files
 from weft.own import Method, served
-from weft.simulation import Scene
+from weft.scenes import Scene, is_text, path_of, written
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,16 +112,13 @@ def _files(scenes: Iterable[Scene], folder: str) -> list[str]:
     for i, scene in enumerate(scenes):
         name = scene.get("name") if isinstance(scene, Mapping) else None
         stem = "".join(c if c.isalnum() or c in "-_" else "-" for c in str(name or "scene-%d" % i))
-        if isinstance(scene, Mapping) and has_bodies(scene):
-            scene = with_bodies(scene, Path(folder), stem)
-        if isinstance(scene, Mapping) and has_mesh(scene):
-            scene = with_files(scene, stem, folder)
-        content = yaml_text(scene) if isinstance(scene, Mapping) else os.fspath(scene)
-        if isinstance(scene, Mapping) or "\n" in content:
+        if isinstance(scene, Mapping) or is_text(scene):
             path = Path(folder, stem + ".yaml")
-            path.write_text(content, encoding="utf-8")
-            content = str(path)
-        paths.append(content)
+            path.write_text(scene if isinstance(scene, str) else yaml_text(written(scene, folder, stem)),  # type: ignore[arg-type]
+                            encoding="utf-8")
+            paths.append(str(path))
+        else:
+            paths.append(path_of(scene))
     return paths
 
 

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
 
 from weft._weft import ffi, lib
-from weft.callbacks import Hooks, PerformanceWarning, as_particles, c_function
+from weft.callbacks import Hooks, PerformanceWarning, Seen, as_particles, c_function
 from weft.exclusion import Exclusion
-from weft.library import (POWERS, Array, Error, Failure, PathLike, SceneWarning, Spring, StepError, check, failure,
-                          numbers_of, pair, read_scene, real, scene_twins, settings, spring, status_text, text, yaml_text)
-from weft.mesh import ClothsScene, MeshScene, has_bodies, has_mesh, mesh_scene, own_bodies, with_bodies
+from weft.library import (POWERS, Array, Error, Failure, SceneWarning, Spring, StepError, check, failure, index_of,
+                          numbers_of, pair, read_scene, real, scene_twins, spring, status_text, text)
+from weft.scenes import Form, Scene, formed
 
-Scene = Union[PathLike, Mapping[str, Any]]
 Index = Union[int, tuple[int, int]]
 
 
@@ -155,33 +152,19 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     (0.5, (80, 3))
     """
     own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
-    if not isinstance(scene, Mapping) or not has_bodies(scene):
-        return Sim(*_form(scene, overrides), own)
-    with tempfile.TemporaryDirectory() as folder:  # libweft reads bodies from files
-        kept = own_bodies(scene)
-        sim = Sim(*_form(with_bodies(kept, Path(folder)), overrides), own)
-    sim._bodies = (kept, overrides, folder)
+    with formed(scene, overrides) as form:
+        sim = Sim(form, overrides, own)
     return sim
 
 
-def _form(scene: Scene, overrides: Optional[Mapping[str, Any]]) -> tuple[Any, Any, list[Any]]:
-    if isinstance(scene, Mapping) and has_mesh(scene):
-        return None, mesh_scene(scene, overrides), []
-    if isinstance(scene, Mapping):
-        return None, yaml_text(scene), settings(overrides)
-    if isinstance(scene, str) and "\n" in scene:
-        return None, scene, settings(overrides)
-    return os.fspath(scene), None, settings(overrides)
-
-
-def _revive(name: str, content: Any, saved: bytes, own: dict[str, Any]) -> Sim:
-    sim = Sim(name, mesh_scene(content) if isinstance(content, Mapping) else content, [], own)
+def _revive(scene: Scene, overrides: Any, saved: bytes, own: dict[str, Any]) -> Sim:
+    sim = load(scene, overrides, **own)
     sim.restore(saved)
     return sim
 
 
-def _revive_with_bodies(scene: Scene, overrides: Any, saved: bytes, own: dict[str, Any]) -> Sim:
-    sim = load(scene, overrides, **own)
+def _revive_text(name: str, content: str, saved: bytes, own: dict[str, Any]) -> Sim:
+    sim = Sim(Form(name, content, [], "", content), None, own)
     sim.restore(saved)
     return sim
 
@@ -196,23 +179,16 @@ class Sim:
     r * cols + c.
     """
 
-    def __init__(self, file: Optional[str], content: Union[str, MeshScene, ClothsScene, None], sets: list[str],
-                 own: dict[str, Any]) -> None:
-        self._name = file or "scene"
-        self._bodies: Any = None  # the scene, its overrides and the folder where the files of its bodies were
-        self._meshed = None if content is None or isinstance(content, str) else content
-        self._scene, found = (read_scene(file, content, sets)  # type: ignore[arg-type]
-                              if self._meshed is None else self._meshed.read())
+    def __init__(self, form: Form, overrides: Optional[Mapping[str, Any]], own: dict[str, Any]) -> None:
+        self._name = form.file or "scene"
+        self._form, self._overrides = form, overrides
+        self._scene, found = read_scene(form.file, form.content, form.sets, form.folder)
         for warning in found:
             warnings.warn(warning, SceneWarning, stacklevel=3)
         err, cloth = ffi.new("weft_error *"), ffi.new("weft_cloth **")
-        made, _alive = (lib.weft_scene_cloth(self._scene), None) if self._meshed is None else \
-            self._meshed.definition(self._scene)
-        check(lib.weft_cloth_create(made, cloth, err), err)
+        check(lib.weft_cloth_create(lib.weft_scene_cloth(self._scene), cloth, err), err)
         self._cloth, self._twins = ffi.gc(cloth[0], lib.weft_cloth_destroy), ffi.NULL
         if lib.weft_scene_sensitivities(self._scene).count > 0:
-            if self._meshed is not None:
-                raise TypeError("sensitivity needs a scene whose meshes are files: Mesh.write() makes one")
             self._twins = scene_twins(self._scene)
         self._begin(own)
 
@@ -234,13 +210,14 @@ class Sim:
         if own["event"] is not None:
             definition.event_hold = own["event_hold"]
         hooks, self._kept = ("force", "correct", "event"), []
-        self._hooks = Hooks(self.particles if any(callable(own[name]) for name in hooks) else 0)
+        self._index_of = index_of(self._cloth)
+        own_code = any(callable(own[name]) for name in hooks)
+        self._hooks = Hooks(self.particles, self._index_of) if own_code else Hooks(0)
         for name in hooks:  # no comprehension: it would be a level of the stack
             self._kept.append(self._hook(name, "weft_%s_fn *" % name, own[name]))
         check(lib.weft_sim_create(definition, sim, err), err)
         self._sim = ffi.gc(sim[0], self._destroyer(definition, self._scene, self._cloth, self._twins))
         self._present = lib.weft_sim_cloth(self._sim)
-        self._index_of = self.index
         self._free: Optional[Array] = None  # 1 / mass [1/kg], 0 of pinned particles
 
     def _hook(self, name: str, kind: str, given: Any) -> Any:
@@ -279,10 +256,9 @@ class Sim:
             text(lib.weft_scene_plugin(self._scene)), text(lib.weft_scene_method(self._scene)), self.time)
 
     def __reduce__(self) -> Any:
-        if self._bodies is not None:
-            return _revive_with_bodies, (*self._bodies[:2], self.save(), self._given)
-        content = self.scene if self._meshed is None else self._meshed.scene
-        return _revive, (self._name, content, self.save(), self._given)
+        if self._form.folder:
+            return _revive, (self._form.again, self._overrides, self.save(), self._given)
+        return _revive_text, (self._name, self.scene, self.save(), self._given)
 
     @contextmanager
     def _alone(self) -> Iterator[Any]:
@@ -302,8 +278,8 @@ class Sim:
     def scene(self) -> str:
         """The scene as it runs, in YAML: with overrides applied. One of a weft.Mesh names the file scene.obj, for
         Mesh.write(); bodies of arrays are called scene-shape0.obj, ..."""
-        found = text(lib.weft_scene_text(self._scene)) if self._meshed is None else self._meshed.text()
-        return found if self._bodies is None else found.replace(self._bodies[2] + os.sep, "")
+        found = text(lib.weft_scene_text(self._scene))
+        return found.replace(self._form.folder + os.sep, "") if self._form.folder else found
 
     @property
     def rows(self) -> int:
@@ -322,11 +298,7 @@ class Sim:
     @property
     def index(self) -> Optional[np.ndarray[Any, np.dtype[np.intp]]]:
         """(N,), where each vertex of triangles stands in `state`; None of a grid: 0, 1, ..."""
-        if self.cols > 0:
-            return None
-        places = np.empty(self.particles, dtype=np.intp)
-        lib.weftpy_index(self._cloth, ffi.from_buffer("size_t[]", places))
-        return places
+        return None if self._index_of is None else self._index_of.copy()
 
     @property
     def cloths(self) -> dict[str, slice]:
@@ -705,9 +677,10 @@ class Sim:
         n = self.particles
         f, usable = np.zeros(3 * n), True
         if self._hooks.force is not None:  # not through weftpy_force, whose arrays a callback may be looking at
-            y = np.frombuffer(ffi.buffer(state), np.float64)
-            y.flags.writeable = False
-            self._hooks.force(t, as_particles(y[:3 * n], n), as_particles(y[3 * n:], n), as_particles(f, n))
+            seen, planes = Seen(n, self._index_of), np.zeros(3 * n)
+            seen.take(state)
+            self._hooks.force(t, *seen.read, as_particles(planes, n))
+            seen.give(planes, ffi.from_buffer("double[]", f))
         else:
             usable = self._definition.force(self._definition.force_ctx, t, state, ffi.from_buffer("double[]", f)) == 0
         if self._free is None:
