@@ -190,6 +190,9 @@ $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 
 $(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
 $(BUILD)/src/cli/fit/fit.o: OWN += $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK $(CMINPACK_CFLAGS))
+# How an error says that a plugin is installed: source, pip, debian or spack.
+INSTALLED_BY ?= source
+$(BUILD)/src/plugin/loading.o: OWN += '-DWEFT__INSTALLED_BY="$(INSTALLED_BY)"'
 $(BUILD)/src/cli/open.o: OWN += $(if $(HAVE_QHULL),-DWEFT_QHULL)
 $(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 

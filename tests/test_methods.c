@@ -3,6 +3,7 @@
  * of one that is not there. */
 #include <string.h>
 
+#include "plugin/missing.h"
 #include "support.h"
 
 #define PLUGINS BUILD_DIR "/plugins"
@@ -90,6 +91,93 @@ START_TEST(a_plugin_that_is_refused_is_told_with_the_reason_alone)
 }
 END_TEST
 
+START_TEST(a_plugin_that_comes_with_weft_is_told_with_what_installs_it)
+{
+    const struct {
+        const char *by, *id, *advice;
+    } all[] = {
+        { "source", "gsl",
+          "install GSL (Debian: apt-get install libgsl-dev) and build weft again" },
+        { "pip", "gsl", "pip install weft-gsl" },
+        { "debian", "gsl", "apt-get install weft-plugin-gsl" },
+        { "debian", "cvode", "apt-get install weft-plugins-sundials" },
+        { "spack", "arkode", "spack install weft +sundials" },
+        { "pip", "verlet", NULL },
+        { "source", "nix", NULL },
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        ck_assert_pstr_eq(weft__plugin_advice(all[i].by, all[i].id), all[i].advice);
+    }
+    look_in("/nowhere");
+    not_found(WEFT_BAD_PLUGIN, "gsl", "rkf45");
+    ck_assert_str_eq(err.message,
+                     "plugin 'gsl' not found: install GSL (Debian: apt-get install "
+                     "libgsl-dev) and build weft again; no weft-gsl.so in /nowhere");
+}
+END_TEST
+
+static const weft_plugin *find_shipped(void *ctx, const char *id, weft_error *why)
+{
+    const weft_plugin *plugin = NULL;
+    const char *without = ctx;
+    if (strcmp(id, without) != 0) {
+        (void)weft_registry_find(registry, id, &plugin, why);
+    }
+    return plugin;
+}
+
+/* The method named in "; PLUGIN/METHOD does the same" or "comes closest". */
+static const weft_stepper_type *named_in(const char *text, bool *same)
+{
+    char plugin[32], method[40], rest[40];
+    const weft_stepper_type *type = NULL;
+    ck_assert_int_eq(sscanf(text, "; %31[^/]/%39s %39[^\n]", plugin, method, rest), 3);
+    *same = strcmp(rest, "does the same") == 0;
+    ck_assert(*same || strcmp(rest, "comes closest") == 0);
+    ck_assert_int_eq(weft_registry_method(registry, plugin, method, &type, &err),
+                     WEFT_OK);
+    return type;
+}
+
+START_TEST(a_method_that_is_named_instead_is_there_and_of_the_same_kind)
+{
+    const uint32_t kind = WEFT_STEPPER_MULTISTEP | WEFT_STEPPER_IMPLICIT;
+    char text[96];
+    size_t found = 0;
+    look_in(PLUGINS);
+    ck_assert_int_eq(weft_registry_load_all(registry, NULL, NULL, &err), WEFT_OK);
+    for (size_t i = 0; i < weft_registry_count(registry); ++i) {
+        const weft_plugin *of = weft_registry_at(registry, i);
+        for (size_t k = 0; of->types[k] != NULL; ++k) {
+            const weft_stepper_type *type = of->types[k];
+            bool same;
+            (void)weft__method_instead(of->id, type->name, find_shipped, (void *)of->id,
+                                       text, sizeof text);
+            if (text[0] != '\0') {
+                const weft_stepper_type *other = named_in(text, &same);
+                ck_assert((type->flags & WEFT_STEPPER_MULTISTEP) != 0
+                          || type->order == other->order);
+                ck_assert(!same
+                          || (type->order == other->order
+                              && type->error_order == other->error_order
+                              && type->stages == other->stages
+                              && (type->flags & kind) == (other->flags & kind)));
+                ++found;
+            }
+        }
+    }
+    ck_assert_uint_ge(found, 2);
+    if (find_shipped("", "arkode", &err) != NULL) {
+        ck_assert_str_eq(weft__method_instead("gsl", "rkf45", find_shipped, "gsl", text,
+                                              sizeof text),
+                         "; arkode/fehlberg45 does the same");
+        ck_assert_str_eq(weft__method_instead("gsl", "rkf45", find_shipped, "arkode",
+                                              text, sizeof text),
+                         "");
+    }
+}
+END_TEST
+
 START_TEST(a_file_that_cannot_be_opened_is_named_once)
 {
     static const char file[] = BUILD_DIR "/weft-text.so";
@@ -148,6 +236,8 @@ TEST_SUITE(methods)
     tcase_add_test(tcase, an_empty_search_path_is_told_with_what_to_do);
     tcase_add_test(tcase, a_plugin_that_is_refused_is_told_with_the_reason_alone);
     tcase_add_test(tcase, a_plugin_that_is_not_admitted_is_refused_and_not_loaded);
+    tcase_add_test(tcase, a_plugin_that_comes_with_weft_is_told_with_what_installs_it);
+    tcase_add_test(tcase, a_method_that_is_named_instead_is_there_and_of_the_same_kind);
     tcase_add_test(tcase, a_file_that_cannot_be_opened_is_named_once);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -123,12 +123,35 @@ START_TEST(a_method_may_bring_its_plugin_in_a_scene)
 }
 END_TEST
 
+static const weft_plugin *find_without_gsl(void *ctx, const char *id, weft_error *err)
+{
+    return find_fake(ctx, strcmp(id, "gsl") == 0 ? "gsl of elsewhere" : id, err);
+}
+
+START_TEST(a_plugin_that_is_missing_is_told_with_the_method_of_another_one)
+{
+    weft_scene_def def
+        = scene_of_text(HEAD "stepper: {plugin: gsl, method: rkck, rtol: 1e-7}\n");
+    def.find_plugin = find_without_gsl;
+    ck_assert_ptr_nonnull(
+        strstr(bad_scene(&def), "scene.yaml:4:19: error: plugin 'gsl of elsewhere' not "
+                                "found: no weft-gsl of elsewhere.so here; "
+                                "arkode/cash_karp does the same\n"));
+    static const char *const sets[] = { "stepper.method=rkf45" }; /* which it lacks */
+    def.sets = sets;
+    def.set_count = 1;
+    ck_assert_ptr_null(strstr(bad_scene(&def), "does the same"));
+}
+END_TEST
+
 TEST_SUITE(scene_method)
 {
     Suite *suite = suite_create("scene method");
     TCase *methods = tcase_create("methods");
     tcase_add_loop_test(methods, a_later_choice_of_method_drops_what_it_would_not_use,
                         0, sizeof choices / sizeof choices[0]);
+    tcase_add_test(methods,
+                   a_plugin_that_is_missing_is_told_with_the_method_of_another_one);
     tcase_add_test(methods, an_override_of_a_tolerance_ends_fixed_steps);
     tcase_add_loop_test(methods, a_method_may_bring_its_plugin_in_a_scene, 0, 2);
     suite_add_tcase(suite, methods);

@@ -23,6 +23,8 @@ const weft_plugin *weft__plugin_built_in(size_t i)
 #define ONLY  "this build of weft has the plugins " WEFT_BUILT_IN "and no others"
 const char weft__no_search_path[] = "any folder: " ONLY;
 
+const char weft__installed_by[] = "";
+
 void weft__installed_plugins(char *directory, size_t size)
 {
     (void)size;

@@ -38,7 +38,7 @@ class Weft(MakefilePackage):
                  "HAVE_HTTP": "+watch", "HAVE_QHULL": "+cut", "HAVE_CMINPACK": "+fit"}
         words = [name + "=" for name, variant in found.items() if variant not in self.spec]
         hdf5 = self.spec["hdf5"]
-        return words + ["WARN=-Wall", "HDF5_CFLAGS=-I" + hdf5.prefix.include, "HDF5_LIBS=" + hdf5.libs.ld_flags,
+        return words + ["INSTALLED_BY=spack", "WARN=-Wall", "HDF5_CFLAGS=-I" + hdf5.prefix.include, "HDF5_LIBS=" + hdf5.libs.ld_flags,
                         "PREFIX=" + self.prefix]
 
     def build(self, spec, prefix):

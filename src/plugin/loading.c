@@ -10,6 +10,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#ifndef WEFT__INSTALLED_BY /* make INSTALLED_BY=pip, debian or spack */
+#define WEFT__INSTALLED_BY "source"
+#endif
+const char weft__installed_by[] = WEFT__INSTALLED_BY;
+
 const char weft__no_search_path[]
     = "an empty search path; set WEFT_PLUGIN_PATH or weft_registry_def.path";
 

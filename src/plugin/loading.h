@@ -11,6 +11,9 @@ const weft_plugin *weft__plugin_built_in(size_t i);
 /* Where a plugin was searched for if there is no search path, for a message. */
 extern const char weft__no_search_path[];
 
+/* By what weft was installed, for weft__plugin_advice; "": it has all its plugins. */
+extern const char weft__installed_by[];
+
 /* The directory of the installed plugins; "": there is none. */
 void weft__installed_plugins(char *directory, size_t size);
 

@@ -12,6 +12,7 @@
 #include "base/grow.h"
 #include "base/sized.h"
 #include "plugin/loading.h"
+#include "plugin/missing.h"
 
 typedef struct entry {
     const weft_plugin *plugin;
@@ -255,8 +256,12 @@ weft_status weft_registry_locate(const weft_registry *registry, const char *id,
             return WEFT_OK;
         }
     }
+    const char *advice = registry->path[0] != '\0'
+                             ? weft__plugin_advice(weft__installed_by, id)
+                             : NULL;
     return weft_error_set(err, WEFT_BAD_PLUGIN,
-                          "plugin '%s' not found: no weft-%s.so in %s", id, id,
+                          "plugin '%s' not found: %s%sno weft-%s.so in %s", id,
+                          advice != NULL ? advice : "", advice != NULL ? "; " : "", id,
                           searched(registry, text, sizeof text));
 }
 

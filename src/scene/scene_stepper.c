@@ -5,6 +5,7 @@
 
 #include "base/name.h"
 #include "plugin/methods.h"
+#include "plugin/missing.h"
 #include "scene/read.h"
 
 /* ---- step sizes ------------------------------------------------------------- */
@@ -77,9 +78,14 @@ static void report_type(weft__reader *reader, const weft__match *match)
     if (plugin != NULL && scene->method != NULL) {
         report_method(reader, match, plugin);
     } else if (plugin == NULL && !asks_for_table(scene)) {
-        char near[80];
-        ERROR_AT(reader, weft__value_in(match, "plugin"), "%s%s", why.message,
-                 weft__plugin_guess(scene->plugin, near, sizeof near));
+        char near[80], instead[96] = "";
+        if (scene->method != NULL) {
+            (void)weft__method_instead(scene->plugin, scene->method,
+                                       reader->def->find_plugin, reader->def->find_ctx,
+                                       instead, sizeof instead);
+        }
+        ERROR_AT(reader, weft__value_in(match, "plugin"), "%.280s%s%s", why.message,
+                 weft__plugin_guess(scene->plugin, near, sizeof near), instead);
     }
 }
 
