@@ -839,6 +839,14 @@ START_TEST(gradient_of_a_fall_is_exact)
     stops_at = 1;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_STOPPED);
     ck_assert_ptr_nonnull(strstr(err.message, "frame 1, t = 0.5 s"));
+    weft_number_of_cloth nameless = def.numbers[0]; /* and without cloths */
+    nameless.name = NULL;
+    nameless.less = NULL;
+    def.numbers = &nameless;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "gradient by number 0, unnamed: two cloths"));
+    def.numbers = weft_scene_twins_def(of.twins)->numbers;
     def.times = falling, def.frames = 2;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
     ck_assert_ptr_nonnull(strstr(err.message, "times[1] = 0.4 s"));

@@ -136,8 +136,9 @@ static weft_status make_slopes(adjoint *of, weft_error *err)
             = weft__slope_init(&of->slopes[j], of->sim->cloth, number->less,
                                number->more, number->span, 1.0, &of->memory, &inner);
         if (status != WEFT_OK) {
-            return weft_error_set(err, status, "gradient by %.60s: %.200s",
-                                  number->name, inner.message);
+            return weft_error_set(err, status, "gradient by number %zu, %.60s: %.200s",
+                                  j, number->name == NULL ? "unnamed" : number->name,
+                                  inner.message);
         }
         of->by_number[j] = 0.0;
         if (of->slopes[j].inverse_mass != NULL) {

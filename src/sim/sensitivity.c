@@ -123,8 +123,9 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
             = weft__slope_init(&of->of[j], sim->cloth, number->less, number->more,
                                number->span, of->factor, &sim->memory, &inner);
         if (status != WEFT_OK) {
-            return weft_error_set(err, status, "sensitivity by %.60s: %.200s",
-                                  number->name, inner.message);
+            return weft_error_set(
+                err, status, "sensitivity by number %zu, %.60s: %.200s", j,
+                number->name == NULL ? "unnamed" : number->name, inner.message);
         }
     }
     if (!make_room(sim, of)) {
