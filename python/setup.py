@@ -63,4 +63,7 @@ def places():
     return {"build": {"build_base": base}, "egg_info": {"egg_base": base}}
 
 
-setup(version=version(), cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build}, options=places())
+# Elsewhere the installed program is the command `weft`, perhaps in the same folder.
+SCRIPTS = {"console_scripts": ["weft = weft.__main__:main"]} if IN_TREE else {}
+
+setup(version=version(), entry_points=SCRIPTS, cffi_modules=["_build.py:ffi"], cmdclass={"build_ext": Build}, options=places())

@@ -3,6 +3,7 @@
 import copy
 import ctypes
 import gc
+import math
 import multiprocessing
 import os
 import pickle
@@ -938,7 +939,7 @@ while sim.time == begin:
 """
 
 
-@pytest.mark.parametrize("end", ["pass", "view = sim.state; del sim", "sim.me = sim", "import sys; sys.exit(0)",
+@pytest.mark.parametrize("end", ["pass", "view = sim.state; del sim", "sim._me = sim", "import sys; sys.exit(0)",
                                  IN_A_THREAD])
 def test_the_interpreter_ends_well_in_the_midst_of_a_simulation(scene, end):
     code = ("import warnings; warnings.simplefilter('ignore'); import weft\n"
@@ -956,3 +957,47 @@ def test_a_large_state_is_not_copied(scene):
     assert tracemalloc.get_traced_memory()[1] < 1e6
     tracemalloc.stop()
     assert np.isfinite(total) and sim.state.nbytes == 48_000_000
+
+
+def test_a_misspelt_attribute_cannot_be_set(scene, tmp_path):
+    run = weft.run(scene, tmp_path / "run", {"run.duration": 0.05})
+    mesh = weft.Mesh([[0, 0], [1, 0], [0, 1]], None, [[0, 1, 2]])
+    for of, name, near in ((weft.load(scene), "positons", "positions"), (weft.Batch(scene, 1, forces=True), "force", "forces"),
+                           (run, "serie", "series"), (mesh, "tringles", "triangles"), (weft.view(run), "hight", "height")):
+        with pytest.raises(AttributeError, match=r"has no '%s' \(did you mean '%s'\?\)" % (name, near)):
+            setattr(of, name, 1)
+    with pytest.raises(AttributeError, match="a weft.Sim has no 'xyzzy'$"):
+        weft.load(scene).xyzzy = 1
+
+
+@pytest.mark.parametrize("value, error, words", [
+    (None, TypeError, "consists of real numbers, not of None"), ("abc", TypeError, "not of text"),
+    (np.array(["1"]), TypeError, "not of text"), ([[None, 0, 0]] * 80, TypeError, "not of None"),
+    ([["1", None, 0]] * 80, TypeError, "not of str"), (np.ma.masked_less(np.ones((80, 3)), 2), ValueError, "masked elements"),
+    ([[0, 0, 0], [1, 2]], ValueError, "rows of different lengths"), ({}, TypeError, "not of dict")])
+def test_what_is_no_number_is_no_state(scene, value, error, words):
+    sim = weft.load(scene)
+    for name in ("positions", "velocities", "state"):
+        with pytest.raises(error, match=words):
+            setattr(sim, name, value)
+    assert (sim.positions == sim.rest).all()
+
+
+def test_fractions_and_decimals_are_numbers(scene):
+    sim = weft.load(scene)
+    sim.velocities = [[Fraction(1, 4), Decimal("0.5"), np.bool_(True)]] * 80
+    assert sim.velocities[-1].tolist() == [0.25, 0.5, 1.0]
+
+
+def test_a_time_that_is_over_or_not_finite_is_told_as_it_was_given(scene):
+    sim = weft.load(scene)
+    sim.advance(0.3)
+    batch = weft.Batch(scene, 2)
+    batch.advance([0.0, 0.3])
+    for call, words in ((lambda: sim.advance(0.1), "^0.1 s is over: the time is 0.3 s$"),
+                        (lambda: sim.step(0.1), "^0.1 s is over: the time is 0.3 s$"),
+                        (lambda: sim.advance(math.inf), "^inf is not a finite time$"),
+                        (lambda: batch.advance(0.1), "^0.1 s is over: the time of simulation 1 is 0.3 s$"),
+                        (lambda: batch.advance([math.nan, 1.0]), "^nan is not a finite time$")):
+        with pytest.raises(ValueError, match=words):
+            call()

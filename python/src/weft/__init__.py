@@ -26,7 +26,7 @@ from weft._weft import lib as _lib
 from weft.callbacks import CORRECT, EVENT, FORCE, PerformanceWarning
 from weft.executors import map
 from weft.gradients import Gradient, gradient
-from weft.library import (Diagnostic, Error, Failure, Method, SceneError, SceneWarning, Spring, StepError,
+from weft.library import (Diagnostic, Error, Failure, Method, NotFoundError, SceneError, SceneWarning, Spring, StepError,
                           amplification, fabrics, load_plugin, methods, scene_help)
 from weft.mesh import Mesh
 from weft.parallel import Batch, BatchError
@@ -37,7 +37,7 @@ from weft.simulation import Energy, Ledger, Measures, Sim, Stats, Stiffness, loa
 __version__: str = _ffi.string(_lib.weft_version()).decode()
 
 __all__ = ["Batch", "BatchError", "CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure",
-           "Fit", "Gradient", "Ledger", "Measures", "Mesh", "Method", "Page", "PerformanceWarning", "Run", "RunError",
+           "Fit", "Gradient", "Ledger", "Measures", "Mesh", "Method", "NotFoundError", "Page", "PerformanceWarning", "Run", "RunError",
            "SceneError", "SceneWarning", "Sim", "Spring", "Stats", "StepError", "Stiffness", "amplification", "batch",
            "compare", "converge", "diff", "export", "fabrics", "fit", "garment", "gradient", "load", "load_plugin",
            "map", "methods", "open", "program", "run", "scene", "scene_help", "view"]

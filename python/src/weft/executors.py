@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 from weft.library import PathLike, SceneError
 from weft.runs import RunError, _files, _process, _sets, _table
-from weft.scenes import Scene, path_of
+from weft.scenes import Scene, is_text, path_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,7 +96,7 @@ def map(scene: Scene, sweep: Optional[Mapping[str, Any]] = None, out: Optional[P
     except ImportError as error:
         raise ImportError("weft.map returns a table of pandas, which is not installed: pip install pandas") from error
     name = scene.get("name", "scene-0") if isinstance(scene, Mapping) else \
-        "scene-0" if "\n" in os.fspath(scene) else Path(scene).stem
+        "scene-0" if is_text(scene) else Path(path_of(scene)).stem
     directory = Path(os.path.abspath(out if out is not None else "%s-sweep" % name))
     directory.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".map-", dir=directory) as folder:

@@ -9,7 +9,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.callbacks import Seen
-from weft.library import Array, check, index_of, read_scene, real, scene_twins
+from weft.library import Array, SceneError, check, index_of, keys_of, of_over, read_scene, real, scene_twins
 from weft.scenes import Form, Scene, formed
 
 # (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
@@ -57,7 +57,12 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
 def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any]:
     """A scene, and the cloths with less and more of up to 16 numbers."""
     of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
-    scene, _ = read_scene(form.file, form.content, [*form.sets, of], form.folder)
+    try:
+        scene, _ = read_scene(form.file, form.content, [*form.sets, of], form.folder)
+    except SceneError as error:
+        raise SceneError(of_over(str(error)), [
+            one._replace(line=0, column=0, place="over", source="") if one.place == "override sensitivity" else one
+            for one in error.diagnostics]) from None
     return scene, scene_twins(scene)
 
 
@@ -79,6 +84,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     >>> found.numbers["forces.gravity.1"] > 0, found.x.shape
     (True, (80, 3))
     """
+    over = keys_of(over, "over")
     with formed(scene, overrides) as form:
         parts = [_read(form, over[i:i + lib.WEFT_SENSITIVITIES])
                  for i in range(0, max(len(over), 1), lib.WEFT_SENSITIVITIES)]

@@ -2,6 +2,7 @@
 """libweft, shared by the other modules: errors, records, methods, the text of a scene."""
 from __future__ import annotations
 
+import difflib
 import json
 import logging
 import math
@@ -34,11 +35,12 @@ class Error(RuntimeError):
         self.status = status
 
 
-class NotFoundError(Error, FileNotFoundError):
+class NotFoundError(FileNotFoundError, Error):
     """A scene, or a file of a run, is not there. It is an Error and a FileNotFoundError."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(message, "not found")
+        super().__init__(message)
+        self.status = "not found"
 
 
 class Diagnostic(NamedTuple):
@@ -145,6 +147,18 @@ class Method(NamedTuple):
     reference: str
 
 
+class Fixed:
+    """An object whose public attributes are those of its class: a misspelt one cannot be set."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            known = [one for one in dir(type(self)) if not one.startswith("_")]
+            near = difflib.get_close_matches(name, known, 1, 0.6)
+            raise AttributeError("a weft.%s has no '%s'%s" % (
+                type(self).__name__, name, " (did you mean '%s'?)" % near[0] if near else ""))
+        object.__setattr__(self, name, value)
+
+
 def text(pointer: Any) -> str:
     return "" if pointer == ffi.NULL else ffi.string(pointer).decode("utf-8", "replace")
 
@@ -190,7 +204,7 @@ def real(value: Any, name: str, *shapes: tuple[int, ...]) -> Array:
         raise ValueError("%s has rows of different lengths" % name) from None
     other = None
     if array.dtype.kind == "O":  # NumPy would take None for NaN
-        other = next((type(one).__name__ for one in array.flat if not isinstance(one, (numbers.Real, Decimal))), None)
+        other = next((type(one).__name__ for one in array.flat if not isinstance(one, (numbers.Real, Decimal, np.bool_))), None)
     elif array.dtype.kind not in "biuf":
         other = "text" if array.dtype.kind in "US" else array.dtype.name
     if other is not None:
@@ -198,6 +212,29 @@ def real(value: Any, name: str, *shapes: tuple[int, ...]) -> Array:
     if array.shape not in shapes:
         raise ValueError("%s has the shape %s, not %s" % (name, array.shape, " or ".join(map(str, shapes))))
     return np.asarray(array, dtype=np.float64, order="C")
+
+
+def later(t: Any, now: float, of: str = "the time") -> float:
+    """A time [s] that is not before the present one."""
+    end = float(real(t, "a time", ()))
+    if not math.isfinite(end):
+        raise ValueError("%r is not a finite time" % end)
+    if end < now:
+        raise ValueError("%r s is over: %s is %r s" % (end, of, now))
+    return end
+
+
+def keys_of(over: Any, of: str) -> list[str]:
+    """Keys of a scene in a list."""
+    if isinstance(over, str) or not isinstance(over, Iterable):
+        raise TypeError("%s is a list of keys, such as [\"cloth.density\"], not %r" % (of, over))
+    return [_key_path(key, of) for key in over]
+
+
+def _key_path(key: Any, of: str) -> str:
+    if not isinstance(key, str) or not re.fullmatch(r"[\w.\[\]-]+", key):
+        raise TypeError("%s is a list of keys, such as [\"cloth.density\"]: %r is none" % (of, key))
+    return key
 
 
 def numbers_of(values: Any) -> Array:
@@ -415,6 +452,11 @@ def read_scene(file: Optional[str], content: Optional[str], sets: list[str], fol
         raise SceneError("\n".join([t for _, t in items] + rest), [d for d, _ in items])
     check(status, err)
     return ffi.gc(out[0], lib.weft_scene_destroy), [t for _, t in items]
+
+
+def of_over(said: str) -> str:
+    """What was said of the override that the keys of `over` were put into, which nobody wrote, as of these keys."""
+    return re.sub(r"^override sensitivity:\d+: (\w+: .*)\n.*\n *\^$", r"over: \1", said, flags=re.MULTILINE)
 
 
 def index_of(cloth: Any) -> Optional[np.ndarray[Any, np.dtype[np.intp]]]:

@@ -9,7 +9,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from weft.library import Array, PathLike, SceneWarning, real
+from weft.library import Array, Fixed, PathLike, SceneWarning, real
 
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
@@ -111,7 +111,7 @@ def _places_of(corners: Array, triangles: Indices) -> tuple[Array, Indices]:
     return np.concatenate((one[~several], uv[rows[new]])), places.astype(np.uint32).reshape(-1, 3)
 
 
-class Mesh:
+class Mesh(Fixed):
     """Triangles of fabric: where their vertices start, and the flat rest shape. It stands in a scene, a dict, as
     `cloth.mesh`, for load(), run() and batch(). Its arrays are copies, and read-only.
 
@@ -129,6 +129,11 @@ class Mesh:
     (4, 3)
     """
 
+    __slots__ = {"start": "(N, 3) [m], positions at t = 0", "triangles": "(T, 3), vertices",
+                 "rest": "(P, 2) [m], u v of places", "places": "(T, 3), the place of each corner",
+                 "fabric_names": "names of fabrics", "fabric_of": "(T,), 0: no name; k: the fabric k - 1 of fabric_names",
+                 "groups": "vertices by names"}
+
     def __init__(self, rest: Any, start: Any, triangles: Any, *, places: Any = None, fabrics: Any = None,
                  groups: Optional[Mapping[str, Any]] = None) -> None:
         rest = _array(rest, "rest")
@@ -139,16 +144,12 @@ class Mesh:
                 raise ValueError("start is None, but rest is not by vertices")
             start = np.c_[uv, np.zeros(len(uv))]
         self.start: Array = _numbers(start, "start", 3)
-        """(N, 3) [m], positions at t = 0"""
         count = len(self.start)
         self.triangles: Indices = _corners(triangles, "triangles", None, count, "vertices")
-        """(T, 3), vertices"""
         if len(self.triangles) == 0:
             raise ValueError("a mesh has a triangle or more, not 0")
         self.rest: Array
-        """(P, 2) [m], u v of places"""
         self.places: Indices
-        """(T, 3), the place of each corner"""
         if len(shape) == 3:
             if places is not None:
                 raise ValueError("rest is by corners, and places are given, too")
@@ -167,16 +168,13 @@ class Mesh:
         if len(unused) > 0:
             raise ValueError("vertex %d is in no triangle%s" % (unused[0], _first_of(len(unused))))
         self.fabric_names: list[str]
-        """names of fabrics"""
         self.fabric_of: Indices
-        """(T,), 0: no name; k: the fabric k - 1 of fabric_names"""
         self.fabric_names, self.fabric_of = self._fabrics(fabrics)
         if not isinstance(groups, (Mapping, type(None))):
             raise TypeError("groups are {NAME: vertices}, not a %s" % type(groups).__name__)
         self.groups: dict[str, Any] = {
             _word(name, "a group"): _read_only(_members(of, "group '%s'" % name, count, "vertices"))
             for name, of in (groups or {}).items()}
-        """vertices by names"""
         for array in (self.start, self.rest, self.triangles, self.places, self.fabric_of):
             _read_only(array)
 

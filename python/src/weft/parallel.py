@@ -12,7 +12,7 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.exclusion import Exclusion
-from weft.library import Array, Error, StepError, check, real, status_text, text
+from weft.library import Array, Error, Fixed, StepError, check, later, real, status_text, text
 from weft.scenes import Scene
 from weft.simulation import Index, Sim, load
 
@@ -47,7 +47,7 @@ def _revive(model: Sim, n: int, threads: int, forces: Optional[Array], saved: Se
     return batch
 
 
-class Batch:
+class Batch(Fixed):
     """n simulations of one cloth, which advance on `threads` threads (default: one per processor) without the
     interpreter lock, each on one thread whatever run.threads says: with the bits of weft.load(scene) on any number of
     threads. They share scene and cloth; memory grows with n, not with the threads.
@@ -75,7 +75,7 @@ class Batch:
         self._make(load(scene, overrides), operator.index(n), threads, forces)
 
     def _make(self, model: Sim, n: int, threads: int, forces: bool) -> None:
-        self._model, self.threads, self._exclusion = model, threads, Exclusion()
+        self._model, self._threads, self._exclusion = model, threads, Exclusion()
         self._pool: Optional[tuple[int, ThreadPoolExecutor]] = None  # and its process
         self._index, particles = model.index, model.particles
         self._added = np.zeros((n, 3, particles)) if forces else None
@@ -99,6 +99,11 @@ class Batch:
 
     def __repr__(self) -> str:
         return "<weft.Batch of %d x %r>" % (len(self), self._model)
+
+    @property
+    def threads(self) -> int:
+        """How many threads advance the simulations."""
+        return self._threads
 
     def __len__(self) -> int:
         return len(self._sims)
@@ -136,8 +141,7 @@ class Batch:
         with self._exclusion.change():
             ends = np.array(np.broadcast_to(real(t, "a time", (), (len(self),)), len(self)), order="C")
             for i in np.flatnonzero(~((self.times <= ends) & (ends < np.inf)))[:1]:
-                raise ValueError("the time of simulation %d is %r s already, or %r s is not finite"
-                                 % (i, self._sims[i].time, float(ends[i])))
+                later(ends[i], self._sims[i].time, "the time of simulation %d" % i)
             status, errors = ffi.new("weft_status[]", len(self)), ffi.new("weft_error[]", len(self))
             self._advance(ends, status, errors)
             failed = [i for i in range(len(self)) if status[i] != lib.WEFT_OK]
@@ -146,10 +150,10 @@ class Batch:
 
     def _advance(self, ends: Array, status: Any, errors: Any) -> None:
         if self._pool is None or self._pool[0] != os.getpid():  # a fork has no threads
-            self._pool = os.getpid(), ThreadPoolExecutor(self.threads, "weft.Batch")
+            self._pool = os.getpid(), ThreadPoolExecutor(self._threads, "weft.Batch")
         following, stop = ffi.new("size_t *"), ffi.new("bool *")
         tasks = [self._pool[1].submit(lib.weftpy_advance_some, self._all, ffi.from_buffer("double[]", ends), len(ends),
-                                      following, stop, status, errors) for _ in range(min(self.threads, len(ends)))]
+                                      following, stop, status, errors) for _ in range(min(self._threads, len(ends)))]
         try:
             wait(tasks)
         except BaseException:
@@ -180,8 +184,8 @@ class Batch:
         count, k = len(self), self._model._index(particle)
         v = None if velocities is None else np.array(
             np.broadcast_to(real(velocities, "velocities", (3,), (count, 3)), (count, 3)), order="C")
-        if v is not None and not np.isfinite(v).all():
-            raise ValueError("a velocity is not finite")
+        for i, c in np.argwhere(~np.isfinite(v))[:1] if v is not None else ():
+            raise ValueError("the velocity of simulation %d has %s = %r, not finite" % (i, "xyz"[c], float(v[i, c])))
         with self._exclusion.change():
             err = ffi.new("weft_error *")
             for i, sim in enumerate(self._sims):
@@ -200,8 +204,8 @@ class Batch:
     def forces(self, values: Any) -> None:
         before = self.forces
         given = real(values, "forces", before.shape)
-        if not np.isfinite(given).all():
-            raise ValueError("a force is not finite")
+        for i, k, c in np.argwhere(~np.isfinite(given))[:1]:
+            raise ValueError("forces[%d, %d, %d] is %r, not finite" % (i, k, c, float(given[i, k, c])))
         with self._exclusion.change():
             err = ffi.new("weft_error *")
             for i in np.flatnonzero((given != before).any(axis=(1, 2))):

@@ -6,6 +6,7 @@ import html
 import io
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -20,7 +21,8 @@ from urllib.parse import unquote, urlsplit
 import numpy as np
 
 from weft._weft import ffi, lib
-from weft.library import Array, Error, PathLike, SceneError, SceneWarning, settings, yaml_text
+from weft.library import (Array, Error, Fixed, NotFoundError, PathLike, SceneError, SceneWarning, keys_of, of_over,
+                          settings, yaml_text)
 from weft.own import Method, served
 from weft.scenes import Scene, is_text, path_of, written
 
@@ -62,8 +64,22 @@ def scene(name: str) -> Path:
     folder = _prefix() / "share" / "doc" / "weft" / "scenes"
     path = folder / (name + ".yaml")
     if not path.exists():
-        raise ValueError("there is no scene %r; there are %s" % (name, ", ".join(sorted(p.stem for p in folder.glob("*.yaml")))))
+        raise NotFoundError("there is no scene %r; there are %s" % (name, ", ".join(sorted(p.stem for p in folder.glob("*.yaml")))))
     return path
+
+
+# What the options of the program are in Python.
+_ARGUMENTS = {"out": "out", "force": "force=True", "set": "overrides", "jobs": "jobs", "timeout": "timeout",
+              "methods": "methods", "until": "until", "sizes": "sizes", "at": "at", "clamp-midway": "clamp_midway",
+              "tol": "tolerance", "frame": "frame", "format": "format", "over": "over", "sigma": "sigma",
+              "retry-failed": "retry_failed=True"}
+
+
+def _in_python(said: str) -> str:
+    """What the program said, in the words of these functions. Commands in quotes stay."""
+    said = re.sub(r"\n?'weft [a-z-]+ --help' shows how it is used", "", said)
+    said = re.sub(r"^weft(?: [a-z-]+)?: (?:error: )?", "", said)
+    return re.sub(r"'weft [^']*'|(?<!\w)--([a-z-]+)", lambda of: _ARGUMENTS.get(of[1], of[0]), said)
 
 
 def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[str, Method]] = None,
@@ -90,7 +106,8 @@ def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[s
             raise
         if server is not None and server.error is not None:
             raise server.error
-    return process.returncode, printed, said.strip().replace(folder + os.sep, "") if folder else said.strip()
+    said = said.strip().replace(folder + os.sep, "") if folder else said.strip()
+    return process.returncode, printed, _in_python(said)
 
 
 def _call(arguments: Sequence[str], folder: str = "", directory: PathLike = "", allowed: Sequence[int] = (0,),
@@ -247,13 +264,19 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
     -7.8
     """
     import yaml
+    over = keys_of(over, "over")
     with tempfile.TemporaryDirectory() as folder:
         path, = _files([scene], folder)
         table = data if isinstance(data, (str, os.PathLike)) else Path(folder, "data.csv")
+        if isinstance(data, (str, os.PathLike)) and not os.path.exists(data):
+            raise NotFoundError("%s: there is no such table" % os.fspath(data))
         if not isinstance(data, (str, os.PathLike)):
             data.to_csv(table, index=False)
-        _call(["fit", path, os.fspath(table), "--over", ",".join(over), "--sigma", repr(float(sigma)),
-               *_options(out, overrides, force)], folder, out)
+        try:
+            _call(["fit", path, os.fspath(table), "--over", ",".join(over), "--sigma", repr(float(sigma)),
+                   *_options(out, overrides, force)], folder, out)
+        except SceneError as error:
+            raise SceneError(of_over(str(error))) from None
     found = yaml.safe_load(Path(out, "fit.yaml").read_text())
     return Fit({key: found[key]["value"] for key in over}, {key: found[key]["standard_error"] for key in over},
                np.array(found["correlation"]), found["chi2"], found["coordinates"], found["runs"], found["unresolved"],
@@ -274,7 +297,7 @@ def diff(a: RunLike, b: RunLike, tolerance: Optional[float] = None) -> Differenc
     >>> weft.diff(weft.run(scene, tmp / "once"), weft.run(scene, tmp / "twice")).equal
     True
     """
-    code, printed = _call(["diff", os.fspath(a), os.fspath(b),
+    code, printed = _call(["diff", _directory_of(a), _directory_of(b),
                            *([] if tolerance is None else ["--tol", repr(float(tolerance))])], allowed=(0, 1))
     return Difference(code == 0, printed.strip())
 
@@ -287,14 +310,26 @@ def export(run: RunLike, format: str, frame: Union[int, str] = "last") -> list[P
     ['frame-000030.obj']
     """
     frames = [] if format in ("mdd", "pc2", "pvd") else ["--frame", str(frame)]
-    return [Path(line) for line in _call(["export", os.fspath(run), "--format", format, *frames])[1].splitlines()]
+    return [Path(line) for line in _call(["export", _directory_of(run), "--format", format, *frames])[1].splitlines()]
 
 
-class Page:
+class Page(Fixed):
     """A page of weft in a file. A notebook shows it; show() opens a browser elsewhere."""
 
     def __init__(self, path: PathLike, height: int = 640) -> None:
-        self.path, self.height = Path(path).resolve(strict=True), height
+        self._path, self._height = Path(path).resolve(), height
+        if not self._path.exists():
+            raise NotFoundError("%s: there is no such page" % path)
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
+    @property
+    def height(self) -> int:
+        """[pixels] in a notebook."""
+        return self._height
 
     def __fspath__(self) -> str:
         return str(self.path)
@@ -326,17 +361,33 @@ def view(*runs: RunLike, out: Optional[PathLike] = None, height: int = 640) -> P
     >>> weft.view(weft.run(scene, tmp / "viewed")).path.name
     'run.html'
     """
-    _, url = _call(["view", *[os.fspath(of) for of in runs], *([] if out is None else ["--out", os.fspath(out)])])
+    _, url = _call(["view", *map(_directory_of, runs), *([] if out is None else ["--out", os.fspath(out)])])
     return Page(unquote(urlsplit(url.strip()).path), height)
 
 
-class Run:
+_NO_FRAMES = "the run has not begun, or the file was removed"
+
+
+def _directory_of(run: RunLike) -> str:
+    """The path of a run's directory, which is there."""
+    path = os.fspath(run)
+    if not os.path.isdir(path):
+        raise NotFoundError("%s: there is no such directory of a run" % path)
+    return path
+
+
+class Run(Fixed):
     """The files of one run (docs/output.md); make it with weft.open(). Works while the run writes them, too."""
 
     def __init__(self, directory: PathLike) -> None:
-        self.directory = Path(directory)
-        if not (self.directory / "scene.yaml").exists():
-            raise FileNotFoundError("%s holds no run: it has no scene.yaml" % self.directory)
+        self._directory = Path(directory)
+        if not (self._directory / "scene.yaml").exists():
+            raise NotFoundError("%s holds no run: it has no scene.yaml" % directory)
+
+    @property
+    def directory(self) -> Path:
+        """Where the files are."""
+        return self._directory
 
     def __fspath__(self) -> str:
         return str(self.directory)
@@ -352,13 +403,16 @@ class Run:
         notebook is shown, too."""
         view(self, height=height).show()
 
-    def _yaml(self, name: str) -> dict[str, Any]:
-        import yaml
-        with (self.directory / name).open(encoding="utf-8") as file:
-            return dict(yaml.load(file, Loader=yaml.SafeLoader))
+    def _file(self, name: str, why: str) -> Path:
+        path = self.directory / name
+        if not path.exists():
+            raise NotFoundError("%s has no %s: %s" % (self.directory, name, why))
+        return path
 
-    def _csv(self, name: str) -> pd.DataFrame:
-        return _table(self.directory / name)
+    def _yaml(self, name: str, why: str) -> dict[str, Any]:
+        import yaml
+        with self._file(name, why).open(encoding="utf-8") as file:
+            return dict(yaml.load(file, Loader=yaml.SafeLoader))
 
     @property
     def scene(self) -> str:
@@ -368,12 +422,12 @@ class Run:
     @property
     def result(self) -> dict[str, Any]:
         """How the run ended; FileNotFoundError: it has not."""
-        return self._yaml("result.yaml")
+        return self._yaml("result.yaml", "the run has not ended")
 
     @property
     def manifest(self) -> dict[str, Any]:
         """Versions, method and every option in force."""
-        return self._yaml("manifest.yaml")
+        return self._yaml("manifest.yaml", "the run has not begun")
 
     @property
     def series(self) -> pd.DataFrame:
@@ -382,17 +436,18 @@ class Run:
         >>> float(weft.run(scene, tmp / "series").series["kinetic"].iloc[0])
         0.0
         """
-        return self._csv("series.csv")
+        return _table(self._file("series.csv", "the run has not begun"))
 
     @property
     def shapes(self) -> pd.DataFrame:
         """shapes.csv: force [N] and torque [N m] of the cloth on each shape, one row per frame and shape."""
-        return self._csv("shapes.csv")
+        return _table(self._file("shapes.csv", "its scene has no contact.shapes"))
 
     @property
     def final(self) -> pd.DataFrame:
         """final.csv: row, col (of triangles vertex, of several cloths cloth and vertex), x, y, z [m], vx, vy, vz [m/s] at the end."""
-        return self._csv("final.csv")
+        why = "its scene has record.final: false" if (self.directory / "result.yaml").exists() else "the run has not ended"
+        return _table(self._file("final.csv", why))
 
     @property
     def cloths(self) -> dict[str, slice]:
@@ -405,7 +460,10 @@ class Run:
     def _frames(self, path: str) -> Any:
         """Where the frames of a dataset lie in the file; h5py alone, kept open, would not see a run go on."""
         import h5py
-        with h5py.File(self.directory / "run.vtkhdf", "r", locking=False) as file:
+        with h5py.File(self._file("run.vtkhdf", _NO_FRAMES), "r", locking=False) as file:
+            if path not in file:
+                name = path.rpartition("/")[2]
+                raise KeyError("%s has no %s: record.fields of its scene has no '%s'" % (self.directory, name, name))
             data, of = file[path], file["weft"].attrs
             sides = [int(of[name]) for name in (("vertices",) if "vertices" in of else ("rows", "cols"))]
             shape = (int(file["VTKHDF/Steps"].attrs["NSteps"]), *sides, *data.shape[1:])
@@ -439,7 +497,7 @@ class Run:
     def times(self) -> Array:
         """(frames,) [s], of the frames in run.vtkhdf."""
         import h5py
-        with h5py.File(self.directory / "run.vtkhdf", "r", locking=False) as file:
+        with h5py.File(self._file("run.vtkhdf", _NO_FRAMES), "r", locking=False) as file:
             times: Array = file["VTKHDF/Steps/Values"][:int(file["VTKHDF/Steps"].attrs["NSteps"])]
             return times
 

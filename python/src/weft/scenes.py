@@ -97,18 +97,22 @@ def own(scene: Mapping[str, Any]) -> dict[str, Any]:
     return _each_cloth(_each_body(scene, lambda body, suffix: _body(body)), _own_cloth)
 
 
-def written(scene: Mapping[str, Any], folder: PathLike, stem: str) -> dict[str, Any]:
+def written(scene: Mapping[str, Any], folder: PathLike, stem: str, whole: bool = False) -> dict[str, Any]:
     """The scene with files, those of arrays written to a folder: STEM.obj, STEM-0.obj of several cloths,
-    STEM-shape0.obj."""
+    STEM-shape0.obj; whole: with their whole paths, else for a scene in the same folder."""
+    before = os.path.join(folder, "")
+
+    def name(path: str) -> str:
+        return path if whole else path[len(before):]
+
     def write(cloth: Any, suffix: str) -> Any:
         if not isinstance(cloth["mesh"], Mesh):
             return cloth
-        path = os.path.join(folder, stem + suffix)
-        cloth["mesh"].write(path)
-        return {**cloth, "mesh": {"file": path}}
+        cloth["mesh"].write(before + stem + suffix)
+        return {**cloth, "mesh": {"file": name(before + stem + suffix)}}
 
     def body(of: Any, suffix: str) -> Any:
-        return of if isinstance(of, str) else _write_body(of, os.path.join(folder, stem + suffix))
+        return of if isinstance(of, str) else name(_write_body(of, before + stem + suffix))
     return _each_cloth(_each_body(own(scene), body), write)
 
 
@@ -158,4 +162,4 @@ def formed(scene: Scene, overrides: Optional[Mapping[str, Any]] = None) -> Itera
     else:
         kept = own(scene)
         with tempfile.TemporaryDirectory() as folder:
-            yield Form(None, yaml_text(written(kept, folder, "scene")), sets, folder, kept)
+            yield Form(None, yaml_text(written(kept, folder, "scene", whole=True)), sets, folder, kept)

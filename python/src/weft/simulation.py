@@ -14,8 +14,8 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, Seen, as_particles, c_function
 from weft.exclusion import Exclusion
-from weft.library import (POWERS, Array, Error, Failure, SceneWarning, Spring, StepError, check, failure, index_of,
-                          numbers_of, pair, read_scene, real, scene_twins, spring, status_text, text)
+from weft.library import (POWERS, Array, Error, Failure, Fixed, SceneWarning, Spring, StepError, check, failure, index_of,
+                          later, numbers_of, pair, read_scene, real, scene_twins, spring, status_text, text)
 from weft.scenes import Form, Scene, formed
 
 Index = Union[int, tuple[int, int]]
@@ -169,7 +169,7 @@ def _revive_text(name: str, content: str, saved: bytes, own: dict[str, Any]) -> 
     return sim
 
 
-class Sim:
+class Sim(Fixed):
     """A simulation; make it with load(). While one thread changes, steps or measures it, another one gets an Error.
     Many may run simulations of their own: the interpreter lock is free while weft computes. Ctrl-C ends advance() after
     a step.
@@ -392,22 +392,16 @@ class Sim:
         """
         with self._alone() as err:
             before = self.time
-            end = self._later(self._frame_after(before) if until is None else until)
+            end = later(self._frame_after(before) if until is None else until, before)
             if end > before:
                 self._finish(lib.weft_sim_step(self._sim, end, err), err)
             return self.time - before
-
-    def _later(self, t: Any) -> float:
-        end = float(real(t, "a time", ()))
-        if not (self.time <= end < math.inf):
-            raise ValueError("the time is %r s already, or %r s is not finite" % (self.time, t))
-        return end
 
     def advance(self, t: float) -> None:
         """Steps until the time is exactly t [s], as a double, or an event; frame i of a scene is at i / fps. Raises
         StepError."""
         with self._alone() as err:
-            end = self._later(t)
+            end = later(t, self.time)
             while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
                 status = lib.weftpy_advance(self._sim, end, 0.05, self._hooks.raised, err)
                 self._finish(status, err)
@@ -524,7 +518,13 @@ class Sim:
 
     @positions.setter
     def positions(self, xyz: Any) -> None:
-        self.set_state(positions=xyz)
+        self.set_state(positions=self._given_state(xyz, "positions"))
+
+    def _given_state(self, xyz: Any, name: str) -> Any:
+        """None would keep what is there, without a word."""
+        if xyz is None:
+            raise TypeError("%s consists of real numbers, not of None" % name)
+        return xyz
 
     @property
     def velocities(self) -> Array:
@@ -533,7 +533,7 @@ class Sim:
 
     @velocities.setter
     def velocities(self, xyz: Any) -> None:
-        self.set_state(velocities=xyz)
+        self.set_state(velocities=self._given_state(xyz, "velocities"))
 
     @property
     def sensitivity(self) -> dict[str, Array]:
