@@ -3,6 +3,7 @@
  * of one that is not there. */
 #include <string.h>
 
+#include "plugin/methods.h"
 #include "plugin/missing.h"
 #include "support.h"
 

@@ -215,6 +215,52 @@ const char *weft__plugin_guess(const char *id, char *out, size_t size)
     return weft__guess_text(&guess, out, size);
 }
 
+/* `same`: of the same coefficients. Of the others, one-step methods have the same
+ * order. */
+static const struct {
+    const char *plugin, *method, *other, *instead;
+    bool same;
+} instead_of[] = {
+    { "gsl", "rkf45", "arkode", "fehlberg45", true },
+    { "gsl", "rkck", "arkode", "cash_karp", true },
+    { "gsl", "rk8pd", "arkode", "fehlberg87", false },
+    { "gsl", "rk4", "arkode", "zonneveld", false },
+    { "gsl", "rk2", "arkode", "bogacki_shampine", false },
+    { "gsl", "msadams", "cvode", "adams", false },
+    { "gsl", "msbdf", "cvode", "bdf", false },
+    { "gsl", "rk1imp", "stiff", "backward_euler", false },
+    { "arkode", "fehlberg45", "gsl", "rkf45", true },
+    { "arkode", "cash_karp", "gsl", "rkck", true },
+    { "arkode", "dormand_prince", "gsl", "rkf45", false },
+    { "arkode", "fehlberg87", "gsl", "rk8pd", false },
+    { "arkode", "rk4", "gsl", "rk4", false },
+    { "arkode", "euler", "verlet", "euler", true },
+    { "arkode", "midpoint", "verlet", "midpoint", true },
+    { "cvode", "adams", "gsl", "msadams", false },
+    { "cvode", "bdf", "stiff", "ros2", false },
+};
+
+const char *weft__method_instead(const char *plugin, const char *method,
+                                 const weft_plugin *(*find)(void *ctx, const char *id,
+                                                            weft_error *err),
+                                 void *ctx, char *text, size_t size)
+{
+    text[0] = '\0';
+    for (size_t i = 0; i < sizeof instead_of / sizeof instead_of[0]; ++i) {
+        weft_error why;
+        if (strcmp(instead_of[i].plugin, plugin) == 0
+            && strcmp(instead_of[i].method, method) == 0
+            && weft_plugin_method(find(ctx, instead_of[i].other, &why),
+                                  instead_of[i].instead)
+                   != NULL) {
+            (void)snprintf(text, size, "; %s/%s %s", instead_of[i].other,
+                           instead_of[i].instead,
+                           instead_of[i].same ? "does the same" : "comes closest");
+        }
+    }
+    return text;
+}
+
 /* Plugins that a registry has or could load. */
 typedef struct choice {
     const char *wanted;

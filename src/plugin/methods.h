@@ -39,3 +39,11 @@ extern const char *const weft__shipped[WEFT__SHIPPED + 1];
 /* " (did you mean 'gsl'?)" for an id that is near one of weft's own plugins; else "".
  */
 const char *weft__plugin_guess(const char *id, char *out, size_t size);
+
+/* "; arkode/cash_karp does the same", or comes closest, of a method that `find` finds
+ * in place of that of a plugin that is not there; "": none is known or found. Returns
+ * text. */
+const char *weft__method_instead(const char *plugin, const char *method,
+                                 const weft_plugin *(*find)(void *ctx, const char *id,
+                                                            weft_error *err),
+                                 void *ctx, char *text, size_t size);

@@ -5,7 +5,6 @@
 
 #include "base/name.h"
 #include "plugin/methods.h"
-#include "plugin/missing.h"
 #include "scene/read.h"
 
 /* ---- step sizes ------------------------------------------------------------- */
