@@ -322,6 +322,32 @@ START_TEST(tables_of_times_are_read_row_by_row)
 }
 END_TEST
 
+/* Of a file as spreadsheets write it; the scene's text has the rows. */
+START_TEST(tables_of_times_are_read_from_files)
+{
+    const double rows[] = { -1, 0, 0, 0, 2.5, 1, 2, 3 };
+    FILE *file = fopen(BUILD_DIR "/tests/table.csv", "w");
+    ck_assert_ptr_nonnull(file);
+    fputs("\xEF\xBB\xBFt,x,y,z\r\n-1,0,0,0\r\n2.5, 1, 2, 3\r\n\r\n", file);
+    ck_assert_int_eq(fclose(file), 0);
+    weft_scene *scene
+        = good_text("weft: 1\n" CLOTH "  pins:\n"
+                    "    - {at: top, path: {rows: " BUILD_DIR
+                    "/tests/table.csv, spline: natural}}\n"
+                    "forces: {wind: {table: " BUILD_DIR
+                    "/tests/table.csv, drag: 1}}\n" STEPPER "run: {duration: 1}\n");
+    const weft_cloth_def *def = weft_scene_cloth(scene);
+    ck_assert_uint_eq(def->pins[0].path.count, 2);
+    ck_assert_mem_eq(def->pins[0].path.rows, rows, sizeof rows);
+    ck_assert_mem_eq(def->wind.rows, rows, sizeof rows);
+    ck_assert(def->pins[0].path_natural && !def->wind_natural);
+    ck_assert_ptr_null(strstr(weft_scene_text(scene), ".csv"));
+    ck_assert_ptr_nonnull(strstr(weft_scene_text(scene), "- [2.5, 1, 2, 3]"));
+    weft_scene_destroy(scene);
+    (void)remove(BUILD_DIR "/tests/table.csv");
+}
+END_TEST
+
 static const char *const no_numbers[]
     = { "010",    "1_000", "0x10",     "0o10",  "\"5\"", "'5'",   "!!str 5", "! 5",
         "1,000",  "5s",    "5 s",      "one",   "yes",   ".nan",  ".inf",    "1e999",
@@ -494,6 +520,7 @@ TEST_SUITE(scene)
                         sizeof no_numbers / sizeof no_numbers[0]);
     tcase_add_test(values, numbers_do_not_depend_on_the_locale);
     tcase_add_test(values, tables_of_times_are_read_row_by_row);
+    tcase_add_test(values, tables_of_times_are_read_from_files);
     tcase_add_test(values, a_butcher_table_is_read_with_fractions_and_short_rows);
     suite_add_tcase(all, values);
     TCase *loading = tcase_create("loading");

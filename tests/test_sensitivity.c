@@ -83,6 +83,25 @@
     "    - {shape: mesh, file: \"" SQUARE "\", at: [0.01, 0.02, -0.003], friction: "   \
     "0.4, velocity: [-0.2, 0, 0.1]}\n"
 
+/* Pins on paths of both splines, of which one begins and ends within the run, and wind
+ * that changes. */
+#define TABLES                                                                         \
+    "cloth:\n"                                                                         \
+    "  grid: {rows: 4, cols: 4, spacing: 0.1, down: [0, -1, 0.2]}\n"                   \
+    "  density: 0.2\n"                                                                 \
+    "  springs:\n"                                                                     \
+    "    stretch: {stiffness: 100, damping: 0.03}\n"                                   \
+    "    shear: {stiffness: 50, damping: 0.01}\n"                                      \
+    "  pins:\n"                                                                        \
+    "    - {at: top-left, path: [[-0.02, 0, 0, 0], [0.0412, 0.01, 0, 0.02], [0.09, "   \
+    "0.02, 0, -0.01], [0.2, 0, 0, 0.01]]}\n"                                           \
+    "    - {at: top-right, path: {rows: [[0.03, 0, 0, 0], [0.0613, 0.01, 0, 0.01], "   \
+    "[0.1017, 0.03, 0, 0.02]], spline: natural}}\n"                                    \
+    "forces:\n"                                                                        \
+    "  gravity: [0, -9.81, 0]\n"                                                       \
+    "  wind: {table: {rows: [[-0.05, 0, 0, 1], [0.052, 1, 0, 4], [0.2, 0, 1, 2]], "    \
+    "spline: natural}, drag: 0.3}\n"
+
 #define RK4 "stepper: {plugin: gsl, method: rk4, fixed_step: 5e-4}\n"
 
 static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err)
@@ -229,6 +248,16 @@ static const char fold_numbers[]
            "  of: [contact.thickness, cloth.springs.bend.stiffness, cloth.density, "
            "cloth.pins.1.velocity.2]\n";
 
+/* Values of rows, and times. */
+#define TABLE_NUMBERS                                                                  \
+    "run: {duration: 0.14}\n"                                                          \
+    "sensitivity:\n"                                                                   \
+    "  of: [cloth.pins.0.path.1.3, cloth.pins.0.path.2.1, cloth.pins.0.path.1.0, "     \
+    "cloth.pins.1.path.rows.1.3, cloth.pins.1.path.rows.2.1, "                         \
+    "cloth.pins.1.path.rows.1.0, forces.wind.table.rows.1.3, "                         \
+    "forces.wind.table.rows.1.0, cloth.springs.stretch.stiffness]\n"
+static const char table_numbers[] = TABLES RK4 TABLE_NUMBERS;
+
 #define PLATE_NUMBERS                                                                  \
     "run: {duration: 0.02}\n"                                                          \
     "sensitivity:\n"                                                                   \
@@ -247,6 +276,12 @@ END_TEST
 START_TEST(numbers_of_shapes_and_pins_are_those_of_differences)
 {
     check_numbers(shape_numbers, 5e-5, 1e-7);
+}
+END_TEST
+
+START_TEST(numbers_of_tables_are_those_of_differences)
+{
+    check_numbers(table_numbers, 5e-5, 1e-7);
 }
 END_TEST
 
@@ -770,6 +805,18 @@ START_TEST(gradient_is_that_of_forward_mode)
 }
 END_TEST
 
+/* Velocity Verlet takes the rates of a step over to the next one, but not at a row. */
+START_TEST(gradient_of_tables_is_that_of_forward_mode)
+{
+    static const char *const steppers[] = {
+        "stepper={plugin: verlet, method: velocity_verlet, fixed_step: 5e-4}",
+        "stepper={plugin: gsl, method: rk4, fixed_step: 1e-3}",
+        "stepper={plugin: arkode, method: dormand_prince, rtol: 1e-5, atol: 1e-5}",
+    };
+    (void)check_gradient(TABLES TABLE_NUMBERS, steppers[_i]);
+}
+END_TEST
+
 START_TEST(gradient_of_a_mesh_is_that_of_forward_mode)
 {
     write_square(4);
@@ -1005,6 +1052,34 @@ START_TEST(what_has_no_derivative_is_refused)
 }
 END_TEST
 
+/* Forces jump with the velocity of the pin, when a spline begins. */
+START_TEST(times_at_which_a_natural_spline_begins_or_ends_are_refused)
+{
+    static const char *const times[]
+        = { "cloth.pins.1.path.rows.0.0=0.031", "cloth.pins.1.path.rows.2.0=0.11",
+            "cloth.pins.1.path.rows.1.0=0.061" };
+    for (size_t i = 0; i < 3; ++i) {
+        end one = begin(table_numbers, NULL, 0),
+            other = begin(table_numbers, &times[i], 1);
+        weft_error err = { 0 };
+        weft_sim *sim = NULL;
+        const weft_number_of_cloth number = { "a time", one.cloth, other.cloth, 1e-3 };
+        const weft_sensitivity_def numbers = { 1, &number, true };
+        weft_sim_def def = weft_sim_def_default();
+        def.cloth = one.cloth;
+        def.method = weft_scene_method_type(one.scene);
+        def.config = *weft_scene_config(one.scene);
+        def.sensitivity = &numbers;
+        const weft_status status = weft_sim_create(&def, &sim, &err);
+        ck_assert_int_eq(status, i < 2 ? WEFT_UNSUPPORTED : WEFT_OK);
+        ck_assert(i == 2 || strstr(err.message, "begins or ends") != NULL);
+        weft_sim_destroy(sim);
+        finish(&one);
+        finish(&other);
+    }
+}
+END_TEST
+
 START_TEST(wrong_numbers_are_refused)
 {
     end of = begin(SHEET ADAPTIVE, NULL, 0);
@@ -1082,6 +1157,7 @@ TEST_SUITE(sensitivity)
     tcase_set_timeout(tests, 300);
     tcase_add_test(tests, numbers_of_a_sheet_are_those_of_differences);
     tcase_add_test(tests, numbers_of_shapes_and_pins_are_those_of_differences);
+    tcase_add_test(tests, numbers_of_tables_are_those_of_differences);
     tcase_add_test(tests, numbers_of_a_fabric_are_those_of_differences);
     tcase_add_test(tests, numbers_of_self_contact_are_those_of_differences);
     tcase_add_test(tests, numbers_of_a_body_are_those_of_differences);
@@ -1098,6 +1174,7 @@ TEST_SUITE(sensitivity)
     tcase_add_loop_test(
         tests, product_is_the_derivative_of_the_right_hand_side_by_a_number, 0, 5);
     tcase_add_loop_test(tests, gradient_is_that_of_forward_mode, 0, 8);
+    tcase_add_loop_test(tests, gradient_of_tables_is_that_of_forward_mode, 0, 3);
     tcase_add_test(tests, gradient_of_a_mesh_is_that_of_forward_mode);
     tcase_add_loop_test(tests, gradient_of_contact_is_that_of_forward_mode, 0, 2);
     tcase_add_test(tests, gradient_of_a_fall_is_exact);
@@ -1106,6 +1183,7 @@ TEST_SUITE(sensitivity)
     tcase_add_test(tests, many_steps_taken_back_are_warned_of);
     tcase_add_test(tests, what_has_no_derivative_is_refused);
     tcase_add_test(tests, wrong_numbers_are_refused);
+    tcase_add_test(tests, times_at_which_a_natural_spline_begins_or_ends_are_refused);
     tcase_add_test(tests, a_preset_has_numbers);
     tcase_add_test(tests, numbers_that_cannot_change_alone_are_named);
     suite_add_tcase(suite, tests);

@@ -211,15 +211,23 @@ START_TEST(a_piece_is_one_polynomial_wherever_it_is_asked)
 }
 END_TEST
 
-START_TEST(next_time_is_that_of_the_next_row)
+static void bounded(const weft__curve *of, double t, double first, double last)
+{
+    weft__piece_bounds is = { -DBL_MAX, DBL_MAX };
+    weft__curve_bounds(of, t, &is);
+    ck_assert(is.first == first && is.last == last);
+    weft__curve_bounds(&(weft__curve){ .rows = NULL }, t, &is);
+    ck_assert(is.first == first && is.last == last);
+}
+
+START_TEST(a_piece_is_between_the_rows_beside)
 {
     const weft__curve of = weft__curve_make(&track, false, slopes);
-    ck_assert(weft__curve_next(&of, 0.0) == 0.25);
-    ck_assert(weft__curve_next(&of, 0.25) == 0.5);
-    ck_assert(weft__curve_next(&of, 0.25 - DBL_EPSILON) == 0.5);
-    ck_assert(weft__curve_next(&of, 0.6) == 0.75);
-    ck_assert(weft__curve_next(&of, 2.25) == DBL_MAX);
-    ck_assert(weft__curve_next(&(weft__curve){ NULL, 0 }, 0.0) == DBL_MAX);
+    bounded(&of, 0.0, -DBL_MAX, 0.25);
+    bounded(&of, 0.25, 0.25, 0.5);
+    bounded(&of, 0.25 - DBL_EPSILON, 0.25, 0.5);
+    bounded(&of, 0.6, 0.5, 0.75);
+    bounded(&of, 2.25, 2.25, DBL_MAX);
     ck_assert(!weft__row_met(1e-15, 0.0) && !weft__row_met(DBL_MAX, 1e300));
     ck_assert(weft__row_met(-1.0, -1.0) && weft__row_met(-2.0, -1.0));
 }
@@ -306,6 +314,45 @@ START_TEST(pins_move_along_a_path)
     ck_assert_mem_ne(from, to, sizeof to); /* the others go on */
     for (size_t k = 0; k < 3; ++k) {
         ck_assert_double_eq_tol(from[k], to[k], 1e-12);
+    }
+}
+END_TEST
+
+/* A natural spline begins and ends at a speed: at these rows the state has the velocity
+ * after them, and what is shown within a step before them that of the step. */
+START_TEST(pins_jump_at_the_ends_of_a_natural_spline)
+{
+    const weft__curve of = weft__curve_make(&track, true, slopes);
+    double v[3 * N], is[3][3], y[6 * N];
+    weft_error err;
+    model = sheet(_i == 0);
+    pin.path_natural = true;
+    weft_stepper_config config = weft_stepper_config_default();
+    weft_sim_def def = weft_sim_def_default();
+    cloth = test_cloth(&model);
+    def.cloth = cloth, def.config = config, def.dense = true;
+    def.method = test_method_named("gsl/rkf45");
+    ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_OK);
+    const size_t i = model.mesh == NULL ? 0 : pin.vertices[0];
+    for (size_t row = 0; row < track.count; ++row) {
+        const double t = rows[4 * row];
+        double before = 0.0;
+        for (; weft_sim_time(sim) < t;) {
+            before = weft_sim_time(sim);
+            ck_assert_int_eq(weft_sim_step(sim, t, &err), WEFT_OK);
+        }
+        weft_sim_velocities(sim, v);
+        value_at(&of, t, is);
+        for (size_t k = 0; k < 3; ++k) {
+            ck_assert_double_eq_tol(v[3 * i + k], is[1][k], 1e-10);
+        }
+        const double s = before + 0.9 * (t - before);
+        ck_assert_int_eq(weft_sim_between(sim, s, y, &err), WEFT_OK);
+        value_at(&of, s, is);
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t p = weft_cloth_index(cloth, i);
+            ck_assert_double_eq_tol(y[(3 + k) * N + p], is[1][k], 1e-9);
+        }
     }
 }
 END_TEST
@@ -495,9 +542,10 @@ TEST_SUITE(track)
     tcase_add_test(law, two_rows_are_a_smooth_ramp);
     tcase_add_loop_test(law, one_row_is_a_constant, 0, 2);
     tcase_add_loop_test(law, a_piece_is_one_polynomial_wherever_it_is_asked, 0, 2);
-    tcase_add_test(law, next_time_is_that_of_the_next_row);
+    tcase_add_test(law, a_piece_is_between_the_rows_beside);
     tcase_add_checked_fixture(run, setup, end);
     tcase_add_loop_test(run, pins_move_along_a_path, 0, 2);
+    tcase_add_loop_test(run, pins_jump_at_the_ends_of_a_natural_spline, 0, 2);
     tcase_add_test(run, path_adds_to_velocity_and_oscillation);
     tcase_add_loop_test(run, wind_has_the_velocity_of_its_table, 0, 2);
     tcase_add_loop_test(run, steps_end_at_the_rows_of_all_tracks, 0, 2);

@@ -115,6 +115,21 @@ static bool same_motions(const weft__mesh *a, const weft__mesh *b)
     return same;
 }
 
+/* Whether a pin starts or stops with a jump, at another time: forces jump with it. */
+static bool jumps_later(const weft__mesh *a, const weft__mesh *b)
+{
+    bool later = false;
+    for (size_t i = 0; i < a->motion_count; ++i) {
+        const weft__curve *one = &a->motions[i].path, *other = &b->motions[i].path;
+        const size_t last = WEFT__CURVE_WIDTH * (one->count - (one->count > 0));
+        later = later
+                || (one->jumps && one->count > 1 && one->count == other->count
+                    && (one->rows[0] != other->rows[0]
+                        || one->rows[last] != other->rows[last]));
+    }
+    return later;
+}
+
 /* Of springs, weight and air. */
 static void find_laws(weft__slope *of)
 {
@@ -179,6 +194,12 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "derivatives by numbers need one grid, or meshes: not a "
                               "grid among several cloths");
+    }
+    if (jumps_later(&less->mesh, &more->mesh)) {
+        return weft_error_set(
+            err, WEFT_UNSUPPORTED,
+            "no derivative by the time at which a natural spline of a "
+            "pin begins or ends: its velocity jumps there");
     }
     find_laws(of);
     if (!find_masses(of, memory)) {
@@ -253,6 +274,25 @@ void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
     }
     for (size_t k = 0; k < 6; ++k) {
         rate[k] = of->scale * (more[k] - less[k]);
+    }
+}
+
+void weft__slope_jump(const weft__slope *of, size_t i, double t, const double piece[2],
+                      double jump[6])
+{
+    const weft_cloth *twins[2] = { of->less, of->more };
+    memset(jump, 0, 6 * sizeof *jump);
+    for (size_t j = 0; j < 4 && of->pins; ++j) {
+        const weft__mesh *mesh = &twins[j / 2]->mesh;
+        const weft__curve *path = &mesh->motions[mesh->pin[i] - 1].path;
+        const double sign = j == 0 || j == 3 ? of->scale : -of->scale;
+        double is[3][3];
+        if (path->count > 0) {
+            weft__curve_at(path, t, piece[j % 2], is);
+            for (size_t k = 0; k < 6; ++k) {
+                jump[k] += sign * is[k / 3][k % 3];
+            }
+        }
     }
 }
 

@@ -55,3 +55,8 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
 /* That of a pinned particle, which does not depend on the state. */
 void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
                      double rate[6]);
+
+/* By how much the derivatives of its place and velocity jump at t, where one piece ends
+ * and the other begins. */
+void weft__slope_jump(const weft__slope *of, size_t i, double t, const double piece[2],
+                      double jump[6]);

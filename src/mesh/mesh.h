@@ -157,6 +157,11 @@ static inline bool weft__pin_moves(const weft__mesh *mesh, size_t i)
 void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double piece,
                     double rate[6]);
 
+/* Adds to three planes of velocities `factor` times what those of the pins jump by at t
+ * from one piece to another: at the ends of natural splines. */
+void weft__jump_pins(const weft__mesh *mesh, double t, const double piece[2],
+                     double factor, double *v);
+
 /* Writes x' and v' of the pinned among particles [first, end) to six planes, which are
  * `stride` apart and begin with particle `first`. */
 void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,

@@ -101,6 +101,22 @@ void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double piece,
     weft__motion_rate(&motion, t, piece, rate);
 }
 
+void weft__jump_pins(const weft__mesh *mesh, double t, const double piece[2],
+                     double factor, double *v)
+{
+    for (size_t j = 0; j < mesh->pinned; ++j) {
+        const size_t i = mesh->pins[j];
+        double before[6], after[6];
+        if (mesh->motions[mesh->pin[i] - 1].path.jumps) {
+            weft__pin_rate(mesh, i, t, piece[0], before);
+            weft__pin_rate(mesh, i, t, piece[1], after);
+            for (size_t k = 0; k < 3; ++k) {
+                v[k * mesh->stride + i] += factor * (after[k] - before[k]);
+            }
+        }
+    }
+}
+
 enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
 void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,

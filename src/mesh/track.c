@@ -37,8 +37,9 @@ void weft__curve_at(const weft__curve *of, double t, double piece, double value[
     }
 }
 
-double weft__curve_next(const weft__curve *of, double t)
+void weft__curve_bounds(const weft__curve *of, double t, weft__piece_bounds *to)
 {
     const size_t i = rows_until(of, t);
-    return i < of->count ? row_of(of, i)[0] : DBL_MAX;
+    to->first = fmax(to->first, i > 0 ? row_of(of, i - 1)[0] : -DBL_MAX);
+    to->last = fmin(to->last, i < of->count ? row_of(of, i)[0] : DBL_MAX);
 }

@@ -22,6 +22,7 @@ enum {
 typedef struct weft__curve {
     const double *rows;
     size_t count;
+    bool jumps; /* its slope, at the first and the last row: a natural spline */
 } weft__curve;
 
 /* Whether a row or a key at `row` [s] is at t or before, which roundoff does not
@@ -35,8 +36,14 @@ static inline bool weft__row_met(double row, double t)
  * interval that `piece` [s] lies in or begins. */
 void weft__curve_at(const weft__curve *of, double t, double piece, double value[3][3]);
 
-/* The time of the first row that is not met at t; DBL_MAX: there is none. */
-double weft__curve_next(const weft__curve *of, double t);
+/* [s] The last row that is met, and the first that is not, of some curves and bodies;
+ * -DBL_MAX, DBL_MAX: there is none. */
+typedef struct weft__piece_bounds {
+    double first, last;
+} weft__piece_bounds;
+
+/* Keeps those at t that are nearer to t than the bounds are. */
+void weft__curve_bounds(const weft__curve *of, double t, weft__piece_bounds *to);
 
 /* ---- track_def.c ----------------------------------------------------------------- */
 

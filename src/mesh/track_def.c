@@ -100,5 +100,5 @@ weft__curve weft__curve_make(const weft_track *of, bool natural, double *rows)
     } else {
         make_monotone(rows, of->count);
     }
-    return (weft__curve){ of->count > 0 ? rows : NULL, of->count };
+    return (weft__curve){ of->count > 0 ? rows : NULL, of->count, natural };
 }

@@ -121,6 +121,22 @@ static const weft__section load_section
         .beside_hint = "goes inside 'at', as in {at: {rows: ..., cols: ...}, mass: "
                        "...}" };
 
+static const char *const spline_names[] = { "monotone", "natural", NULL };
+#define TABLE(of, unit_)                                                               \
+    static const weft__key of##_table_keys[] = {                                       \
+        { "rows", WEFT__TRACK, .required = true, .unit = unit_,                        \
+          AT(weft__splined, track), .meaning = "the table" },                          \
+        { "spline", WEFT__EITHER, .names = spline_names, .fallback = "monotone",       \
+          AT(weft__splined, natural),                                                  \
+          .meaning = "natural: a natural cubic spline, for dense samples of a motion;" \
+                     " it overshoots rows that are far apart" },                       \
+    };
+TABLE(pin, "s, m")
+TABLE(wind, "s, m/s")
+/* What may be a list of rows, or a mapping with its spline: where that goes. */
+#define SPLINE(type, field)                                                            \
+    .first = offsetof(type, field##_natural) - offsetof(type, field)
+
 static const weft__key pin_keys[] = {
     WHERE(weft_pin),
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, velocity),
@@ -129,9 +145,11 @@ static const weft__key pin_keys[] = {
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(pin, frequency),
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
-    { "path", WEFT__TRACK, .unit = "s, m", .absent = "none", AT(weft_pin, path),
-      .meaning = "+ its place at t - its place at 0: smooth, through all rows, at rest "
-                 "before the first and after the last" },
+    { "path", WEFT__TRACK, SECTION(pin_table), .unit = "s, m", .absent = "none",
+      AT(weft_pin, path), SPLINE(weft_pin, path),
+      .meaning = "+ its place at t - its place at 0: smooth, through all rows and "
+                 "between them within their range, at rest before the first and after "
+                 "the last; or {rows: ..., spline: natural}" },
 };
 
 static const weft__section pin_section
@@ -410,10 +428,12 @@ static const weft__key wind_keys[] = {
     { "velocity", WEFT__VECTOR, .absent = "velocity or table",
       NUMBER(wind, wind_velocity),
       .meaning = "velocity of the air; exactly one of velocity and table is required" },
-    { "table", WEFT__TRACK, .unit = "s, m/s", .absent = "velocity or table",
-      AT(weft_cloth_def, wind),
-      .meaning = "velocity at times: smooth, through all rows, constant before the "
-                 "first and after the last" },
+    { "table", WEFT__TRACK, SECTION(wind_table), .unit = "s, m/s",
+      .absent = "velocity or table", AT(weft_cloth_def, wind),
+      SPLINE(weft_cloth_def, wind),
+      .meaning = "velocity at times: smooth, through all rows and between them within "
+                 "their range, constant before the first and after the last; or {rows: "
+                 "..., spline: natural}" },
     { "drag", WEFT__NUMBER, .required = true, NUMBER(wind, wind_drag),
       .meaning = "F = drag * area * (n . (velocity - v)) n" },
 };

@@ -292,6 +292,18 @@ bool weft__read_numbers(weft__reader *reader, const weft__key *key, const char *
 double *weft__read_table(weft__reader *reader, const weft__key *key,
                          const weft__node *node, size_t width, const char *row);
 
+/* table_file.c: puts the rows of tables that are CSV files in place of their names;
+ * whether there were any. What such a file has wrong is reported, and its name stays.
+ */
+bool weft__take_tables(weft__reader *reader);
+bool weft__is_table_file(const weft__node *node);
+
+/* A table of times with its spline. */
+typedef struct weft__splined {
+    weft_track track;
+    bool natural;
+} weft__splined;
+
 /* Reports keys, NULL at their end, by a rule: "'mass' needs a grid". Whether there were
  * some. */
 bool weft__report_excluded(weft__reader *reader, const weft__match *match,

@@ -151,7 +151,7 @@ void weft__base_close(weft__base *base)
 /* Writes the name that comes from the file's name into the text, which may be run from
  * another file. It leaves scene.yaml out, the name of the copy in a run's results. If
  * the text has no place for it, the tree takes it and is emitted. false: no memory. */
-static bool keep_name(const weft__base *base, weft_scene *scene)
+static bool keep_name(const weft__base *base, bool changed, weft_scene *scene)
 {
     const weft__mark at = { 0 };
     weft__tree *tree = &scene->tree;
@@ -159,7 +159,7 @@ static bool keep_name(const weft__base *base, weft_scene *scene)
     if (scene->name == NULL || strcmp(scene->name, "scene") == 0) {
         return scene->name != NULL;
     }
-    if (!base->changed) {
+    if (!changed) {
         scene->text = weft__name_insert(tree, base->sources[0].text, scene->name);
         if (scene->text != NULL) {
             return true;
@@ -176,16 +176,16 @@ static bool keep_name(const weft__base *base, weft_scene *scene)
 
 /* Adds the name of a valid scene, and its text: as it was read or, with changes, the
  * tree's. */
-static weft_status complete(const weft__base *base, weft_scene *scene, weft_error *err)
+static weft_status complete(const weft__base *base, bool changed, weft_scene *scene,
+                            weft_error *err)
 {
     scene->config.threads = scene->run.threads;
-    if (scene->name == NULL && !keep_name(base, scene)) {
+    if (scene->name == NULL && !keep_name(base, changed, scene)) {
         return no_memory(err);
     }
     if (scene->text == NULL) {
-        scene->text = base->changed
-                          ? weft__tree_emit(&scene->tree)
-                          : weft__tree_text(&scene->tree, base->text, base->length);
+        scene->text = changed ? weft__tree_emit(&scene->tree)
+                              : weft__tree_text(&scene->tree, base->text, base->length);
     }
     const char *file = name_in_messages(&base->def);
     scene->file = weft__tree_text(&scene->tree, file, strlen(file));
@@ -203,10 +203,11 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
     *tree = (weft__tree){ .report = report, .root = base->tree.root };
     weft__sweep_apply(tree, &base->sweep, run);
     weft__resolve_method(&reader, &base->sweep);
+    const bool changed = weft__take_tables(&reader) || base->changed;
     weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
     weft__obj_forget(&scene->obj);
     return report->no_memory            ? no_memory(err)
-           : report->found->errors == 0 ? complete(base, scene, err)
+           : report->found->errors == 0 ? complete(base, changed, scene, err)
                                         : WEFT_BAD_SCENE;
 }
 

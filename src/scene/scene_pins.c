@@ -148,6 +148,16 @@ void weft__read_track(weft__reader *reader, const weft__key *key,
 {
     char row[64];
     size_t at;
+    if (node->type == WEFT__MAP && key->section != NULL) {
+        weft__splined table = { .natural = false };
+        weft__read_mapping(reader, key, node, &table);
+        memcpy(to, &table.track, sizeof table.track);
+        *((bool *)to + key->first) = table.natural;
+        return;
+    }
+    if (weft__is_table_file(node)) {
+        return; /* its fault was reported */
+    }
     if (weft__item_count(node) == 0) {
         weft__refuse_value(reader, key, node);
         return;

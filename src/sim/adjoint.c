@@ -17,7 +17,8 @@
 #include "weft/gradient.h"
 
 typedef struct recorded_step {
-    double t, h; /* [s] where it begins, its length */
+    double t, h;  /* [s] where it begins, its length */
+    double piece; /* [s] that of tables and keys (mesh/track.h) */
     bool restarts;
     bool keeps;   /* its first state in the segment is its start */
     size_t first; /* where its states are in the segment */
@@ -214,6 +215,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
     sim->rates = (of->count + 1) % of->every == 0 ? of->rates[0] : NULL;
     of->steps[of->count] = (recorded_step){ .t = sim->t };
     const weft_status status = weft_sim_step(sim, t_end, err);
+    of->steps[of->count].piece = sim->piece;
     of->steps[of->count].restarts = begins || sim->vetoed > taken_back;
     of->steps[of->count++].h = weft_sim_stats(sim).last_step;
     return status;
@@ -316,6 +318,15 @@ static weft_status make_segment(adjoint *of, weft_error *err)
     return of->segment != NULL ? WEFT_OK : no_memory(err);
 }
 
+/* That of the step after one, or that begins where the last step ends. */
+static double next_piece(const adjoint *of, size_t step)
+{
+    const weft_sim *sim = of->sim;
+    return step + 1 < of->count ? of->steps[step + 1].piece
+           : sim->piece_begins  ? sim->next_piece
+                                : sim->piece;
+}
+
 /* Fills the segment of steps [first, end) from its checkpoint. */
 static int repeat(adjoint *of, size_t first, size_t end)
 {
@@ -330,8 +341,9 @@ static int repeat(adjoint *of, size_t first, size_t end)
                         mesh->particles, 0, mesh->particles);
     }
     for (size_t i = first; i < end; ++i) {
-        const double t = forces->piece = of->steps[i].t, h = of->steps[i].h;
+        const double t = of->steps[i].t, h = of->steps[i].h;
         const bool last = i + 1 == end;
+        forces->piece = of->steps[i].piece;
         if (of->steps[i].restarts && of->table->carries) {
             failed |= weft__forces_rhs(forces, t, y, of->rates[0]);
         }
@@ -349,6 +361,9 @@ static int repeat(adjoint *of, size_t first, size_t end)
             double *next
                 = of->steps[i + 1].keeps ? place_of(of, i + 1, 0) : of->room[i % 2];
             find_state(of, count + 1, h, y, next);
+            weft__jump_pins(mesh, of->steps[i + 1].t,
+                            (double[]){ of->steps[i].piece, next_piece(of, i) }, 1.0,
+                            next + half);
             y = next;
         }
         if (of->table->carries) {
@@ -443,13 +458,34 @@ static void find_start(const adjoint *of, double h, double *to)
     }
 }
 
+/* Adds what depends on the numbers where pins jump after a step, whose state is the
+ * sum of what the step leads to and the jump. */
+static void jump_back(adjoint *of, size_t step)
+{
+    const weft__mesh *mesh = &of->sim->cloth->mesh;
+    const double *g = of->by_state[of->table->count + 1];
+    const double t = step + 1 < of->count ? of->steps[step + 1].t : of->sim->t;
+    const double pieces[2] = { of->steps[step].piece, next_piece(of, step) };
+    for (size_t j = 0; pieces[0] != pieces[1] && j < of->def->count; ++j) {
+        for (size_t i = 0; of->slopes[j].pins && i < mesh->pinned; ++i) {
+            double jump[6];
+            weft__slope_jump(&of->slopes[j], mesh->pins[i], t, pieces, jump);
+            for (size_t k = 0; k < 6; ++k) {
+                of->by_number[j] += g[k * mesh->particles + mesh->pins[i]] * jump[k];
+            }
+        }
+    }
+}
+
 /* The derivative by the state after a step becomes that by the state before. */
 static int step_back(adjoint *of, size_t step)
 {
     const size_t end = of->table->count + 1, dim = dim_of(of);
-    const double t = of->sim->forces.piece = of->steps[step].t, h = of->steps[step].h;
+    const double t = of->steps[step].t, h = of->steps[step].h;
     double *start = of->by_state[0], *by_first = of->rates[0]; /* no longer needed */
     int failed = 0;
+    jump_back(of, step);
+    of->sim->forces.piece = of->steps[step].piece;
     for (size_t k = end - 1; k > 0; --k) {
         if (of->table->needed[k]) {
             find_by_rate(of, k, h, of->w);

@@ -129,6 +129,7 @@ static void motion_at(const weft_sim *sim, unsigned inner, double s, bool rate,
     add_difference(out, w[3], of->start, sim->y, count);
     add(out, h * w[1], of->start + count, count);
     add(out, h * w[4], sim->y + count, count);
+    weft__piece_jump(sim, -h * w[4], out);
     add(out, h * h * w[2], of->rates[0] + count, count);
     add(out, h * h * w[5], of->rates[1] + count, count);
     for (unsigned i = 0; i < inner; ++i) {
@@ -181,9 +182,11 @@ static weft_status find_rates(weft_sim *sim, weft_error *err)
 {
     weft__between *of = &sim->between;
     const double h = sim->t - of->t0, piece = sim->forces.piece;
-    sim->forces.piece = of->t0;
+    sim->forces.piece = sim->piece;
+    memcpy(of->shown, sim->y, weft__sim_dim(sim) * sizeof *of->shown);
+    weft__piece_jump(sim, -1.0, of->shown + weft_cloth_dim(sim->cloth) / 2);
     int failed = evaluate(sim, of->t0, of->start, of->rates[0]);
-    failed = failed == 0 ? evaluate(sim, sim->t, sim->y, of->rates[1]) : failed;
+    failed = failed == 0 ? evaluate(sim, sim->t, of->shown, of->rates[1]) : failed;
     for (of->levels = failed == 0; failed == 0 && of->levels <= of->nodes;) {
         for (unsigned i = 0; failed == 0 && i < of->levels; ++i) {
             state_at(sim, of->levels - 1, nodes[i], of->shown);

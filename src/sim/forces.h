@@ -19,8 +19,8 @@ typedef struct weft__forces {
     weft_measures *all;         /* band 0: of all blocks of the whole cloth */
     weft__mail mail;
     weft_allocator memory;
-    double piece; /* [s] of tables and keys: that of the step under way (mesh/track.h),
-                     which is where the step begins; NAN: that of the time */
+    double piece; /* [s] of tables and keys: that of the step under way (mesh/track.h);
+                     NAN: none is, and that of the time counts */
 } weft__forces;
 
 /* A state at t, in the piece of the step under way. */

@@ -238,6 +238,25 @@ void weft__sensitivity_back(weft_sim *sim)
     }
 }
 
+void weft__sensitivity_jump(weft_sim *sim)
+{
+    const weft__sensitivity *of = &sim->sensitivity;
+    const weft__mesh *mesh = &sim->cloth->mesh;
+    const size_t n = mesh->particles;
+    weft__sensitivity_unpack(sim);
+    for (size_t j = 0; j < of->count; ++j) {
+        for (size_t i = 0; of->of[j].pins && i < mesh->pinned; ++i) {
+            double jump[6];
+            weft__slope_jump(&of->of[j], mesh->pins[i], sim->t,
+                             (double[]){ sim->piece, sim->next_piece }, jump);
+            for (size_t k = 0; k < 6; ++k) {
+                of->s[(6 * j + k) * n + mesh->pins[i]] += jump[k] / of->factor;
+            }
+        }
+    }
+    weft__sensitivity_pack(sim);
+}
+
 weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 {
     weft__sensitivity *of = &sim->sensitivity;

@@ -41,6 +41,10 @@ weft_status weft__augmented_init(weft_sim *sim, weft_error *err);
 void weft__sensitivity_unpack(const weft_sim *sim);
 /* After y was put back to where the last step began. */
 void weft__sensitivity_back(weft_sim *sim);
+
+/* Where a piece ends (piece.c): takes the state from y, and adds what the derivatives
+ * of pins jump by. */
+void weft__sensitivity_jump(weft_sim *sim);
 uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash);
 
 /* A step of the method, of the state and its sensitivities. */

@@ -26,7 +26,8 @@ weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double 
 {
     weft__wind wind = sim->wind;
     if (velocity != NULL) {
-        wind = (weft__wind){ wind.mesh, { 0.0 }, drag, { NULL, 0 }, true, wind.fast };
+        wind = (weft__wind){ wind.mesh,          { 0.0 }, drag,
+                             { NULL, 0, false }, true,    wind.fast };
         memcpy(wind.velocity, velocity, sizeof wind.velocity);
     }
     return wind;

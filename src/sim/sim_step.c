@@ -3,7 +3,6 @@
 #include <inttypes.h>
 
 #include "base/log.h"
-#include "forces/contact/mesh_shape.h"
 #include "forces/self/self.h"
 #include "sim/simulation.h"
 
@@ -119,23 +118,11 @@ static void log_rejected(weft_sim *sim, double h)
     sim->rejected = rejected;
 }
 
-/* Where the piece of all tables and keys ends that begins now (mesh/track.h). */
-static double end_of_piece(const weft_sim *sim)
-{
-    const weft__mesh *mesh = &sim->cloth->mesh;
-    double end = weft__curve_next(&sim->cloth->wind.track, sim->t);
-    for (size_t i = 0; i < mesh->motion_count; ++i) {
-        end = fmin(end, weft__curve_next(&mesh->motions[i].path, sim->t));
-    }
-    return fmin(end, weft__bodies_next(&sim->cloth->contact, sim->t));
-}
-
-/* A step within a piece, to its end at most, where methods start afresh. */
+/* A step within a piece of tables and keys. */
 static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
 {
-    const double before = sim->t, piece_end = end_of_piece(sim);
-    t_end = weft__row_met(t_end, piece_end) ? t_end : piece_end;
-    sim->forces.piece = before;
+    const double before = sim->t;
+    const double piece_end = weft__piece_enter(sim, &t_end);
     if (sim->def.event != NULL) {
         t_end = weft__sim_before_event(sim, t_end);
     }
@@ -143,11 +130,7 @@ static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
     if (status == WEFT_OK && sim->def.event != NULL) {
         status = weft__sim_find_event(sim, before, why);
     }
-    sim->forces.piece = (double)NAN;
-    sim->piece_begins = weft__row_met(piece_end, sim->t);
-    if (sim->piece_begins) {
-        weft_stepper_ode_changed(sim->def.method, sim->stepper);
-    }
+    weft__piece_leave(sim, piece_end);
     return status;
 }
 

@@ -90,8 +90,9 @@ struct weft_sim {
     uint64_t settings; /* weft__settings_hash of the definition */
     uint64_t rejected; /* attempts that were logged */
     double t;          /* [s] */
-    bool piece_begins; /* a table has a row at t, or a body a key: no rate from before
-                          it counts (mesh/track.h) */
+    double piece;      /* [s] in that of tables and keys of the last step */
+    double next_piece; /* [s] in the one that begins at t, */
+    bool piece_begins; /* if that ended there */
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
@@ -177,6 +178,15 @@ static inline weft_status weft__sim_take_step(weft_sim *of, double t_end,
     return weft__sim_checks(of) ? weft__sim_checked_step(of, t_end, why)
                                 : weft__sim_method_step(of, t_end, why);
 }
+
+/* piece.c: before a step that is to go to *t_end, which comes no later than the end
+ * that is returned; and after it. */
+double weft__piece_enter(weft_sim *sim, double *t_end);
+void weft__piece_leave(weft_sim *sim, double end);
+
+/* Adds `factor` times what the velocities of pins jump by at t, of which those of the
+ * state are those after it. */
+void weft__piece_jump(const weft_sim *sim, double factor, double *v);
 
 /* event.c: before a step, which may go to the end that is returned; and after one from
  * t0 that is accepted: if the event function fell to 0 within it, takes it back and

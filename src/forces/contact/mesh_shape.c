@@ -307,15 +307,14 @@ void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
     }
 }
 
-double weft__bodies_next(const weft__contact *of, double t)
+void weft__bodies_bounds(const weft__contact *of, double t, weft__piece_bounds *to)
 {
-    double next = DBL_MAX;
     for (size_t k = 0; k < of->shape_count; ++k) {
         const weft_body *body = of->shapes[k].def.body;
         if (body != NULL && body->keys > 1) {
             const size_t i = weft__body_keys_until(body, t);
-            next = fmin(next, i < body->keys ? key_time(body, i) : DBL_MAX);
+            to->first = fmax(to->first, i > 0 ? key_time(body, i - 1) : -DBL_MAX);
+            to->last = fmin(to->last, i < body->keys ? key_time(body, i) : DBL_MAX);
         }
     }
-    return next;
 }

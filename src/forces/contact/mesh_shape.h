@@ -35,5 +35,5 @@ size_t weft__body_keys_until(const weft_body *of, double piece);
 void weft__body_place(const weft__shape *shape, double t, double piece, size_t planes,
                       size_t plane, size_t next, double *to);
 
-/* The first time of a key of a body that is not met at t; DBL_MAX: there is none. */
-double weft__bodies_next(const weft__contact *of, double t);
+/* As weft__curve_bounds, of the keys of bodies. */
+void weft__bodies_bounds(const weft__contact *of, double t, weft__piece_bounds *to);
