@@ -180,6 +180,23 @@ START_TEST(a_pinned_cloth_feels_no_body)
 }
 END_TEST
 
+/* Its primitives are out of contact with it: no step is taken back. */
+START_TEST(a_pinned_cloth_moves_through_a_body)
+{
+    const weft_pin all
+        = { .rows = { 0, -1 }, .cols = { 0, -1 }, .velocity = { 0.0, -0.5, 0.0 } };
+    put(plate(1, 0.2, 0.2));
+    shapes[0].at[1] = -0.05;
+    def.pins = &all, def.pin_count = 1;
+    begin(1e-4);
+    go(0.2);
+    ck_assert_double_eq_tol(height(0), -0.1, 1e-15);
+    ck_assert_uint_eq(weft_sim_vetoed(sim), 0);
+    ck_assert_uint_eq(weft_cloth_each_crossing(cloth, weft_sim_state(sim), NULL, NULL),
+                      0);
+}
+END_TEST
+
 /* ---- where it starts ------------------------------------------------------------- */
 
 static const char *refusal(void)
@@ -208,6 +225,36 @@ START_TEST(cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not)
                   "%s", text);
     --bodies[0]->body.triangles;
     cloth = test_cloth(&def);
+}
+END_TEST
+
+START_TEST(pinned_corners_of_a_start_in_a_body_are_named)
+{
+    const weft_pin corner = { .rows = { 0, 0 }, .cols = { 0, 0 } };
+    put(icosphere(1, 0.015))->at[0] = -0.08;
+    shapes[0].at[1] = 1e-3, shapes[0].at[2] = -0.08;
+    const char *text = refusal();
+    ck_assert_msg(strstr(text, " such pairs") != NULL && !strstr(text, "pins"), "%s",
+                  text);
+    def.pins = &corner, def.pin_count = 1;
+    text = refusal();
+    ck_assert_msg(strstr(text, "edge (0, 0)-(0, 1) passes through shapes[0]; ") == text
+                      && strstr(text, "; pins hold (0, 0), and corners of ") != NULL,
+                  "%s", text);
+}
+END_TEST
+
+/* The body reaches primitives only whose corners are all pinned. */
+START_TEST(a_pinned_patch_may_start_in_a_body)
+{
+    const weft_pin patch = { .rows = { 0, 1 }, .cols = { 0, 1 } };
+    put(icosphere(1, 0.015))->at[0] = -0.08;
+    shapes[0].at[2] = -0.08;
+    def.pins = &patch, def.pin_count = 1;
+    springs(50.0, 0.02);
+    begin(1e-4);
+    go(0.1);
+    ck_assert_uint_eq(weft_sim_vetoed(sim), 0);
 }
 END_TEST
 
@@ -565,6 +612,9 @@ TEST_SUITE(bodies)
     tcase_add_test(state, a_pinned_cloth_feels_no_body);
     tcase_add_test(state, cloth_that_passes_through_a_body_is_named);
     tcase_add_test(state, cloth_in_a_closed_body_is_named_and_in_an_open_one_is_not);
+    tcase_add_test(state, a_pinned_cloth_moves_through_a_body);
+    tcase_add_test(state, pinned_corners_of_a_start_in_a_body_are_named);
+    tcase_add_test(state, a_pinned_patch_may_start_in_a_body);
     tcase_add_loop_test(state, wrong_bodies_are_refused, 0, 7);
     tcase_add_test(state, a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear);
     tcase_add_test(slow, an_icosphere_bears_a_cloth_as_a_sphere_does);

@@ -217,6 +217,24 @@ START_TEST(a_cloth_inside_a_closed_body_stays_and_is_named)
 }
 END_TEST
 
+START_TEST(a_pin_that_holds_a_cloth_in_a_body_is_named)
+{
+    body_mesh *ball = icosphere(3, 0.2);
+    weft_shape shape = body_shape(ball);
+    const weft_pin pin = { .rows = { 4, 4 }, .cols = { 4, 4 } };
+    sink(&shape);
+    def.pins = &pin, def.pin_count = 1;
+    make(1.0);
+    ck_assert_int_eq(weft_cloth_untangle(cloth, y, &err), WEFT_SOLVER);
+    ck_assert_msg(strstr(err.message, "contact.untangle cannot move the cloth out: "
+                                      "particle (4, 4) is inside shapes[0], a closed "
+                                      "mesh, and a pin holds it there")
+                      != NULL,
+                  "%s", err.message);
+    free(ball);
+}
+END_TEST
+
 /* ---- what is left, and what is not touched --------------------------------------- */
 
 static void count(void *ctx, const weft_crossing *one)
@@ -423,6 +441,7 @@ TEST_SUITE(untangle)
     tcase_add_test(tcase, a_cloth_comes_out_of_a_body);
     tcase_add_test(tcase, a_cloth_comes_out_of_a_sphere);
     tcase_add_test(tcase, a_cloth_inside_a_closed_body_stays_and_is_named);
+    tcase_add_test(tcase, a_pin_that_holds_a_cloth_in_a_body_is_named);
     tcase_add_test(tcase, what_cannot_be_freed_in_time_is_named_and_counted);
     tcase_add_test(tcase, a_good_start_keeps_its_bits);
     tcase_add_test(slow, all_instruction_sets_give_the_same_bits);

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "base/grow.h"
+#include "base/try.h"
 #include "cloth/model.h"
 #include "forces/self/crossing.h"
 #include "mesh/surface.h"
@@ -480,6 +481,8 @@ weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y, weft_error *
     if (cloth->untangle == 0.0) {
         return WEFT_OK;
     }
+    TRY(weft__bodies_pins_error(&cloth->bodies, 0.0, y,
+                                "contact.untangle cannot move the cloth out: ", err));
     const bool done = create(&of, cloth, y) && find_moves(&of, &crosses)
                       && (!crosses || relax(&of));
     destroy(&of);

@@ -3,6 +3,7 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/plane.h"
@@ -110,14 +111,20 @@ static bool is_inside(closed_body *of, const double x[3])
     return count % 2 == 1;
 }
 
-/* Labels connected particles by their lowest one. */
-static void connect(const weft__skin *skin, uint32_t *label)
+/* Labels particles that edges with a free end join by their lowest one; pinned ones
+ * that no such edge joins get WEFT__NONE. */
+static void connect(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label)
 {
     for (uint32_t i = 0; i < skin->particles; ++i) {
-        label[i] = i;
+        label[i] = mesh->pin[i] == 0 ? i : WEFT__NONE;
     }
     for (size_t e = 0; e < skin->edges && skin->edge[e][0] < skin->particles; ++e) {
         uint32_t a = skin->edge[e][0], b = skin->edge[e][1];
+        if (mesh->pin[a] != 0 && mesh->pin[b] != 0) {
+            continue;
+        }
+        label[a] = label[a] == WEFT__NONE ? a : label[a];
+        label[b] = label[b] == WEFT__NONE ? b : label[b];
         while (label[a] != a) {
             a = label[a] = label[label[a]];
         }
@@ -128,11 +135,10 @@ static void connect(const weft__skin *skin, uint32_t *label)
     }
 }
 
-/* Of a cloth that passes through no body: of each connected part a particle is looked
- * at, if it has a free one. */
+/* Of the particles that are their own label. */
 static weft_status inside_error(const weft__bodies *own, const double *y,
                                 const uint32_t *label, const char *where,
-                                weft_error *err)
+                                const char *what, weft_error *err)
 {
     const weft__mesh *mesh = own->pairs.mesh;
     const size_t points = own->pairs.points;
@@ -149,18 +155,33 @@ static weft_status inside_error(const weft__bodies *own, const double *y,
             const double x[3] = { y[i], y[points + i], y[2 * points + i] };
             if (label[i] == i && is_inside(&of, x)) {
                 char text[64];
-                return weft_error_set(err, WEFT_INVALID,
-                                      "%s%s is inside shapes[%zu], a closed mesh, with "
-                                      "all that is joined to it",
-                                      where,
-                                      weft__particle_name(mesh,
-                                                          weft__vertex_of(mesh, i),
-                                                          text, sizeof text),
-                                      k);
+                return weft_error_set(
+                    err, WEFT_INVALID, "%s%s is inside shapes[%zu], a closed mesh%s",
+                    where,
+                    weft__particle_name(mesh, weft__vertex_of(mesh, i), text,
+                                        sizeof text),
+                    k, what);
             }
         }
     }
     return WEFT_OK;
+}
+
+typedef void label_fn(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label);
+
+static weft_status named_inside(const weft__bodies *own, const double *y,
+                                label_fn *find, const char *where, const char *what,
+                                weft_error *err)
+{
+    const size_t n = own->pairs.mesh->particles;
+    uint32_t *label = weft__alloc(&own->memory, n, sizeof *label);
+    if (label == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
+    }
+    find(own->pairs.mesh, own->pairs.skin, label);
+    const weft_status status = inside_error(own, y, label, where, what, err);
+    weft__free(&own->memory, label);
+    return status;
 }
 
 weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
@@ -170,19 +191,46 @@ weft_status weft__bodies_error(const weft__bodies *own, double t, const double *
         return WEFT_OK;
     }
     double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
-    uint32_t *label
-        = weft__alloc(&own->memory, own->pairs.mesh->particles, sizeof *label);
-    weft_status status = all == NULL || label == NULL ? WEFT_NO_MEMORY : WEFT_OK;
-    if (status == WEFT_OK) {
-        status = weft__named_crossing(&own->pairs, all, loose, where, weft__bodies_name,
-                                      own, err);
-    } else {
-        (void)weft_error_set(err, status, "no memory for a state");
+    weft_status status
+        = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
+                      : weft__named_crossing(&own->pairs, all, loose, where,
+                                             weft__bodies_name, own, err);
+    if (status == WEFT_OK) { /* of each connected part one particle */
+        status = named_inside(own, all, connect, where,
+                              ", with all that is joined to it", err);
     }
-    if (status == WEFT_OK) {
-        connect(own->pairs.skin, label);
-        status = inside_error(own, all, label, where, err);
-    }
-    WEFT__FREE_ALL(&own->memory, all, label);
+    weft__free(&own->memory, all);
     return status;
+}
+
+/* Pinned particles beside a free one. */
+static void label_pins(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label)
+{
+    for (uint32_t i = 0; i < skin->particles; ++i) {
+        label[i] = WEFT__NONE;
+    }
+    for (size_t e = 0; e < skin->edges && skin->edge[e][0] < skin->particles; ++e) {
+        for (size_t k = 0; k < 2; ++k) {
+            const uint32_t i = skin->edge[e][k], other = skin->edge[e][1 - k];
+            label[i] = mesh->pin[i] != 0 && mesh->pin[other] == 0 ? i : label[i];
+        }
+    }
+}
+
+weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
+                                    const char *where, weft_error *err)
+{
+    if (!own->pairs.law.self) {
+        return WEFT_OK;
+    }
+    double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
+    weft_status status
+        = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
+                      : named_inside(own, all, label_pins, where,
+                                     ", and a pin holds it there", err);
+    weft__free(&own->memory, all);
+    if (status == WEFT_INVALID && err != NULL) {
+        err->status = WEFT_SOLVER;
+    }
+    return status == WEFT_INVALID ? WEFT_SOLVER : status;
 }

@@ -232,11 +232,70 @@ void weft__crossing_names(const weft__crossing *one, weft__name_fn *by, const vo
                    one->how == WEFT__PIERCE ? "passes through" : "touches", names[1]);
 }
 
+/* ---- pins ------------------------------------------------------------------------ */
+
+/* The corners of a cloth that pins hold in both sides of a pair. */
+static size_t held_in(const weft__self *own, const weft__crossing *one, size_t held[6])
+{
+    size_t count = 0;
+    for (size_t j = 0; j < 2; ++j) {
+        for (size_t k = 0; k < one->side[j].count; ++k) {
+            const size_t i = one->side[j].particle[k];
+            if (i < own->mesh->particles && own->mesh->pin[i] != 0) {
+                held[count++] = i;
+            }
+        }
+    }
+    return count;
+}
+
+typedef struct held_pairs {
+    const weft__self *own;
+    size_t count;
+} held_pairs;
+
+static void count_held(void *ctx, const weft__crossing *one)
+{
+    held_pairs *of = ctx;
+    size_t held[6];
+    of->count += held_in(of->own, one, held) > 0;
+}
+
+/* "; pins hold (3, 4) and (3, 5), and corners of 12 pairs" of pairs whose first is
+ * *one; "" without pins. */
+static void held_text(const weft__quadtree *tree, size_t loose,
+                      const weft__crossings *found, char *text, size_t size)
+{
+    const weft__self *own = tree->own;
+    held_pairs all = { .own = own };
+    size_t held[6];
+    char names[2][WEFT__NAME_TEXT] = { "", "" };
+    const size_t count = held_in(own, &found->first, held);
+    weft__each_crossing(tree, loose, count_held, &all);
+    for (size_t k = 0; k < count && k < 2; ++k) {
+        weft__name_text(
+            own->mesh,
+            weft__vertex_of(own->mesh, weft__whole_index(own->mesh, held[k])),
+            names[k]);
+    }
+    const bool more = all.count > (count > 0 ? 1 : 0);
+    const int used = all.count == 0
+                         ? 0
+                         : snprintf(text, size, "; pins hold %s%s%s%s", names[0],
+                                    count > 1 ? " and " : "", names[1],
+                                    count > 0 && more ? ", and " : "");
+    text[used] = '\0';
+    if (more && (size_t)used < size) {
+        (void)snprintf(text + used, size - (size_t)used, "corners of %zu pairs",
+                       all.count);
+    }
+}
+
 weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft__name_fn *by, const void *ctx,
                                  weft_error *err)
 {
-    char text[WEFT__CROSSING_TEXT], more[48] = "";
+    char text[WEFT__CROSSING_TEXT], more[48] = "", pins[160];
     if (!own->law.self) {
         return WEFT_OK;
     }
@@ -249,5 +308,6 @@ weft_status weft__named_crossing(const weft__self *own, const double *y, size_t 
         (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
     weft__crossing_names(&found.first, by, ctx, text);
-    return weft_error_set(err, WEFT_INVALID, "%s%s%s", where, text, more);
+    held_text(&tree, loose, &found, pins, sizeof pins);
+    return weft_error_set(err, WEFT_INVALID, "%s%s%s%s", where, text, more, pins);
 }

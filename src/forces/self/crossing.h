@@ -35,7 +35,8 @@ typedef struct weft__items {
 void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *to);
 
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
- * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs". */
+ * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs; pins
+ * hold (3, 4), and corners of 2 pairs". */
 weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
                                  const char *where, weft_error *err);
 

@@ -23,7 +23,8 @@ static bool look_at(void *ctx, const weft__pair *pair)
         && weft__pair_distance(pair, stride->y1, stride->own->points) > of->way) {
         return true;
     }
-    if (weft__stride_clear(of->stride, pair, &gap)) {
+    if (weft__stride_clear(of->stride, pair, &gap)
+        || weft__pair_mass(stride->own, pair) == 0.0) { /* all of it is held */
         return true;
     }
     if (!of->found) {
