@@ -268,3 +268,54 @@ def test_a_file_that_is_no_json_is_named(tmp_path):
         garment.load(tmp_path / "a.json")
     with pytest.raises(ValueError, match="a spacing of 0 m is not above 0"):
         garment.load(pattern({"p": panel(SQUARE)}), spacing=0)
+
+
+SQUARE = [[0, 0], [20, 0], [20, 30], [0, 30]]
+TUBE = pattern({"front": panel(SQUARE, {1: [0.5, 0.1], 2: {"type": "quadratic", "params": [[0.5, 0.1]]}}),
+                "back": panel(SQUARE, {0: {"type": "circle", "params": [40, 0, 1]}})},
+               [("front", 1, "back", 1), ("front", 3, "back", 3)])
+WRONG = (None, 0, -1, 1e9, 1e308, 10 ** 400, True, "", "front", [], [[0.5, 1e9]], {}, {"type": "cubic", "params": 3},
+         {"type": ["cubic"]}, [0, 1, 2], float("nan"))
+
+
+def places_in(value, path=()):
+    """Paths of keys to every value in lists and mappings."""
+    yield path
+    if isinstance(value, (list, dict)):
+        for key in (range(len(value)) if isinstance(value, list) else value):
+            yield from places_in(value[key], (*path, key))
+
+
+@pytest.mark.parametrize("wrong", range(len(WRONG)))
+def test_whatever_stands_in_a_pattern_it_is_a_mesh_or_a_value_error(wrong):
+    for path in list(places_in(TUBE))[1:]:
+        copy = json.loads(json.dumps(TUBE))
+        at = copy
+        for key in path[:-1]:
+            at = at[key]
+        at[path[-1]] = WRONG[wrong]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", weft.SceneWarning)
+            try:
+                assert isinstance(garment.load(copy, spacing=0.1, relax=1), weft.Mesh)
+            except ValueError as error:
+                assert str(error).startswith("pattern: ")
+
+
+def test_a_panel_of_very_many_spacings_is_refused():
+    with pytest.raises(ValueError, match="panel 'front' is 300 m large, more than 2000 times the spacing of 0.02 m"):
+        garment.load(pattern({"front": panel(SQUARE)}, units_in_meter=0.1))
+
+
+@pytest.mark.parametrize("comment", ["// front", "/* front */"])
+def test_a_comment_in_the_json_is_named(comment, tmp_path):
+    file = tmp_path / "tube.json"
+    file.write_text('{"pattern": {\n  %s\n "panels": {}}}' % comment)
+    with pytest.raises(ValueError, match=r"tube.json: a comment, which JSON does not have: line 2 column 3"):
+        garment.load(file)
+
+
+def test_a_byte_order_mark_does_not_matter(tmp_path):
+    file = tmp_path / "tube.json"
+    file.write_text(json.dumps(TUBE), encoding="utf-8-sig")
+    assert len(garment.load(file, spacing=0.1, relax=0).start) > 0

@@ -485,3 +485,19 @@ def test_arrays_that_are_no_body_are_refused(body, error):
 def test_a_run_keeps_the_body_of_arrays(tmp_path):
     run = weft.run(over_body((np.array([0.03 * CUBE, 0.03 * CUBE + [0, 1e-3, 0]]), SIDES), fps=20.0), tmp_path / "run")
     assert run.shapes["fy"].min() < 0 and (tmp_path / "run" / "scene-shape0-0001.obj").exists()
+
+
+def test_a_mesh_that_is_nearly_flat_has_its_plane_as_rest_shape():
+    v = np.array([[0, 0, 0], [1.6, 0, 0.0002], [1.6, 1, 0], [0, 1, 0.0002]])
+    with pytest.warns(weft.SceneWarning, match="the mesh has no u v and leaves its plane by .* its rest shape is the plane"):
+        found = flat_coordinates(v)
+    assert np.abs(found - v[:, :2]).max() < 1e-3
+    with pytest.raises(ValueError, match="is not flat: it leaves its plane by"):
+        flat_coordinates(v * [1, 1, 100])
+
+
+def test_the_stretch_of_a_triangle_without_area_is_infinite():
+    mesh = weft.Mesh([[0, 0], [1, 0], [2, 0], [0, 1]], np.eye(4, 3), [[0, 1, 2], [0, 1, 3]])
+    assert mesh.largest_stretch == float("inf")
+    with pytest.raises(ValueError, match="triangle 0 has no area at rest"):
+        weft.garment.relaxed(mesh, 1)

@@ -18,6 +18,7 @@ from weft.mesh import Mesh, as_word
 
 _SMOOTHINGS = 12
 _DOUBLINGS = 4
+_MOST_ACROSS = 2000  # [spacings] larger panels take minutes
 _SMALL_ANGLE = 15.0  # [degrees] below it there is a warning
 
 
@@ -47,7 +48,7 @@ class _Meshed(NamedTuple):
 def _array(value: Any, shape: tuple[int, ...], what: str) -> Array:
     try:
         array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         array = np.full(1, np.nan)
     if len(array.shape) != len(shape) or not all(n in (m, -1) for m, n in zip(array.shape, shape)) or \
             not np.isfinite(array).all():
@@ -61,35 +62,52 @@ def _member(value: Any, key: str, kind: type, what: str) -> Any:
     return value[key]
 
 
+def _optional(value: Mapping[str, Any], key: str, kind: type, what: str) -> Any:
+    """A member, or an empty one if it is absent or null."""
+    return kind() if value.get(key) is None else _member(value, key, kind, what)
+
+
 def _curve(of: Any, a: Array, b: Array, relative: bool, unit: float, what: str) -> Any:
     """Control points of an edge, or the radius of an arc and its two flags."""
     if of is None:
         return np.empty((0, 2))
+    if not isinstance(of, (list, tuple, Mapping)):
+        raise ValueError("%s has the curvature %.60r, not a point or a mapping" % (what, of))
     kind, values = ("quadratic", [of]) if isinstance(of, (list, tuple)) else (of.get("type"), of.get("params"))
     if kind == "circle":
         radius, large, left = _array(values, (3,), what + ".curvature.params")
         if not radius > 0:
             raise ValueError("%s is an arc of radius %g" % (what, radius))
         return float(radius) * unit, bool(large), bool(left)
-    count = {"quadratic": 1, "cubic": 2}.get(kind)
+    count = {"quadratic": 1, "cubic": 2}.get(kind) if isinstance(kind, str) else None
     if count is None:
-        raise ValueError("%s has a curvature of type %r; there are quadratic, cubic and circle" % (what, kind))
+        raise ValueError("%s has a curvature of type %.60r; there are quadratic, cubic and circle" % (what, kind))
     at = _array(values, (count, 2), what + ".curvature")
     along = b - a
     across = np.array([-along[1], along[0]])
     return a + at[:, :1] * along + at[:, 1:] * across if relative else at * unit
 
 
+def _units(properties: Mapping[str, Any]) -> float:
+    units = properties.get("units_in_meter", 100)
+    if isinstance(units, bool) or not isinstance(units, (int, float)) or not 1e-6 <= units <= 1e6:
+        raise ValueError("units_in_meter is %.60r, not a number from 1e-6 to 1e6" % (units,))
+    return float(units)
+
+
 def _read_panel(name: str, of: Any, properties: Mapping[str, Any]) -> _Panel:
     what = "panel '%s'" % name
-    unit = 1.0 / float(properties.get("units_in_meter", 100))
+    unit = 1.0 / _units(properties)
     corners = _array(_member(of, "vertices", list, what), (-1, 2), what + ".vertices") * unit
     edges, labels = [], []
     before = None
     listed = _member(of, "edges", list, what)
     for k, edge in enumerate(listed):
         place = "%s, edge %d" % (what, k)
-        first, last = ends = _member(edge, "endpoints", list, place)
+        ends = _member(edge, "endpoints", list, place)
+        if len(ends) != 2:
+            raise ValueError("%s has the endpoints %.60r, not two" % (place, ends))
+        first, last = ends
         if not all(isinstance(end, int) and 0 <= end < len(corners) for end in ends) or first == last:
             raise ValueError("%s goes from vertex %r to %r; the panel has 0 to %d" % (place, first, last,
                                                                                      len(corners) - 1))
@@ -247,7 +265,9 @@ def _read_stitches(pattern: Mapping[str, Any], panels: Mapping[str, _Panel]) -> 
     """Two edges each, and whether they run in one direction if nothing else decides."""
     found: list[tuple[Side, Side, bool]] = []
     used: dict[Side, int] = {}
-    for i, stitch in enumerate(pattern.get("stitches", [])):
+    stitches = pattern.get("stitches")
+    for i, stitch in enumerate(stitches if isinstance(stitches, tuple)
+                               else _optional(pattern, "stitches", list, "the pattern")):
         what = "stitch %d" % i
         if not isinstance(stitch, list) or len(stitch) < 2:
             raise ValueError("%s is %.60r, not a list of two edges" % (what, stitch))
@@ -280,7 +300,8 @@ def _directions(panels: Mapping[str, _Panel], stitches: list[Any]) -> tuple[list
     for one, other, declared in stitches:
         a, b = ends(one), ends(other)
         same, reverse = (float(np.linalg.norm(a - c, axis=1).sum()) for c in (b, b[::-1]))
-        clear = abs(same - reverse) / (np.linalg.norm(a[1] - a[0]) + np.linalg.norm(b[1] - b[0]))
+        length = float(np.linalg.norm(a[1] - a[0]) + np.linalg.norm(b[1] - b[0]))
+        clear = abs(same - reverse) / length if length > 0 else 0.0
         votes.append((clear, same < reverse if clear > 1e-3 else declared))
     above = {name: (name, False) for name in panels}  # another panel, and whether turned over against it
 
@@ -338,6 +359,9 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
     if rounds < 1:
         return x
     sides = np.stack((rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]), axis=2)
+    flat = np.flatnonzero(np.linalg.det(sides) == 0.0)
+    if len(flat) > 0:
+        raise ValueError("triangle %d has no area at rest" % flat[0])
     inverse = np.linalg.inv(sides)
     slope = np.stack((-inverse.sum(axis=1), inverse[:, 0], inverse[:, 1]), axis=1)  # (T, 3, 2) of each corner
     area = 0.5 * np.abs(np.linalg.det(sides))
@@ -357,6 +381,13 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
 # ---- the garment ----------------------------------------------------------------------
 
 def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: float) -> dict[str, _Meshed]:
+    for name, panel in panels.items():
+        size = float(np.ptp(np.concatenate([panel.corners, *(c for _, _, c in panel.edges if not isinstance(c, tuple))]),
+                            axis=0).max())
+        size = max([size, *(c[0] for _, _, c in panel.edges if isinstance(c, tuple))])
+        if not size <= _MOST_ACROSS * spacing:
+            raise ValueError("panel '%s' is %.3g m large, more than %d times the spacing of %g m: is units_in_meter right?"
+                             % (name, size, _MOST_ACROSS, spacing))
     parts = {(name, k): max(1, int(np.ceil(_length(panel, k) / spacing - 1e-9)))
              for name, panel in panels.items() for k in range(len(panel.edges))}
     partner = {a: b for one, other, _ in stitches for a, b in ((one, other), (other, one))}
@@ -408,9 +439,16 @@ def load(pattern: Union[PathLike, Mapping[str, Any]], *, spacing: float = 0.02, 
     try:
         if isinstance(pattern, Mapping):
             return _load(pattern, spacing, relax)
-        with open(pattern, encoding="utf-8") as file:
+        with open(pattern, encoding="utf-8-sig") as file:
             return _load(json.load(file), spacing, relax)
-    except ValueError as error:  # also JSON's
+    except json.JSONDecodeError as error:
+        if error.doc[error.pos:error.pos + 2] in ("//", "/*"):
+            raise ValueError("%s: a comment, which JSON does not have: line %d column %d"
+                             % (name, error.lineno, error.colno)) from None
+        raise ValueError("%s: %s" % (name, error)) from None
+    except RecursionError:
+        raise ValueError("%s: lists or mappings are nested too deeply" % name) from None
+    except ValueError as error:
         raise ValueError("%s: %s" % (name, error)) from None
 
 
@@ -418,7 +456,7 @@ def _load(content: Any, spacing: float, relax: int) -> Mesh:
     if not spacing > 0:
         raise ValueError("a spacing of %r m is not above 0" % (spacing,))
     of = _member(content, "pattern", dict, "the file")
-    properties = content.get("properties", {})
+    properties = _optional(content, "properties", dict, "the file")
     panels = {name: _read_panel(name, panel, properties)
               for name, panel in _member(of, "panels", dict, "the pattern").items()}
     if not panels:

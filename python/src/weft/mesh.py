@@ -14,7 +14,8 @@ from weft.library import Array, Fixed, PathLike, SceneWarning, real
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
 ONE_MESH = "trimesh.load(file, force='mesh') gives one mesh of all its geometry"
-_FLAT = 1e-6  # of its extent: a surface that leaves its plane by less is flat
+_FLAT = 1e-3  # of its extent: a surface that leaves its plane by less is flat,
+_ROUNDED = 1e-6  # and by less than this without a warning
 
 
 # ---- arrays ---------------------------------------------------------------------------
@@ -212,8 +213,11 @@ class Mesh(Fixed):
 
     @property
     def largest_stretch(self) -> float:
-        """of all triangles at the start, in any direction; 1: none is stretched."""
+        """of all triangles at the start, in any direction; 1: none is stretched; inf: one has no area at rest."""
         x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.places]))
+        area = rest[:, 0, 0] * rest[:, 1, 1] - rest[:, 0, 1] * rest[:, 1, 0]
+        if (area == 0.0).any():
+            return float("inf")
         return float(np.linalg.norm(np.linalg.solve(rest, x), ord=2, axis=(1, 2)).max())
 
     def write(self, path: PathLike) -> None:
@@ -300,7 +304,7 @@ def _rows(file: Any, line: str, rows: Any) -> None:
 def flat_coordinates(points: Any) -> Array:
     """u, v (N, 2) [m] of points (N, 3) in one plane: v along what lies in it of the y axis, u across. In the x-y plane
     that is x, y. In a plane nearer to the horizontal, v is along what lies in it of the z axis: x, z. Raises ValueError
-    if the points leave the plane by more than a millionth of their extent.
+    if the points leave the plane by more than a thousandth of their extent, and warns (SceneWarning) beyond a millionth.
 
     >>> weft.mesh.flat_coordinates([[0, 2, 5], [1, 2, 5], [1, 3, 5]]).tolist()
     [[0.0, 2.0], [1.0, 2.0], [1.0, 3.0]]
@@ -314,6 +318,9 @@ def flat_coordinates(points: Any) -> Array:
     if not away <= _FLAT * extent:
         raise ValueError("the mesh has no rest shape: it has no u v, and is not flat: it leaves its plane by %.3g of "
                          "its extent of %.3g" % (away, extent))
+    if away > _ROUNDED * extent:
+        warnings.warn("the mesh has no u v and leaves its plane by %.3g of its extent of %.3g: its rest shape is the plane"
+                      % (away, extent), SceneWarning, stacklevel=4)
     normal = np.where(np.abs(normal) < 1e-9, 0.0, normal)  # an axis stays one
     up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) <= np.sqrt(0.5) else np.array([0.0, 0.0, 1.0])
     along = up - normal * (up @ normal) / (normal @ normal)
