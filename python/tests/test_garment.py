@@ -295,6 +295,7 @@ def test_whatever_stands_in_a_pattern_it_is_a_mesh_or_a_value_error(wrong):
             at = at[key]
         at[path[-1]] = WRONG[wrong]
         with warnings.catch_warnings():
+            warnings.simplefilter("error")
             warnings.simplefilter("ignore", weft.SceneWarning)
             try:
                 assert isinstance(garment.load(copy, spacing=0.1, relax=1), weft.Mesh)

@@ -18,6 +18,7 @@ from weft.mesh import Mesh, as_word
 
 _SMOOTHINGS = 12
 _DOUBLINGS = 4
+_LARGEST = 1e9  # of numbers of a file
 _MOST_ACROSS = 2000  # [spacings] larger panels take minutes
 _SMALL_ANGLE = 15.0  # [degrees] below it there is a warning
 
@@ -51,8 +52,8 @@ def _array(value: Any, shape: tuple[int, ...], what: str) -> Array:
     except (TypeError, ValueError, OverflowError):
         array = np.full(1, np.nan)
     if len(array.shape) != len(shape) or not all(n in (m, -1) for m, n in zip(array.shape, shape)) or \
-            not np.isfinite(array).all():
-        raise ValueError("%s is %.60r, not finite numbers of shape %s" % (what, value, str(shape).replace("-1", "n")))
+            not (np.abs(array) <= _LARGEST).all():
+        raise ValueError("%s is %.60r, not finite numbers of shape %s, at most 1e9" % (what, value, str(shape).replace("-1", "n")))
     return array
 
 
@@ -76,8 +77,8 @@ def _curve(of: Any, a: Array, b: Array, relative: bool, unit: float, what: str) 
     kind, values = ("quadratic", [of]) if isinstance(of, (list, tuple)) else (of.get("type"), of.get("params"))
     if kind == "circle":
         radius, large, left = _array(values, (3,), what + ".curvature.params")
-        if not radius > 0:
-            raise ValueError("%s is an arc of radius %g" % (what, radius))
+        if not radius > 0 or (a == b).all():
+            raise ValueError("%s is an arc of radius %g from %s to %s" % (what, radius, a.tolist(), b.tolist()))
         return float(radius) * unit, bool(large), bool(left)
     count = {"quadratic": 1, "cubic": 2}.get(kind) if isinstance(kind, str) else None
     if count is None:
@@ -108,7 +109,7 @@ def _read_panel(name: str, of: Any, properties: Mapping[str, Any]) -> _Panel:
         if len(ends) != 2:
             raise ValueError("%s has the endpoints %.60r, not two" % (place, ends))
         first, last = ends
-        if not all(isinstance(end, int) and 0 <= end < len(corners) for end in ends) or first == last:
+        if not all(type(end) is int and 0 <= end < len(corners) for end in ends) or first == last:
             raise ValueError("%s goes from vertex %r to %r; the panel has 0 to %d" % (place, first, last,
                                                                                      len(corners) - 1))
         if before not in (None, first):
