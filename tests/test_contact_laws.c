@@ -166,6 +166,37 @@ START_TEST(a_shallow_incline_is_crept_down)
 }
 END_TEST
 
+/* Between two plates, each of which bears half of the weight: with r = T / (mu N), far
+ * below 1, smooth E r = sqrt((T / (10 m omega))^2 + (slip r)^2), coulomb slip r / 2. */
+START_TEST(a_grip_creeps_at_a_speed_that_friction_does_not_change)
+{
+    const double dh = 5e-3, slip = 1e-3, s = 0.6, z = 0.4, g = 9.81;
+    const double e = 0.5 * 2.0 * 2.0, a = 12.0 * z * z + 8.0 * z * s + 2.0 * s * s;
+    const double omega = sqrt(e * s * s * a / (z * z * z)) / dh;
+    const double push = e / dh * s * s * s * (4.0 * z + s) / (z * z); /* N / m */
+    const double friction = 2.0 * (double)(1 + _i % 2 * 3),
+                 r = 0.5 * g / push / friction;
+    const double bound = 0.5 * g / (10.0 * omega);
+    model.contact.thickness = dh, model.contact.stopping_speed = 2.0;
+    model.contact.friction = friction, model.contact.slip = slip;
+    model.contact.law = _i < 2 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
+    model.contact.shape_count = 2;
+    for (size_t k = 0; k < 2; ++k) {
+        memset(shapes[k].normal, 0, sizeof shapes[k].normal);
+        shapes[k].normal[2] = k == 0 ? 1.0 : -1.0;
+        shapes[k].at[2] = (k == 0 ? -1.0 : 1.0) * z * dh;
+    }
+    run.method = test_method_named("gsl/rkf45");
+    tolerance(1e-10);
+    start();
+    go(0.1);
+    ck_assert_double_eq_tol(at(0, 2), 0.0, 1e-12);
+    const double wanted = _i < 2 ? hypot(bound, slip * r) : 0.5 * slip * r;
+    ck_assert_double_eq_tol(-at(0, 4), wanted, 0.01 * wanted);
+    ck_assert(_i >= 2 || fabs(wanted - bound) < 0.01 * bound);
+}
+END_TEST
+
 /* From rest: v = mu g t until t_c = (V - eps) / (mu g); heat and work at the end. */
 START_TEST(a_belt_takes_a_particle_along)
 {
@@ -515,6 +546,8 @@ TEST_SUITE(contact_laws)
     tcase_add_test(tcase, a_sheet_rests_at_its_gap);
     tcase_add_test(tcase, an_incline_is_slid_down);
     tcase_add_loop_test(tcase, a_shallow_incline_is_crept_down, 0, 2);
+    tcase_add_loop_test(tcase, a_grip_creeps_at_a_speed_that_friction_does_not_change,
+                        0, 4);
     tcase_add_test(tcase, a_belt_takes_a_particle_along);
     tcase_add_loop_test(tcase, a_turntable_holds_up_to_its_speed, 0, 3);
     tcase_add_loop_test(tcase, a_ball_is_left_near_two_thirds, 0, 5);

@@ -544,7 +544,7 @@ static const weft__key contact_keys[] = {
     { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
       .meaning
       = "coefficient of friction of shapes without their own, and of the cloth "
-        "on itself" },
+        "on itself; by law smooth a grip creeps at a speed that it does not change" },
     { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
       .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
