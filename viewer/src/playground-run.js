@@ -56,6 +56,7 @@ export class Run {
     /** Resolves to { scene, mistakes }. */
     async open(text, sets) {
         const answer = await this.ask('open', { text, sets });
+        answer.mistakes ??= [{ line: 0, column: 0, warning: false, message: answer.failure }]; // the worker failed
         const { scene } = answer;
         if (scene) {
             this.scene = scene;
