@@ -139,6 +139,40 @@ START_TEST(every_method_has_its_order_on_a_flag_of_triangles)
 }
 END_TEST
 
+/* docs/steppers.md lists them, and no other. */
+START_TEST(methods_with_stages_outside_of_their_step_are_those_of_the_page)
+{
+    char page[1 << 16], line[160];
+    FILE *file = fopen("docs/steppers.md", "r");
+    ck_assert_ptr_nonnull(file);
+    page[fread(page, 1, sizeof page - 1, file)] = '\0';
+    ck_assert_int_eq(fclose(file), 0);
+    char *at = strstr(page, "## Stages outside of the step\n"), *next;
+    ck_assert_ptr_nonnull(at);
+    next = strstr(at + 1, "\n## ");
+    ck_assert_ptr_nonnull(next);
+    *next = '\0';
+    stepper_method m;
+    size_t listed = 0, found = 0;
+    for (const char *row = at; (row = strstr(row, "` | ")) != NULL; ++row) {
+        ++listed;
+    }
+    for (size_t k = 0; method_at(registry, k, &m); ++k) {
+        weft_error err = { 0 };
+        double range[2];
+        ck_assert_msg(verify_stages_of(m.type, range, &err) == WEFT_OK, "%s %s: %s",
+                      m.plugin->id, m.type->name, err.message);
+        if (verify_stages_outside(range)) {
+            (void)snprintf(line, sizeof line, "| %s | `%s` | %.2f | %.2f |\n",
+                           m.plugin->id, m.type->name, range[0], range[1]);
+            ck_assert_msg(strstr(at, line) != NULL, "the page lacks %s", line);
+            ++found;
+        }
+    }
+    ck_assert_uint_eq(listed, found);
+}
+END_TEST
+
 TEST_SUITE(mesh_orders)
 {
     Suite *suite = suite_create("orders on meshes");
@@ -153,6 +187,8 @@ TEST_SUITE(mesh_orders)
         ++methods;
     }
     tcase_set_timeout(tcase, 120.0);
+    tcase_add_test(tcase,
+                   methods_with_stages_outside_of_their_step_are_those_of_the_page);
     tcase_add_unchecked_fixture(tcase, setup, teardown);
     tcase_add_loop_test(tcase, every_method_has_its_order_on_a_flag_of_triangles, 0,
                         methods);

@@ -41,7 +41,8 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  * Called in every evaluation of the right-hand side, many times per step, also for
  * rejected attempts, in the thread that steps. It must be a function of (t, y) alone,
  * so that a run gives the same bits again, and smooth where the order of a method
- * matters. */
+ * matters. Some methods call it up to 0.7 steps before the step or 0.3 steps after it:
+ * docs/steppers.md, "Stages outside of the step". */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
 /* Called before every evaluation of the right-hand side, in the thread that steps. If

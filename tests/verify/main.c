@@ -156,6 +156,23 @@ static void print_methods(report *self)
     }
 }
 
+/* ---- stages ---------------------------------------------------------------------- */
+
+static void print_stages(const report *self)
+{
+    stepper_method m;
+    printf("\nMethods that evaluate the forces outside of their step of h\n");
+    for (size_t k = 0; method_at(self->registry, k, &m); ++k) {
+        weft_error err = { 0 };
+        double range[2];
+        if (judges(self, &m) && verify_stages_of(m.type, range, &err) == WEFT_OK
+            && verify_stages_outside(range)) {
+            printf("  %-8s %-20s from %5.2f h to %.2f h\n", m.plugin->id, m.type->name,
+                   range[0], range[1]);
+        }
+    }
+}
+
 /* ---- pairs ----------------------------------------------------------------------- */
 
 static void print_pairs(report *self)
@@ -252,6 +269,7 @@ int main(int argc, char **argv)
     print_plugins(&self);
     print_references(&self);
     print_methods(&self);
+    print_stages(&self);
     print_pairs(&self);
     print_shipped(&self);
     printf("\n%zu facts, %zu out of bounds\n", self.counts.judged, self.counts.failed);

@@ -51,6 +51,16 @@ void verify_frames_free(verify_frames *frames);
 /* The largest difference of a number in any frame; INFINITY if one is not finite. */
 double verify_distance(const verify_frames *a, const verify_frames *b);
 
+/* ---- stages.c -------------------------------------------------------------------- */
+
+#define VERIFY_STAGES_ROUNDOFF 1e-6 /* of a step */
+
+/* When a method evaluates the forces of a step: from where to where, 0 and 1 at its
+ * ends. */
+weft_status verify_stages_of(const weft_stepper_type *type, double range[2],
+                             weft_error *err);
+bool verify_stages_outside(const double range[2]);
+
 /* ---- accuracy.c ------------------------------------------------------------------ */
 
 enum { VERIFY_SCENES = 3 };
