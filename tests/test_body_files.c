@@ -198,6 +198,34 @@ START_TEST(a_run_can_be_repeated_from_its_results)
 }
 END_TEST
 
+/* Up by 0.3 m from key 2 to key 3, of six: by SciPy's CubicSpline, 32.8 mm too far. */
+START_TEST(keys_that_a_vertex_swings_beyond_are_warned_of)
+{
+    for (int key = 0; key < 6; ++key) {
+        char name[32], text[160];
+        const double y = key < 3 ? -0.5 : -0.2;
+        (void)snprintf(name, sizeof name, "lift-%d.obj", key);
+        (void)snprintf(text, sizeof text, "v 0 %g 0\\nv 1 %g 0\\nv 0 %g 1\\nf 1 2 3\\n",
+                       y, y, y);
+        put(name, text);
+    }
+    expect(
+        shell("cd " FOLDER " && cat >lift.yaml <<'end'\n"
+              "weft: 1\ncloth:\n  grid: {rows: 3, cols: 3, spacing: 0.05}\n  density: "
+              "0.2\n  springs: {stretch: {stiffness: 20}}\ncontact:\n  thickness: "
+              "0.01\n  shapes: [{shape: mesh, file: lift-%%d.obj, fps: 10}]\n"
+              "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 0.5}\nend\n"
+              "../../weft check lift.yaml 2>&1 >/dev/null"),
+        0);
+    says(
+        "shapes[0]: between keys 3 and 4, at 0.3384 s, vertex 0 swings 32.8 mm beyond");
+    expect(shell("cd " FOLDER " && ../../weft check lift.yaml --set "
+                 "contact.thickness=0.033 2>&1 >/dev/null"),
+           0);
+    ck_assert_str_eq(output, "");
+}
+END_TEST
+
 TEST_SUITE(body_files)
 {
     Suite *suite = suite_create("body_files");
@@ -209,6 +237,7 @@ TEST_SUITE(body_files)
     tcase_add_test(tcase, splines_of_many_key_frames_are_continuous);
     tcase_add_test(tcase, key_frames_divide_quadrilaterals_as_the_first);
     tcase_add_test(tcase, a_run_can_be_repeated_from_its_results);
+    tcase_add_test(tcase, keys_that_a_vertex_swings_beyond_are_warned_of);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -318,6 +318,62 @@ START_TEST(pins_move_along_a_path)
 }
 END_TEST
 
+/* Hold, move, hold, however short the move is: the pin stays between its rows, and
+ * where it was to the last bit while it holds; at loose tolerances. */
+START_TEST(a_pin_that_holds_moves_and_holds_does_that)
+{
+    static const double held[]
+        = { 0.0, 0, 0, 0, 1.0, 0, 0, 0, 1.1, 0.2, 0, 0, 2.0, 0.2, 0, 0 };
+    static const double jerk[]
+        = { 0.0, 0, 0, 0, 1.005, 0, 0, 0, 1.015, 0.2, 0, 0, 1.025, 0, 0, 0 };
+    double first[3 * N], is[3 * N];
+    weft_stepper_config config = weft_stepper_config_default();
+    config.rtol = config.atol_position = config.atol_velocity = 1e-3;
+    model = sheet(true);
+    pin.path = (weft_track){ _i == 0 ? held : jerk, 4 };
+    cloth = test_cloth(&model);
+    sim = test_sim(cloth, test_method_named("gsl/rkf45"), &config);
+    weft_sim_positions(sim, first);
+    for (int i = 1; i <= 200; ++i) {
+        const double t = 0.01 * i;
+        go(sim, t);
+        weft_sim_positions(sim, is);
+        ck_assert_double_ge(is[0] - first[0], -1e-12);
+        ck_assert_double_le(is[0] - first[0], 0.2 + 1e-12);
+        ck_assert(t > 1.0 || is[0] == first[0]);
+        ck_assert(is[1] == first[1] && is[2] == first[2]);
+    }
+    ck_assert_double_eq_tol(is[0] - first[0], _i == 0 ? 0.2 : 0.0, 1e-12);
+}
+END_TEST
+
+/* A gust of 20 ms after a second of calm: the sheet rests, and is then driven along it.
+ */
+START_TEST(a_gust_blows_between_its_rows_alone)
+{
+    static const double gust[]
+        = { 0.0, 0, 0, 0, 1.005, 0, 0, 0, 1.015, 0, 0, 20, 1.025, 0, 0, 0 };
+    double before[3 * N], after[3 * N];
+    model = sheet(true);
+    model.pin_count = 0;
+    model.gravity[0] = model.gravity[1] = model.gravity[2] = 0.0;
+    model.wind = (weft_track){ gust, 4 };
+    model.wind_drag = 0.5;
+    start("gsl/rkf45");
+    weft_sim_positions(sim, before);
+    go(sim, 1.0);
+    weft_sim_positions(sim, after);
+    for (size_t i = 0; i < N; ++i) {
+        ck_assert(after[3 * i + 2] == before[3 * i + 2]);
+    }
+    go(sim, 1.5);
+    weft_sim_positions(sim, after);
+    for (size_t i = 0; i < N; ++i) {
+        ck_assert_double_gt(after[3 * i + 2], before[3 * i + 2] + 1e-3);
+    }
+}
+END_TEST
+
 /* A natural spline begins and ends at a speed: at these rows the state has the velocity
  * after them, and what is shown within a step before them that of the step. */
 START_TEST(pins_jump_at_the_ends_of_a_natural_spline)
@@ -545,6 +601,8 @@ TEST_SUITE(track)
     tcase_add_test(law, a_piece_is_between_the_rows_beside);
     tcase_add_checked_fixture(run, setup, end);
     tcase_add_loop_test(run, pins_move_along_a_path, 0, 2);
+    tcase_add_loop_test(run, a_pin_that_holds_moves_and_holds_does_that, 0, 2);
+    tcase_add_test(run, a_gust_blows_between_its_rows_alone);
     tcase_add_loop_test(run, pins_jump_at_the_ends_of_a_natural_spline, 0, 2);
     tcase_add_test(run, path_adds_to_velocity_and_oscillation);
     tcase_add_loop_test(run, wind_has_the_velocity_of_its_table, 0, 2);

@@ -222,6 +222,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
                        "%s: warning: cloth has no springs: nothing holds it together",
                        file);
         }
+        keys_warn(file, weft_scene_cloth(scene));
         status = survey_create(scene, cloth, sim, given, &found, &err);
     }
     if (status != WEFT_OK) {

@@ -10,6 +10,10 @@
 void contact_print(const weft_cloth_def *def);
 void contact_yaml(yaml_out *out, const weft_cloth_def *def);
 
+/* keys_report.c: warns, on stderr, of bodies that swing further beyond their key frames
+ * than the thickness. */
+void keys_warn(const char *file, const weft_cloth_def *def);
+
 /* fabric_report.c: the springs of a fabric, and the fabric of springs; nothing for a
  * cloth without a fabric or bending rigidity. */
 void fabric_print(const weft_scene *scene, const weft_cloth *cloth);
