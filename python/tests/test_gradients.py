@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """weft.gradient, against differences of runs with fixed steps."""
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -106,6 +107,25 @@ def test_bodies_and_meshes_of_arrays_and_of_files_have_the_same_gradient(tmp_pat
     mesh = weft.Mesh(uv, None, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
     mesh.write("cloth.obj")
     cloth = {"fabric": {"preset": "royal-target"}, "pins": [{"vertices": [2]}]}
-    first, second = (weft.gradient({**drape(OCTAHEDRON), "contact": {}, "cloth": {"mesh": one, **cloth}}, low,
-                                   ["cloth.fabric.density"]) for one in (mesh, {"file": "cloth.obj"}))
+    free = {key: of for key, of in drape(OCTAHEDRON).items() if key != "contact"}
+    first, second = (weft.gradient({**free, "cloth": {"mesh": one, **cloth}}, low, ["cloth.fabric.density"])
+                     for one in (mesh, {"file": "cloth.obj"}))
     assert first.numbers == second.numbers and first.numbers["cloth.fabric.density"] != 0.0
+
+
+@pytest.mark.parametrize("densities, touching, kinks", [((0.2, 0.2), True, 1), ((0.2, 0.201), True, 0), ((0.2, 0.2), False, 0)])
+def test_a_kink_of_contact_between_equal_densities_is_warned_of(densities, touching, kinks):
+    uv = np.array([[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]])
+    scene = {"cloths": [{"name": "abc"[k], "mesh": weft.Mesh(uv, np.c_[uv, np.full(4, 0.1 * k)], [[0, 1, 2], [0, 2, 3]]),
+                         "fabric": {"density": density, "stretch": 50}} for k, density in enumerate(densities)],
+             "contact": {"self": touching, "thickness": 1e-3, "friction": 0},
+             "stepper": {"method": "arkode/rk4", "fixed_step": 1e-4}, "run": {"duration": 0.01}}
+    words = "cloths.1.fabric.density is also the density of another fabric: contact takes the smaller"
+    over = ["cloths.1.fabric.density", "cloths.1.fabric.stretch"]
+    for call, place in ((lambda: weft.load(scene, {"sensitivity": {"of": over}}), "override sensitivity:"),
+                        (lambda: weft.gradient(scene, low, over, times=[0.001]), "over: warning: ")):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            call()
+        found = [str(one.message) for one in caught if words in str(one.message)]
+        assert len(found) == kinks and all(one.startswith(place) for one in found)

@@ -177,6 +177,35 @@ void weft__check_sensitivity(weft__reader *reader, const weft__match *match, voi
     }
 }
 
+/* A pair of contact takes the smaller density of its two parts: where both are the
+ * same, the derivative by one of them has a kink. */
+static void warn_of_equal_densities(weft__reader *reader, const weft__match *root)
+{
+    static const char ending[] = ".density";
+    const weft_scene *scene = reader->scene;
+    const weft_scene_sensitivity *of = &scene->sensitivity;
+    const weft_mesh_def *mesh = scene->cloth.mesh;
+    const weft__node *section = weft__value_in(root, "sensitivity");
+    const weft__node *list = section != NULL ? weft__value_of(section, "of") : NULL;
+    for (size_t i = 0; mesh != NULL && scene->cloth.contact.self && i < of->count;
+         ++i) {
+        const size_t length = strlen(of->keys[i]), tail = sizeof ending - 1;
+        size_t same = 0;
+        for (size_t k = 0; k < mesh->fabric_count; ++k) {
+            same += mesh->fabrics[k].density == of->values[i];
+        }
+        if (length > tail && strcmp(of->keys[i] + length - tail, ending) == 0
+            && same > 1) {
+            WARNING_AT(
+                reader, weft__item(list, i),
+                "%s is also the density of another fabric: contact takes the "
+                "smaller of two densities, so the derivative by one of two equal "
+                "ones has a kink",
+                of->keys[i]);
+        }
+    }
+}
+
 void weft__check_smooth(weft__reader *reader, const weft__match *root)
 {
     const weft_scene *scene = reader->scene;
@@ -217,6 +246,9 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
                                weft__place_in(root, rules[i].section, rules[i].key),
                                "sensitivity excludes %s", rules[i].message);
         }
+    }
+    if (reader->report->mistakes == 0) {
+        warn_of_equal_densities(reader, root);
     }
 }
 

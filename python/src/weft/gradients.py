@@ -2,6 +2,7 @@
 """Gradients of an objective by many numbers of a scene."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Optional
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.callbacks import Seen
-from weft.library import Array, SceneError, check, index_of, keys_of, of_over, read_scene, real, scene_twins
+from weft.library import (Array, SceneError, SceneWarning, check, index_of, keys_of, of_over, read_scene, real,
+                          scene_twins)
 from weft.scenes import Form, Scene, formed
 
 # (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
@@ -17,8 +19,17 @@ Objective = Callable[[float, Array, Array], tuple[Any, ...]]
 
 
 class Gradient(NamedTuple):
-    """value: the sum of the objective over all frames. numbers: {key: its derivative, per unit of the number}.
-    x, v (N, 3): its derivatives by the positions [per m] and velocities [per m/s] at t = 0."""
+    """The derivative of an objective.
+
+    Attributes
+    ----------
+    value : float
+        The sum of the objective over all frames.
+    numbers : dict of str to float
+        By key of `over` the derivative, per unit of the number.
+    x, v : ndarray, shape (N, 3)
+        The derivatives by the positions [per m] and velocities [per m/s] at t = 0, in the order of Sim.positions.
+    """
 
     value: float
     numbers: dict[str, float]
@@ -54,28 +65,56 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
     return 0
 
 
-def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any]:
-    """A scene, and the cloths with less and more of up to 16 numbers."""
+def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any, list[str]]:
+    """A scene, the cloths with less and more of up to 16 numbers, and warnings."""
     of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
     try:
-        scene, _ = read_scene(form.file, form.content, [*form.sets, of], form.folder)
+        scene, found = read_scene(form.file, form.content, [*form.sets, of], form.folder)
     except SceneError as error:
         raise SceneError(of_over(str(error)), [
             one._replace(line=0, column=0, place="over", source="") if one.place == "override sensitivity" else one
             for one in error.diagnostics]) from None
-    return scene, scene_twins(scene)
+    return scene, scene_twins(scene), [of_over(one) for one in found]
 
 
 def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
              overrides: Optional[Mapping[str, Any]] = None, *, times: Optional[Sequence[float]] = None) -> Gradient:
     """The derivative of an objective by numbers of a scene and by its first state (docs/gradients.md).
 
-    objective(t, x, v) returns its value in a frame at t [s] and its derivatives by the positions x (N, 3) [m], or by
-    these and by the velocities v (N, 3) [m/s]. It is called of each of `times` [s], the last one first (default: the
-    frames of the scene), with the same arrays each time, which it must not change. over: keys as overrides write them, any number of them. It costs some four runs in all, and for each
-    number other than those of springs, gravity and drag up to two more. Explicit one-step methods, without strain limit
-    or stop.
+    It costs some four runs in all, and for each number other than those of springs, gravity and drag up to two more.
+    The method is an explicit one-step method; the scene has neither a strain limit nor a stop.
 
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    objective : callable
+        objective(t, x, v) returns its value in a frame at t [s] and its derivatives by the positions x (N, 3) [m], or
+        by these and by the velocities v (N, 3) [m/s], all in the order of Sim.positions. It gets the same arrays in
+        each call and must not change them. The last frame comes first.
+    over : list of str
+        Keys of numbers as overrides write them, any number of them.
+    overrides : dict, optional
+        {"key.path": value}.
+    times : list of float, optional
+        [s], of the frames; by default those of the scene.
+
+    Returns
+    -------
+    Gradient
+        Value and derivatives.
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene or of `over`.
+    NotFoundError
+        The scene is not there.
+    Error
+        The method or the scene has no gradient; the gradient is not finite.
+
+    Examples
+    --------
     >>> def height(t, x, v):
     ...     by = np.zeros(x.shape)
     ...     by[-1, 1] = 1
@@ -88,6 +127,8 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     with formed(scene, overrides) as form:
         parts = [_read(form, over[i:i + lib.WEFT_SENSITIVITIES])
                  for i in range(0, max(len(over), 1), lib.WEFT_SENSITIVITIES)]
+    for warning in dict.fromkeys(one for *_, said in parts for one in said):
+        warnings.warn(warning, SceneWarning, stacklevel=2)
     first = parts[0][0]
     err, cloth = ffi.new("weft_error *"), ffi.new("weft_cloth **")
     check(lib.weft_cloth_create(lib.weft_scene_cloth(first), cloth, err), err)
@@ -102,8 +143,8 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     sim.config, sim.limit = lib.weft_scene_config(first)[0], lib.weft_scene_limit(first)[0]
     lib.weftpy_stop(sim, run)
     numbers = ffi.new("weft_number_of_cloth[]", max(len(over), 1))
-    units = []
-    for read, twins in parts:
+    units: list[float] = []
+    for read, twins, _ in parts:
         of = lib.weft_scene_twins_def(twins)
         for j in range(0 if of == ffi.NULL else of.count):
             numbers[len(units)] = of.numbers[j]
