@@ -10,7 +10,7 @@ from typing import Any, Optional
 import numpy as np
 
 from weft._weft import ffi
-from weft.library import Array
+from weft.library import Array, Places
 
 Force = Callable[[float, Array, Array, Array], None]
 Correction = Callable[[float, float, Array, Array], Optional[bool]]
@@ -36,7 +36,7 @@ class Seen:
     """The arrays in which a function of Python sees states, filled again for each call: x and v (N, 3), in the order of
     Sim.positions. index (N,): where a state has each particle; None: in that order."""
 
-    def __init__(self, n: int, index: Optional[Array]) -> None:
+    def __init__(self, n: int, index: Optional[Places]) -> None:
         self.index = index
         self.y = np.zeros(6 * n)
         self.x, self.v = as_particles(self.y[:3 * n], n), as_particles(self.y[3 * n:], n)
@@ -49,8 +49,8 @@ class Seen:
         if self.index is None:
             ffi.memmove(ffi.from_buffer(self.y), y, self.y.nbytes)
         else:
-            planes = np.frombuffer(ffi.buffer(y, self.y.nbytes)).reshape(6, -1)
-            np.take(planes, self.index, axis=1, out=self.y.reshape(6, -1), mode="clip")
+            planes: Array = np.frombuffer(ffi.buffer(y, self.y.nbytes)).reshape(6, -1)
+            planes.take(self.index, axis=1, out=self.y.reshape(6, -1), mode="clip")
 
     def give(self, planes: Array, to: Any) -> None:
         """Writes planes in the order of the arrays to those of C, which have the order of states."""
@@ -64,7 +64,7 @@ class Seen:
 class Hooks:
     """The Python functions of a simulation, with the arrays that they see, and what they raised."""
 
-    def __init__(self, n: int, index: Optional[Array] = None) -> None:
+    def __init__(self, n: int, index: Optional[Places] = None) -> None:
         self.force: Optional[Force] = None
         self.correct: Optional[Correction] = None
         self.event: Optional[Event] = None

@@ -74,19 +74,49 @@ def _run(executor: Any, tasks: Mapping[int, Sequence[Any]], stop: Path) -> dict[
 def map(scene: Scene, sweep: Optional[Mapping[str, Any]] = None, out: Optional[PathLike] = None,  # noqa: A001
         overrides: Optional[Mapping[str, Any]] = None, *, executor: Any = None, timeout: Optional[float] = None,
         retry_failed: bool = False, force: bool = False) -> pd.DataFrame:
-    """Runs a sweep as batch() does, into the same directories with the same bytes, as tasks of an executor of the kind
-    of concurrent.futures: a ProcessPoolExecutor, Client.get_executor() of dask.distributed, an MPIPoolExecutor of
-    mpi4py.futures. None: one run after the other, in this process.
+    """Runs a sweep as batch() does, into the same directories with the same bytes, as tasks of an executor.
 
-    sweep: {"key.path": [values]}, as the scene's `sweep`, which it replaces; None: the scene's. With "sample": N, N
-    values of the range of each list. out: the directory of the runs, which all machines of the executor must share;
-    default: NAME-sweep of a scene NAME. overrides, timeout [s], force: as of batch().
+    Nothing is raised for a run, and nothing repeated. Ctrl-C ends all runs with valid results. Repeated calls skip
+    finished runs and continue others, also those of batch() or `weft batch`.
 
-    Returns the table of batch() and a column `error`: one row per run with its `status` and `directory`, and with the
-    reason of a run that is not done, or what the executor raised. Nothing is raised for a run, and nothing repeated:
-    retry_failed starts runs again that failed, crashed or took too long in an earlier call. Ctrl-C ends all runs with
-    valid results. Repeated calls skip finished runs and continue others, also those of batch() or `weft batch`.
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    sweep : dict, optional
+        {"key.path": [values]}, as the scene's `sweep`, which it replaces; None: the scene's. With "sample": N, N values
+        of the range of each list.
+    out : path, optional
+        The directory of the runs, which all machines of the executor must share; by default NAME-sweep of a scene NAME.
+    overrides : dict, optional
+        {"key.path": value}.
+    executor : optional
+        Of the kind of concurrent.futures: a ProcessPoolExecutor, Client.get_executor() of dask.distributed, an
+        MPIPoolExecutor of mpi4py.futures. None: one run after the other, in this process.
+    timeout : float, optional
+        [s], of each run.
+    retry_failed : bool
+        Starts runs again that failed, crashed or took too long in an earlier call.
+    force : bool
+        Replaces runs of other scenes.
 
+    Returns
+    -------
+    pandas.DataFrame
+        The table of batch() and a column `error`: one row per run with its `status` and `directory`, and with the
+        reason of a run that is not done, or what the executor raised.
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene or of the sweep.
+    NotFoundError
+        The scene is not there.
+    RunError
+        The directory cannot be used.
+
+    Examples
+    --------
     >>> table = weft.map(scene, {"cloth.density": [0.1, 0.2]}, tmp / "mapped")
     >>> list(table["status"]), list(table["error"])
     (['done', 'done'], ['', ''])

@@ -350,9 +350,30 @@ def _turn_of(stretch: Array) -> Array:
 
 
 def relaxed(mesh: Mesh, rounds: int) -> Array:
-    """Start positions (N, 3) [m] that are nearer to the lengths of the rest shape: `rounds` times, each triangle takes
-    its rest shape, turned as it lies, and vertices the positions that fit these best (as rigid as possible: O. Sorkine,
-    M. Alexa, SGP 2007). Neither bending nor bodies count."""
+    """Start positions that are nearer to the lengths of the rest shape.
+
+    `rounds` times, each triangle takes its rest shape, turned as it lies, and vertices the positions that fit these
+    best (as rigid as possible: O. Sorkine, M. Alexa, SGP 2007). Neither bending nor bodies count. Needs SciPy.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Its `start` is where the first round begins.
+    rounds : int
+        How often; 0: none.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        [m]
+
+    Examples
+    --------
+    >>> stretched = weft.Mesh([[0, 0], [1, 0], [0, 1]], [[0, 0, 0], [2, 0, 0], [0, 2, 0]], [[0, 1, 2]])
+    >>> x = weft.garment.relaxed(stretched, 1)
+    >>> round(float(np.linalg.norm(x[1] - x[0])), 3)
+    1.0
+    """
     from scipy.sparse import coo_matrix, identity
     from scipy.sparse.linalg import splu
     x: Array = mesh.start.copy()
@@ -418,16 +439,42 @@ def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: flo
 
 
 def load(pattern: Union[PathLike, Mapping[str, Any]], *, spacing: float = 0.02, relax: int = 100) -> Mesh:
-    """A garment from a sewing pattern: the path of a JSON file, or what is in it.
+    """A garment from a sewing pattern of GarmentCode.
 
-    Edges of triangles are some `spacing` [m] long. Stitched edges have equally many vertices, which they share; each
-    side has its own places in the rest shape, where panels lie side by side, u along their x, v along their y. The
-    directions of stitches, which a file does not have, are those that do not twist. Panels are placed as in the file,
-    sewn vertices at the mean of their places, and then relaxed() `relax` times; no body keeps them apart.
+    Stitched edges have equally many vertices, which they share; each side has its own places in the rest shape, where
+    panels lie side by side, u along their x, v along their y. The directions of stitches, which a file does not have,
+    are those that do not twist. Panels are placed as in the file, sewn vertices at the mean of their places, and then
+    relaxed(); no body keeps them apart. Fabrics and groups are named by panels. Labels of edges are groups, too, and
+    edge k of a panel is PANEL.k.
 
-    Fabrics and groups are named by panels. Labels of edges are groups, too, and edge k of a panel is PANEL.k.
-    Warns (SceneWarning) of angles below 15 degrees.
+    Parameters
+    ----------
+    pattern : path or dict
+        A JSON file, or what is in it.
+    spacing : float
+        [m], of the edges of triangles.
+    relax : int
+        Rounds of relaxed().
 
+    Returns
+    -------
+    Mesh
+        For `cloth.mesh`.
+
+    Raises
+    ------
+    ValueError
+        What is wrong with the pattern, and where.
+    FileNotFoundError
+        The file is not there.
+
+    Warns
+    -----
+    SceneWarning
+        Angles are below 15 degrees.
+
+    Examples
+    --------
     >>> square = {"vertices": [[0, 0], [20, 0], [20, 30], [0, 30]],
     ...           "edges": [{"endpoints": [k, (k + 1) % 4]} for k in range(4)]}
     >>> sides = [[{"panel": "front", "edge": k}, {"panel": "back", "edge": k}] for k in (1, 3)]

@@ -19,6 +19,7 @@ import numpy as np
 from weft._weft import ffi, lib
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
+Places = np.ndarray[Any, np.dtype[np.intp]]
 PathLike = Union[str, "os.PathLike[str]"]
 
 FAMILIES = ("stretch", "shear", "bend")
@@ -28,7 +29,13 @@ FLAGS = ("fixed_only", "fsal", "multistep", "implicit", "legacy", "butcher", "de
 
 
 class Error(RuntimeError):
-    """A failure of weft. `status` is libweft's status in words, such as "invalid argument"."""
+    """A failure of weft.
+
+    Attributes
+    ----------
+    status : str
+        libweft's status in words, such as "invalid argument".
+    """
 
     def __init__(self, message: str, status: str = "") -> None:
         super().__init__(message)
@@ -36,7 +43,16 @@ class Error(RuntimeError):
 
 
 class NotFoundError(FileNotFoundError, Error):
-    """A scene, or a file of a run, is not there. It is an Error and a FileNotFoundError."""
+    """A scene, a run, or a file of a run, is not there. It is an Error and a FileNotFoundError.
+
+    Examples
+    --------
+    >>> try:
+    ...     weft.load("nowhere.yaml")
+    ... except FileNotFoundError as error:
+    ...     print(isinstance(error, weft.Error))
+    True
+    """
 
     def __init__(self, message: str) -> None:
         super().__init__(message)
@@ -44,21 +60,40 @@ class NotFoundError(FileNotFoundError, Error):
 
 
 class Diagnostic(NamedTuple):
-    """One mistake, or one warning, with its place in a scene."""
+    """One mistake, or one warning, with its place in a scene.
+
+    Attributes
+    ----------
+    warning : bool
+        Whether it is a warning.
+    line : int
+        From 1; 0: unknown.
+    column : int
+        From 1; 0: unknown.
+    place : str
+        The file, or the override.
+    message : str
+        What is wrong, and what would be right.
+    source : str
+        The line that contains it.
+    """
 
     warning: bool
     line: int
-    """from 1; 0: unknown"""
     column: int
     place: str
-    """the file, or the override"""
     message: str
     source: str
-    """the line that contains it"""
 
 
 class SceneError(Error, ValueError):
-    """Mistakes in a scene: the message shows all of them with their places, `diagnostics` lists them."""
+    """Mistakes in a scene: the message shows all of them with their places.
+
+    Attributes
+    ----------
+    diagnostics : list of Diagnostic
+        The mistakes and warnings. Empty if the program found them: then the message has them all.
+    """
 
     def __init__(self, message: str, diagnostics: Sequence[Diagnostic] = ()) -> None:
         super().__init__(message, "mistake in the scene")
@@ -70,7 +105,17 @@ class SceneWarning(UserWarning):
 
 
 class Spring(NamedTuple):
-    """A spring between the particles p and q, with its strain (L - s) / s."""
+    """A spring between two particles, or an edge of triangles.
+
+    Attributes
+    ----------
+    family : str
+        "stretch", "shear" or "bend".
+    p, q : int
+        The particles.
+    strain : float
+        (L - s) / s.
+    """
 
     family: str
     p: int
@@ -79,52 +124,86 @@ class Spring(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """Why a step failed, and the last good state."""
+    """Why a step failed, and the last good state.
+
+    Attributes
+    ----------
+    status : str
+        The status in words.
+    time : float
+        [s]
+    last_step : float
+        [s], the one before; 0: none.
+    spring : Spring
+        The most strained.
+    particle : int
+        The fastest.
+    position : ndarray, shape (3,)
+        [m], of that particle.
+    speed : float
+        [m/s], of that particle.
+    energy : float
+        [J], the sum of all energies.
+    reason : str
+        The method's own message.
+    contact : bool
+        Whether a shape is the reason, which gap_particle to gap_step describe.
+    gap_particle, gap_shape : int
+        Which particle and which shape are in each other's way.
+    gap : float
+        [m] between the two.
+    gap_step : float
+        [s], the length of the step that was tried.
+    self_pair : tuple of two tuples of int
+        The particles of two parts of the cloth that are the reason, each 1, 2 or 3; empty: they are not.
+    held_by_contact : bool
+        If no step was short enough: whether contact is stiffer than all else; looser tolerances do not help then.
+    other_shape : int
+        Another shape that is nearer than the thickness; gap_shape: there is none.
+    other_gap : float
+        [m] of the nearest particle to it.
+    held : str
+        What holds the step, in words; empty: not looked for.
+    force : bool
+        Whether an own force is the reason, which is not finite on the free particle force_particle.
+    force_particle : int
+        The particle, in the order of Sim.positions.
+    added : ndarray, shape (3,)
+        [N], the own force on that particle.
+    """
 
     status: str
     time: float
-    """[s]"""
     last_step: float
-    """[s], the one before; 0: none"""
     spring: Spring
-    """the most strained"""
     particle: int
-    """the fastest"""
     position: Array
-    """[m], of that particle"""
     speed: float
-    """[m/s], of that particle"""
     energy: float
-    """[J], the sum of all energies"""
     reason: str
     contact: bool
-    """whether a shape is the reason, which the fields below describe"""
     gap_particle: int
     gap_shape: int
     gap: float
-    """[m]"""
     gap_step: float
-    """[s]"""
     self_pair: tuple[tuple[int, ...], tuple[int, ...]]
-    """the particles of two parts of the cloth that are the reason, each 1, 2 or 3; empty: they are not"""
     held_by_contact: bool
-    """if no step was short enough: whether contact is stiffer than all else; looser tolerances do not help then"""
     other_shape: int
-    """another shape that is nearer than the thickness; gap_shape: there is none"""
     other_gap: float
-    """[m]"""
     held: str
-    """what holds the step, in words; empty: not looked for"""
     force: bool
-    """whether an own force is the reason, which is not finite on the free particle below"""
     force_particle: int
     added: Array
-    """[N], the own force on that particle"""
 
 
 class StepError(Error):
-    """A step failed. The state is that of the last good step, or one that a correction left not finite; `failure`
-    describes it."""
+    """A step failed. The state is that of the last good step, or one that a correction left not finite.
+
+    Attributes
+    ----------
+    failure : Failure or None
+        The reason and the state.
+    """
 
     def __init__(self, message: str, status: str = "", failure: Optional[Failure] = None) -> None:
         super().__init__(message, status)
@@ -132,15 +211,33 @@ class StepError(Error):
 
 
 class Method(NamedTuple):
-    """A method of a plugin; weft's docs/steppers.md describes the orders and flags."""
+    """A method of a plugin; weft's docs/steppers.md describes the orders and flags.
+
+    Attributes
+    ----------
+    plugin, name : str
+        A scene's stepper.plugin and stepper.method.
+    full_name : str
+        What the literature calls it.
+    order : int
+        Of the solution that is continued; 0: variable.
+    error_order : int
+        Of the solution it is compared with; 0: none.
+    stages : int
+        Evaluations in a step; 0: variable.
+    flags : frozenset of str
+        What it can do and needs.
+    license : str
+        SPDX, of the plugin.
+    reference : str
+        Where it was published.
+    """
 
     plugin: str
     name: str
     full_name: str
     order: int
-    """of the solution that is continued; 0: variable"""
     error_order: int
-    """of the solution it is compared with; 0: none"""
     stages: int
     flags: frozenset[str]
     license: str
@@ -274,8 +371,25 @@ def weftpy_option(ctx: Any, name: Any, value: Any) -> None:
 
 
 def scene_help(key: Optional[str] = None) -> str:
-    """The keys of a scene with type, unit, default and meaning; with a key: that one.
+    """The keys of a scene with type, unit, default and meaning.
 
+    Parameters
+    ----------
+    key : str, optional
+        Only this key, such as "run.fps".
+
+    Returns
+    -------
+    str
+        What `weft scene-help` prints.
+
+    Raises
+    ------
+    Error
+        A scene has no such key.
+
+    Examples
+    --------
     >>> print(weft.scene_help("run.fps"))  # doctest: +ELLIPSIS
     run.fps...
     """
@@ -321,8 +435,27 @@ def registry() -> Any:
 
 
 def load_plugin(file: PathLike) -> None:
-    """Loads one stepper plugin from a file weft-ID.so, which runs its code in this process. Plugins
-    in the directories of WEFT_PLUGIN_PATH need no call."""
+    """Loads a stepper plugin, which runs its code in this process. Plugins in the directories of WEFT_PLUGIN_PATH need no
+    call.
+
+    Parameters
+    ----------
+    file : path
+        A file weft-ID.so.
+
+    Raises
+    ------
+    Error
+        It is no plugin, or one of this ID is there already.
+
+    Examples
+    --------
+    >>> try:
+    ...     weft.load_plugin("weft-nothing.so")
+    ... except weft.Error as error:
+    ...     print(str(error)[:32])
+    plugin refused: weft-nothing.so:
+    """
     err = ffi.new("weft_error *")
     with registry_lock:
         name = chars(file)
@@ -339,6 +472,18 @@ def _method(plugin: Any, kind: Any) -> Method:
 def methods() -> list[Method]:
     """Every method of every plugin that is found.
 
+    Returns
+    -------
+    list of Method
+        In the order of the plugins.
+
+    Raises
+    ------
+    Error
+        There are no plugins.
+
+    Examples
+    --------
     >>> [m.order for m in weft.methods() if (m.plugin, m.name) == ("verlet", "velocity_verlet")]
     [2]
     """
@@ -355,9 +500,26 @@ def methods() -> list[Method]:
 
 
 def amplification(plugin: str, method: str) -> Array:
-    """The coefficients r[k] of R(z) = sum r[k] z^k, by which a fixed step h of an explicit
-    Runge-Kutta method multiplies the solution of y' = m y, z = h m; found by running the method.
+    """The stability polynomial of an explicit Runge-Kutta method, found by running it.
 
+    Parameters
+    ----------
+    plugin, method : str
+        As a scene's stepper.plugin and stepper.method.
+
+    Returns
+    -------
+    ndarray
+        The coefficients r[k] of R(z) = sum r[k] z^k, by which a fixed step h multiplies the solution of y' = m y, z = h
+        m.
+
+    Raises
+    ------
+    Error
+        The method is of another kind, or not there.
+
+    Examples
+    --------
     >>> weft.amplification("verlet", "midpoint")
     array([1. , 1. , 0.5])
     """
@@ -406,9 +568,15 @@ def yaml_text(value: Any, margin: str = "") -> str:
 
 
 def fabrics() -> dict[str, dict[str, Any]]:
-    """The measured fabrics of `weft fabrics`, in the words of cloth.fabric: density [kg/m^2], stretch [N/m] and bend
-    [N m] along (warp, weft), shear [N/m], twist [N m].
+    """The measured fabrics of `weft fabrics`, in the words of cloth.fabric.
 
+    Returns
+    -------
+    dict
+        By name: density [kg/m^2], stretch [N/m] and bend [N m] along (warp, weft), shear [N/m], twist [N m].
+
+    Examples
+    --------
     >>> weft.fabrics()["11oz-black-denim"]["density"]
     0.324
     """
@@ -459,7 +627,7 @@ def of_over(said: str) -> str:
     return re.sub(r"^override sensitivity:\d+: (\w+: .*)\n.*\n *\^$", r"over: \1", said, flags=re.MULTILINE)
 
 
-def index_of(cloth: Any) -> Optional[np.ndarray[Any, np.dtype[np.intp]]]:
+def index_of(cloth: Any) -> Optional[Places]:
     """(N,), where each vertex of triangles stands in a state; None of a grid: 0, 1, ..."""
     if lib.weft_cloth_cols(cloth) > 0:
         return None

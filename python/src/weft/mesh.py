@@ -113,27 +113,43 @@ def _places_of(corners: Array, triangles: Indices) -> tuple[Array, Indices]:
 
 
 class Mesh(Fixed):
-    """Triangles of fabric: where their vertices start, and the flat rest shape. It stands in a scene, a dict, as
-    `cloth.mesh`, for load(), run() and batch(). Its arrays are copies, and read-only.
+    """Triangles of fabric: where their vertices start, and the flat rest shape.
 
-    rest: [m] u (along the weft), v (along the warp) of the vertices, (N, 2); or of the corners of the triangles,
-    (T, 3, 2); or of places, (P, 2), with places (T, 3) that say which is whose corner. Triangles that share vertices
-    but not their places are sewn there.
-    start: (N, 3) [m] at t = 0; None: u, v, 0.
-    triangles: (T, 3) vertices, in one order all over a piece.
-    fabrics: {NAME: triangles}, indices or flags, or a list of T names (None: no name), for `cloth.fabrics`.
-    groups: {NAME: vertices}, indices or flags, for pins and loads.
+    It stands in a scene, a dict, as `cloth.mesh`, for load(), Batch, run() and all others. Its arrays are copies, and
+    read-only. Triangles that share vertices but not their places are sewn there.
 
+    Parameters
+    ----------
+    rest : array, shape (N, 2), (T, 3, 2) or (P, 2)
+        [m] u (along the weft), v (along the warp) of the vertices; or of the corners of the triangles; or of places.
+    start : array, shape (N, 3), or None
+        [m] at t = 0; None: u, v, 0.
+    triangles : array, shape (T, 3)
+        Vertices, in one order all over a piece.
+    places : array, shape (T, 3), optional
+        Which place is whose corner, with `rest` of places.
+    fabrics : dict or list, optional
+        {NAME: triangles}, indices or flags, or a list of T names (None: no name), for `cloth.fabrics`.
+    groups : dict, optional
+        {NAME: vertices}, indices or flags, for pins and loads.
+
+    Raises
+    ------
+    ValueError, TypeError, IndexError
+        An array has another shape, kind or range.
+
+    Examples
+    --------
     >>> mesh = weft.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], None, [[0, 1, 2], [0, 2, 3]], groups={"top": [2, 3]})
     >>> cloth = {"mesh": mesh, "fabric": {"preset": "11oz-black-denim"}, "pins": [{"group": "top"}]}
     >>> weft.load({**scene, "cloth": cloth}).positions.shape
     (4, 3)
     """
 
-    __slots__ = {"start": "(N, 3) [m], positions at t = 0", "triangles": "(T, 3), vertices",
-                 "rest": "(P, 2) [m], u v of places", "places": "(T, 3), the place of each corner",
-                 "fabric_names": "names of fabrics", "fabric_of": "(T,), 0: no name; k: the fabric k - 1 of fabric_names",
-                 "groups": "vertices by names"}
+    __slots__ = {"start": "(N, 3) [m], positions at t = 0.", "triangles": "(T, 3), vertices.",
+                 "rest": "(P, 2) [m], u v of places.", "places": "(T, 3), the place of each corner.",
+                 "fabric_names": "Names of fabrics.", "fabric_of": "(T,), 0: no name; k: the fabric k - 1 of fabric_names.",
+                 "groups": "Vertices by names."}
 
     def __init__(self, rest: Any, start: Any, triangles: Any, *, places: Any = None, fabrics: Any = None,
                  groups: Optional[Mapping[str, Any]] = None) -> None:
@@ -213,7 +229,7 @@ class Mesh(Fixed):
 
     @property
     def largest_stretch(self) -> float:
-        """of all triangles at the start, in any direction; 1: none is stretched; inf: one has no area at rest."""
+        """Of all triangles at the start, in any direction; 1: none is stretched; inf: one has no area at rest."""
         x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.places]))
         area = rest[:, 0, 0] * rest[:, 1, 1] - rest[:, 0, 1] * rest[:, 1, 0]
         if (area == 0.0).any():
@@ -224,6 +240,13 @@ class Mesh(Fixed):
         """Writes an OBJ file for `cloth.mesh.file`, which makes the same cloth to the last bit: v, vt, usemtl, f, and
         points p of each group g.
 
+        Parameters
+        ----------
+        path : path
+            The file.
+
+        Examples
+        --------
         >>> weft.Mesh([[0, 0], [1, 0], [0, 1]], None, [[0, 1, 2]]).write(tmp / "one.obj")
         >>> print((tmp / "one.obj").read_text().splitlines()[-1])
         f 1/1 2/2 3/3
@@ -244,7 +267,23 @@ class Mesh(Fixed):
 
     @staticmethod
     def of(value: Any) -> Mesh:
-        """The mesh itself, or from_trimesh() or from_meshio() of what has their attributes."""
+        """The mesh itself, or from_trimesh() or from_meshio() of what has their attributes.
+
+        Parameters
+        ----------
+        value : Mesh, trimesh.Trimesh or meshio.Mesh
+            Any of them.
+
+        Returns
+        -------
+        Mesh
+            The mesh.
+
+        Raises
+        ------
+        TypeError
+            It is something else, such as a trimesh.Scene.
+        """
         if isinstance(value, Mesh):
             return value
         if hasattr(value, "geometry"):
@@ -257,9 +296,26 @@ class Mesh(Fixed):
 
     @staticmethod
     def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
-        """Of a trimesh.Trimesh, or what has `vertices`, `faces` and perhaps `visual.uv`. The rest shape is `visual.uv`
-        [m]; without it the mesh itself, if it is flat: its plane's coordinates (flat_coordinates). sew: vertices that
-        start at the same point and have different u v become one, as trimesh divides those of a seam."""
+        """Of a trimesh.Trimesh, or what has `vertices`, `faces` and perhaps `visual.uv`.
+
+        Parameters
+        ----------
+        mesh : trimesh.Trimesh
+            The rest shape is `visual.uv` [m]; without it the mesh itself, if it is flat: its plane's coordinates
+            (flat_coordinates).
+        sew : bool
+            Vertices that start at the same point and have different u v become one, as trimesh divides those of a seam.
+
+        Returns
+        -------
+        Mesh
+            The mesh.
+
+        Raises
+        ------
+        ValueError
+            There is neither u v nor a plane.
+        """
         start, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
         uv = getattr(getattr(mesh, "visual", None), "uv", None)
         if uv is None:
@@ -270,10 +326,31 @@ class Mesh(Fixed):
 
     @staticmethod
     def from_meshio(mesh: Any, *, rest: Optional[str] = None) -> Mesh:
-        """Of a meshio.Mesh, or what has `points`, `cells`, `point_data`. Its triangles; cells of lines and points are
-        left out, others refused. The rest shape [m] is point_data[rest]; by default "rest", "uv" or "obj:vt" if there
-        is one, else the mesh itself, if it is flat (flat_coordinates). `point_sets` are groups; physical groups of
-        gmsh are fabrics, if they have triangles, or groups."""
+        """Of a meshio.Mesh, or what has `points`, `cells`, `point_data`.
+
+        Its triangles; cells of lines and points are left out, others refused. `point_sets` are groups; physical groups
+        of gmsh are fabrics, if they have triangles, or groups.
+
+        Parameters
+        ----------
+        mesh : meshio.Mesh
+            The mesh.
+        rest : str, optional
+            The rest shape [m] is point_data[rest]; by default "rest", "uv" or "obj:vt" if there is one, else the mesh
+            itself, if it is flat (flat_coordinates).
+
+        Returns
+        -------
+        Mesh
+            The mesh.
+
+        Raises
+        ------
+        ValueError
+            It has other cells, or no rest shape.
+        KeyError
+            There is no such point_data.
+        """
         points = np.asarray(mesh.points)
         start = np.c_[points, np.zeros(len(points))] if points.ndim == 2 and points.shape[1] == 2 else points
         data = getattr(mesh, "point_data", {})
@@ -302,10 +379,32 @@ def _rows(file: Any, line: str, rows: Any) -> None:
 # ---- meshes of other libraries --------------------------------------------------------
 
 def flat_coordinates(points: Any) -> Array:
-    """u, v (N, 2) [m] of points (N, 3) in one plane: v along what lies in it of the y axis, u across. In the x-y plane
-    that is x, y. In a plane nearer to the horizontal, v is along what lies in it of the z axis: x, z. Raises ValueError
-    if the points leave the plane by more than a thousandth of their extent, and warns (SceneWarning) beyond a millionth.
+    """Coordinates of points in their plane: v along what lies in it of the y axis, u across.
 
+    In the x-y plane that is x, y. In a plane nearer to the horizontal, v is along what lies in it of the z axis: x, z.
+
+    Parameters
+    ----------
+    points : array, shape (N, 3)
+        [m]
+
+    Returns
+    -------
+    ndarray, shape (N, 2)
+        [m] u, v
+
+    Raises
+    ------
+    ValueError
+        The points leave the plane by more than a thousandth of their extent.
+
+    Warns
+    -----
+    SceneWarning
+        They leave it by more than a millionth.
+
+    Examples
+    --------
     >>> weft.mesh.flat_coordinates([[0, 2, 5], [1, 2, 5], [1, 3, 5]]).tolist()
     [[0.0, 2.0], [1.0, 2.0], [1.0, 3.0]]
     """

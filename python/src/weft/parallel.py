@@ -18,7 +18,15 @@ from weft.simulation import Index, Sim, load
 
 
 class BatchError(Error):
-    """Simulations of a Batch failed: `errors` has the StepError of each, by its index. The others have advanced."""
+    """Simulations of a Batch failed. The others have advanced.
+
+    Attributes
+    ----------
+    errors : dict of int to Exception
+        The StepError of each that failed, by its index.
+    count : int
+        Of all simulations.
+    """
 
     def __init__(self, errors: dict[int, Exception], count: int) -> None:
         first = min(errors)
@@ -48,15 +56,28 @@ def _revive(model: Sim, n: int, threads: int, forces: Optional[Array], saved: Se
 
 
 class Batch(Fixed):
-    """n simulations of one cloth, which advance on `threads` threads (default: one per processor) without the
-    interpreter lock, each on one thread whatever run.threads says: with the bits of weft.load(scene) on any number of
-    threads. They share scene and cloth; memory grows with n, not with the threads.
+    """n simulations of one cloth, for learning and control.
 
-    batch[i] is the weft.Sim of one of them, with all its functions. The batch and its members are one for threads: while
-    one thread changes or advances any of them, another one gets an Error.
+    They advance without the interpreter lock, each on one thread whatever run.threads says: with the bits of
+    weft.load(scene) on any number of threads. They share scene and cloth; memory grows with n, not with the threads.
+    batch[i] is the weft.Sim of one of them, with all its functions. The batch and its members are one for threads:
+    while one thread changes or advances any of them, another one gets an Error.
 
-    forces: whether each simulation has a constant force per particle, which `forces` sets.
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load(), also with meshes and bodies of arrays.
+    n : int
+        The number of simulations.
+    overrides : dict, optional
+        {"key.path": value}.
+    threads : int, optional
+        Which advance the simulations; by default one per processor.
+    forces : bool
+        Whether each simulation has a constant force per particle, which `forces` sets.
 
+    Examples
+    --------
     >>> batch = weft.Batch(scene, 3)
     >>> batch.pin((-1, 0), [[0, 0, 0.1], [0, 0, 0.2], [0, 0, 0.3]])
     >>> batch.advance(0.1)
@@ -129,15 +150,27 @@ class Batch(Fixed):
 
     @property
     def times(self) -> Array:
-        """(n,) [s]"""
+        """(n,) [s], the time of each simulation."""
         return np.array([sim.time for sim in self._sims])
 
     def advance(self, t: Any) -> None:
-        """Steps until the time is exactly t [s], as Sim.advance(), of all, or t[i] of simulation i. After reset() their
-        times differ: batch.advance(batch.times + 0.02).
+        """Steps until a time is reached exactly, as Sim.advance().
 
-        Raises BatchError when all have ended, if some failed: those have the state of their last good step. Ctrl-C ends
-        each after its present step, and all can continue."""
+        After reset() the times differ: batch.advance(batch.times + 0.02). Ctrl-C ends each simulation after its present
+        step, and all can continue.
+
+        Parameters
+        ----------
+        t : float or array, shape (n,)
+            [s], of all, or of each simulation.
+
+        Raises
+        ------
+        BatchError
+            Some failed, when all have ended: those have the state of their last good step.
+        ValueError
+            A time is over, or not finite.
+        """
         with self._exclusion.change():
             ends = np.array(np.broadcast_to(real(t, "a time", (), (len(self),)), len(self)), order="C")
             for i in np.flatnonzero(~((self.times <= ends) & (ends < np.inf)))[:1]:
@@ -167,8 +200,14 @@ class Batch(Fixed):
         return StepError(text(err.message), status_text(status), self._sims[i].failure)
 
     def reset(self, indices: Optional[Sequence[int]] = None) -> None:
-        """Puts simulations (None: all) back to t = 0, as new: state, pins, shapes, wind and counts of the scene, no
-        forces. They continue with the bits of a new simulation."""
+        """Puts simulations back to t = 0, as new: state, pins, shapes, wind and counts of the scene, no forces. They
+        continue with the bits of a new simulation.
+
+        Parameters
+        ----------
+        indices : list of int, optional
+            Which; None: all.
+        """
         wanted = range(len(self)) if indices is None else [self._of(i) for i in indices]
         with self._exclusion.change():
             err = ffi.new("weft_error *")
@@ -179,8 +218,15 @@ class Batch(Fixed):
                 check(lib.weft_sim_restore(self._all[i], ffi.from_buffer(self._start), len(self._start), err), err)
 
     def pin(self, particle: Index, velocities: Any = None) -> None:
-        """Sim.pin() in all: holds a particle and moves it at velocities (n, 3), or (3,) of all, [m/s] from now on; None:
-        it stays."""
+        """Sim.pin() in all: holds a particle and moves it from now on.
+
+        Parameters
+        ----------
+        particle : int or (row, column)
+            Which one.
+        velocities : array, shape (n, 3) or (3,), optional
+            [m/s], of each simulation, or of all; None: it stays.
+        """
         count, k = len(self), self._model._index(particle)
         v = None if velocities is None else np.array(
             np.broadcast_to(real(velocities, "velocities", (3,), (count, 3)), (count, 3)), order="C")

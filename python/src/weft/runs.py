@@ -34,7 +34,15 @@ RunLike = Union[PathLike, "Run"]
 
 
 class RunError(Error):
-    """The program ended with the exit code `code`. weft.open reads what it left in `directory`."""
+    """The program ended with an exit code that is not 0. weft.open reads what it left.
+
+    Attributes
+    ----------
+    code : int
+        The exit code.
+    directory : Path or None
+        Where the run writes.
+    """
 
     def __init__(self, message: str, code: int = 1, directory: Optional[Path] = None) -> None:
         super().__init__(message, "exit code %d" % code)
@@ -48,7 +56,23 @@ def _prefix() -> Path:
 
 
 def program() -> Path:
-    """The path of the program weft that this package uses."""
+    """The program weft that this package uses; `weft` in a shell and `python -m weft` start it.
+
+    Returns
+    -------
+    Path
+        Where it is.
+
+    Raises
+    ------
+    Error
+        weft was built without it.
+
+    Examples
+    --------
+    >>> weft.program().name
+    'weft'
+    """
     path = _prefix() / "bin" / "weft"
     if not path.exists():
         raise Error("there is no %s: weft was built without HDF5 (package libhdf5-dev)" % path)
@@ -56,8 +80,25 @@ def program() -> Path:
 
 
 def scene(name: str) -> Path:
-    """The file of a scene that comes with weft, such as "flag", for load(), run() and all others.
+    """The file of a scene that comes with weft.
 
+    Parameters
+    ----------
+    name : str
+        Such as "flag".
+
+    Returns
+    -------
+    Path
+        For load(), run() and all others.
+
+    Raises
+    ------
+    NotFoundError
+        There is none of that name; lists all.
+
+    Examples
+    --------
     >>> weft.load(weft.scene("two-corners")).particles
     289
     """
@@ -156,15 +197,40 @@ def _table(path: Any) -> pd.DataFrame:
 
 def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *, force: bool = False,
         own: Optional[Mapping[str, Method]] = None) -> Run:
-    """Runs a scene as `weft run` does, into the directory `out`, new or empty (force: replaces an earlier run).
+    """Runs a scene as `weft run` does.
 
-    own: methods of one's own, {"mine": step}, for scenes with stepper.plugin "own" and stepper.method "mine", and a
-    fixed_step. step(rhs, t, y, h) returns the state at t + h [s] that follows from y, at t; rhs(t, y) is dy/dt. States
-    are arrays of any even length: positions, then velocities. The program, which looks for the largest stable step of
-    the method, too, calls it from several threads, and takes nothing to be kept from call to call.
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    out : path
+        The directory that is written, new or empty.
+    overrides : dict, optional
+        {"key.path": value}.
+    force : bool
+        Replaces an earlier run.
+    own : dict, optional
+        Methods of one's own, {"mine": step}, for scenes with stepper.plugin "own" and stepper.method "mine", and a
+        fixed_step. step(rhs, t, y, h) returns the state at t + h [s] that follows from y, at t; rhs(t, y) is dy/dt.
+        States are arrays of any even length: positions, then velocities. The program, which looks for the largest
+        stable step of the method, too, calls it from several threads, and takes nothing to be kept from call to call.
 
-    Raises SceneError; RunError, if the simulation failed: weft.open(out) has its frames.
+    Returns
+    -------
+    Run
+        The files.
 
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene.
+    NotFoundError
+        The scene is not there.
+    RunError
+        The simulation failed: weft.open(out) has its frames.
+
+    Examples
+    --------
     >>> weft.run(scene, tmp / "fall", {"run.duration": 0.5}).result["status"]
     'done'
     """
@@ -176,10 +242,39 @@ def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = No
 
 def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *,
           jobs: Optional[int] = None, timeout: Optional[float] = None, force: bool = False) -> pd.DataFrame:
-    """Runs scenes, and all runs of a `sweep`, as `weft batch` does: `jobs` processes at a time, `timeout` [s] each.
-    Finished runs are skipped. Returns summary.csv: one row per run, with its parameters, `status` and `directory`,
-    for weft.open(out / directory). Failed runs raise nothing.
+    """Runs scenes, and all runs of a `sweep`, as `weft batch` does. Finished runs are skipped. Failed runs raise nothing.
 
+    Parameters
+    ----------
+    scenes : path, str, dict, or a list of them
+        As of load().
+    out : path
+        The directory of all runs.
+    overrides : dict, optional
+        {"key.path": value}.
+    jobs : int, optional
+        Processes at a time; by default one per processor.
+    timeout : float, optional
+        [s], of each run.
+    force : bool
+        Replaces runs of other scenes.
+
+    Returns
+    -------
+    pandas.DataFrame
+        summary.csv: one row per run, with its parameters, `status` and `directory`, for weft.open(out / directory).
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene.
+    NotFoundError
+        The scene is not there.
+    RunError
+        The directory cannot be used.
+
+    Examples
+    --------
     >>> table = weft.batch({**scene, "sweep": {"cloth.density": [0.1, 0.2]}}, tmp / "sweep")
     >>> list(table["status"])
     ['done', 'done']
@@ -196,12 +291,44 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
 def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = None, *,
             methods: Optional[Sequence[str]] = None, until: Optional[float] = None, jobs: int = 1,
             force: bool = False, own: Optional[Mapping[str, Method]] = None) -> pd.DataFrame:
-    """Runs a scene with every method of every plugin (or `methods`, such as "gsl" or "arkode/heun_euler"), over a
-    ladder of tolerances or steps, as `weft compare` does, up to `until` [s]. Returns compare.csv: one row per run, with
-    error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md). The page compare.html is in `out`; weft.Page shows it.
+    """Runs a scene with every method of every plugin, over a ladder of tolerances or steps, as `weft compare` does. The
+    page compare.html is in `out`; weft.Page shows it.
 
-    own: methods of one's own, as of run(), which take part; their time is without that of Python.
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    out : path
+        The directory that is written, new or empty.
+    overrides : dict, optional
+        {"key.path": value}.
+    methods : list of str, optional
+        Only these, such as "gsl" or "arkode/heun_euler".
+    until : float, optional
+        [s], the end of the comparison; by default that of the scene.
+    jobs : int
+        Processes at a time; one measures the time best.
+    force : bool
+        Replaces an earlier comparison.
+    own : dict, optional
+        Methods of one's own, as of run(), which take part; their time is without that of Python.
 
+    Returns
+    -------
+    pandas.DataFrame
+        compare.csv: one row per run, with error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md).
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene.
+    NotFoundError
+        The scene is not there.
+    RunError
+        The program cannot compare, or there is no such method.
+
+    Examples
+    --------
     >>> def heun(rhs, t, y, h):
     ...     k = rhs(t, y)
     ...     return y + h / 2 * (k + rhs(t + h, y + h * k))
@@ -220,10 +347,39 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
 
 def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str, Any]] = None, *,
              at: Union[str, Sequence[str]] = (), clamp_midway: bool = False, jobs: int = 1) -> pd.DataFrame:
-    """Refines a cloth to `sizes` particles along its larger extent, as `weft converge` does. `at`: columns of
-    series.csv, or particles such as "tip" or "3,4.x". Returns one row per quantity and size, with value, difference,
-    order and the extrapolated limit.
+    """Refines a cloth, as `weft converge` does.
 
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    sizes : list of int
+        Particles along its larger extent.
+    overrides : dict, optional
+        {"key.path": value}.
+    at : str or list of str
+        Columns of series.csv, or particles such as "tip" or "3,4.x".
+    clamp_midway : bool
+        Two pinned rows or columns at the beginning stay two.
+    jobs : int
+        Processes at a time.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per quantity and size, with value, difference, order and the extrapolated limit.
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene.
+    NotFoundError
+        The scene is not there.
+    RunError
+        A run failed, or an argument is wrong.
+
+    Examples
+    --------
     >>> table = weft.converge(scene, [10, 19], {"run.duration": 0.1, "stepper.fixed_step": 2e-4}, at="gravitational")
     >>> list(table["size"])
     [10, 19]
@@ -238,8 +394,23 @@ def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str
 
 
 class Fit(NamedTuple):
-    """What weft.fit() found: by key `values` and their standard `errors`; the `correlation` of the logarithms; `unresolved`
-    directions, of which the data tell nothing; the `scene` with the values."""
+    """What weft.fit() found.
+
+    Attributes
+    ----------
+    values, errors : dict of str to float
+        By key the value, and its standard error.
+    correlation : ndarray
+        Of the logarithms.
+    chi2 : float
+        The sum of the squared residuals over sigma squared.
+    coordinates, runs : int
+        Of the data, and of the simulation.
+    unresolved : list of dict
+        Directions of which the data tell nothing.
+    scene : Path
+        The scene with the values.
+    """
 
     values: dict[str, float]
     errors: dict[str, float]
@@ -253,11 +424,43 @@ class Fit(NamedTuple):
 
 def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], out: PathLike,
         overrides: Optional[Mapping[str, Any]] = None, *, sigma: float = 1e-3, force: bool = False) -> Fit:
-    """Finds the numbers of a scene, keys `over`, with which its particles follow `data`, as `weft fit` does: a CSV file or a
-    table with the columns time, row and col (of a mesh vertex, of several cloths cloth and vertex), x, y and z, where NaN is missing; or the outline of its
-    shadow at the end, with the columns angle and radius [degrees, m] or x and y [m]. `sigma` [m]: the standard deviation
-    of a coordinate, or of a radius.
+    """Finds the numbers of a scene with which its particles follow data, as `weft fit` does.
 
+    Parameters
+    ----------
+    scene : path, str or dict
+        As of load().
+    data : path or pandas.DataFrame
+        A CSV file or a table with the columns time, row and col (of a mesh vertex, of several cloths cloth and vertex),
+        x, y and z, where NaN is missing; or the outline of its shadow at the end, with the columns angle and radius
+        [degrees, m] or x and y [m].
+    over : list of str
+        Keys of the numbers.
+    out : path
+        The directory that is written.
+    overrides : dict, optional
+        {"key.path": value}.
+    sigma : float
+        [m], the standard deviation of a coordinate, or of a radius.
+    force : bool
+        Replaces an earlier fit.
+
+    Returns
+    -------
+    Fit
+        Values, errors and the fitted scene.
+
+    Raises
+    ------
+    SceneError
+        Mistakes of the scene or of `over`.
+    NotFoundError
+        The scene or the data are not there.
+    RunError
+        The data do not fit the scene, or a run failed.
+
+    Examples
+    --------
     >>> _ = (tmp / "track.csv").write_text("time,row,col,x,y,z\\n0.05,7,5,,-0.709810,\\n")
     >>> found = weft.fit(scene, tmp / "track.csv", ["forces.gravity.1"], tmp / "fit", force=True)
     >>> round(found.values["forces.gravity.1"], 1)
@@ -284,16 +487,44 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
 
 
 class Difference(NamedTuple):
-    """Whether two runs are equal, and what `weft diff` prints of them."""
+    """What `weft diff` finds.
+
+    Attributes
+    ----------
+    equal : bool
+        Whether two runs are equal.
+    report : str
+        What it prints of them.
+    """
 
     equal: bool
     report: str
 
 
 def diff(a: RunLike, b: RunLike, tolerance: Optional[float] = None) -> Difference:
-    """Compares two runs bit for bit at their common times, or with a tolerance [m] of the recorded positions, as
-    `weft diff` does. RunError: their grids differ, or files are missing.
+    """Compares two runs bit for bit at their common times, or with a tolerance, as `weft diff` does.
 
+    Parameters
+    ----------
+    a, b : path or Run
+        The runs.
+    tolerance : float, optional
+        [m], of the recorded positions.
+
+    Returns
+    -------
+    Difference
+        Whether they are equal, and a report.
+
+    Raises
+    ------
+    NotFoundError
+        A run is not there.
+    RunError
+        Their grids differ, or files are missing.
+
+    Examples
+    --------
     >>> weft.diff(weft.run(scene, tmp / "once"), weft.run(scene, tmp / "twice")).equal
     True
     """
@@ -303,9 +534,31 @@ def diff(a: RunLike, b: RunLike, tolerance: Optional[float] = None) -> Differenc
 
 
 def export(run: RunLike, format: str, frame: Union[int, str] = "last") -> list[Path]:  # noqa: A002 - as the program's
-    """Writes frames of a run (or "all") for other programs into its directory, as `weft export` does; format: obj,
-    ply, csv, and of all frames mdd, pc2, pvd. Returns the files.
+    """Writes frames of a run for other programs into its directory, as `weft export` does.
 
+    Parameters
+    ----------
+    run : path or Run
+        The run.
+    format : str
+        obj, ply, csv, and of all frames mdd, pc2, pvd.
+    frame : int or str
+        The number of a frame, "last" or "all".
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    NotFoundError
+        The run is not there.
+    RunError
+        There is no such format or frame.
+
+    Examples
+    --------
     >>> [path.name for path in weft.export(weft.run(scene, tmp / "exported"), "obj", 30)]
     ['frame-000030.obj']
     """
@@ -314,7 +567,25 @@ def export(run: RunLike, format: str, frame: Union[int, str] = "last") -> list[P
 
 
 class Page(Fixed):
-    """A page of weft in a file. A notebook shows it; show() opens a browser elsewhere."""
+    """A page of weft in a file. A notebook shows it; show() opens a browser elsewhere.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    height : int
+        [pixels] in a notebook.
+
+    Raises
+    ------
+    NotFoundError
+        The file is not there.
+
+    Examples
+    --------
+    >>> weft.Page(weft.view(weft.run(scene, tmp / "paged"))).height
+    640
+    """
 
     def __init__(self, path: PathLike, height: int = 640) -> None:
         self._path, self._height = Path(path).resolve(), height
@@ -355,9 +626,31 @@ class Page(Fixed):
 
 
 def view(*runs: RunLike, out: Optional[PathLike] = None, height: int = 640) -> Page:
-    """Makes a page of a run, of two side by side, or of a directory of batch(), as `weft view` does, in the file `out`
-    (default: run.html, compare.html or batch.html in the first directory). Its height in a notebook: [pixels].
+    """Makes a page of a run, of two side by side, or of a directory of batch(), as `weft view` does.
 
+    Parameters
+    ----------
+    *runs : path or Run
+        One or two runs, or the directory of a batch.
+    out : path, optional
+        The file that is written; by default run.html, compare.html or batch.html in the first directory.
+    height : int
+        [pixels] in a notebook.
+
+    Returns
+    -------
+    Page
+        The page.
+
+    Raises
+    ------
+    NotFoundError
+        A directory is not there.
+    RunError
+        It holds no run.
+
+    Examples
+    --------
     >>> weft.view(weft.run(scene, tmp / "viewed")).path.name
     'run.html'
     """
@@ -377,7 +670,24 @@ def _directory_of(run: RunLike) -> str:
 
 
 class Run(Fixed):
-    """The files of one run (docs/output.md); make it with weft.open(). Works while the run writes them, too."""
+    """The files of one run (docs/output.md); make it with weft.open(). Works while the run writes them, too.
+
+    Parameters
+    ----------
+    directory : path
+        Where they are.
+
+    Raises
+    ------
+    NotFoundError
+        There is no run; its properties raise it, too, of a file that is not there.
+
+    Examples
+    --------
+    >>> run = weft.run(scene, tmp / "files")
+    >>> run.positions.shape[0] == len(run.times) == len(run.series)
+    True
+    """
 
     def __init__(self, directory: PathLike) -> None:
         self._directory = Path(directory)
@@ -399,8 +709,13 @@ class Run(Fixed):
         return view(self)._repr_html_()
 
     def show(self, height: int = 640) -> None:
-        """Plays the frames, in a notebook at this height [pixels], else in a browser. A run that ends a cell of a
-        notebook is shown, too."""
+        """Plays the frames. A run that ends a cell of a notebook is shown, too.
+
+        Parameters
+        ----------
+        height : int
+            [pixels] in a notebook; elsewhere a browser opens.
+        """
         view(self, height=height).show()
 
     def _file(self, name: str, why: str) -> Path:
@@ -421,7 +736,7 @@ class Run(Fixed):
 
     @property
     def result(self) -> dict[str, Any]:
-        """How the run ended; FileNotFoundError: it has not."""
+        """How the run ended; NotFoundError: it has not."""
         return self._yaml("result.yaml", "the run has not ended")
 
     @property
@@ -503,5 +818,26 @@ class Run(Fixed):
 
 
 def open(directory: PathLike) -> Run:  # noqa: A001 - as numpy's and tarfile's
-    """The files of the run in a directory. Raises FileNotFoundError."""
+    """The files of a run.
+
+    Parameters
+    ----------
+    directory : path
+        Where they are.
+
+    Returns
+    -------
+    Run
+        Which reads them.
+
+    Raises
+    ------
+    NotFoundError
+        There is no run.
+
+    Examples
+    --------
+    >>> weft.open(weft.run(scene, tmp / "opened")).result["status"]
+    'done'
+    """
     return Run(directory)

@@ -155,8 +155,8 @@ def formed(scene: Scene, overrides: Optional[Mapping[str, Any]] = None) -> Itera
     """While it lasts, the files of its arrays exist."""
     sets = settings(overrides)
     if not isinstance(scene, Mapping):
-        file, content = (None, scene) if is_text(scene) else (path_of(scene), None)  # type: ignore[arg-type]
-        yield Form(file, content, sets, "", scene)  # type: ignore[arg-type]
+        file, content = (None, str(scene)) if is_text(scene) else (path_of(scene), None)
+        yield Form(file, content, sets, "", scene)
     elif not has_files(scene):
         yield Form(None, yaml_text(scene), sets, "", scene)
     else:

@@ -22,23 +22,53 @@ Index = Union[int, tuple[int, int]]
 
 
 class Energy(NamedTuple):
-    """[J] Energies of the free particles and of the springs."""
+    """Energies of the free particles and of the springs.
+
+    Attributes
+    ----------
+    kinetic, gravitational : float
+        [J], of the free particles.
+    stretch, shear : float
+        [J], of the springs, or of the membrane of triangles.
+    bend : float
+        [J], of bend springs, or of bending rigidity.
+    contact : float
+        [J], of contact with shapes and of the cloth with itself.
+    """
 
     kinetic: float
     gravitational: float
     stretch: float
     shear: float
     bend: float
-    """bend springs, or bending rigidity"""
     contact: float
 
     @property
     def total(self) -> float:
+        """[J], the sum of all."""
         return math.fsum(self)
 
 
 class Ledger(NamedTuple):
-    """[J] All energy gained and lost since t = 0; a residual of 0 closes it but for the errors of the integration."""
+    """All energy gained and lost since t = 0; a residual of 0 closes it but for the errors of the integration.
+
+    Attributes
+    ----------
+    dissipated_springs, dissipated_drag : float
+        [J], turned into heat by springs and by viscous drag.
+    wind_work, pin_work, limit_work : float
+        [J], done on the cloth by wind and pins, and added by the strain limit.
+    outside_work : float
+        [J], added by corrections, set_state, and changes of pins and shapes.
+    residual : float
+        [J], the energy less that at t = 0, plus what was dissipated, less all work.
+    force_work : float
+        [J], done by an own force.
+    dissipated_contact, dissipated_friction : float
+        [J], turned into heat by contact.
+    shape_work : float
+        [J], done by moving shapes.
+    """
 
     dissipated_springs: float
     dissipated_drag: float
@@ -46,7 +76,6 @@ class Ledger(NamedTuple):
     pin_work: float
     limit_work: float
     outside_work: float
-    """by corrections, set_state, and changes of pins and shapes"""
     residual: float
     force_work: float
     dissipated_contact: float
@@ -55,61 +84,100 @@ class Ledger(NamedTuple):
 
 
 class Stats(NamedTuple):
-    """Counts of the stepper since t = 0."""
+    """Counts of the stepper since t = 0.
+
+    Attributes
+    ----------
+    steps, rejected : int
+        Accepted steps, and attempts that were taken back.
+    rhs_calls : int
+        Evaluations of the right-hand side.
+    last_step : float
+        [s]; 0 before the first.
+    next_step : float
+        [s], that the solver would try next; 0: unknown.
+    linear_iterations, factorisations, newton_failures : int
+        Of implicit methods.
+    bytes : int
+        Memory of the run without the cloth; 0: not known.
+    vetoed : int
+        Steps taken back because a particle may have passed through a shape.
+    """
 
     steps: int
     rejected: int
     rhs_calls: int
     last_step: float
-    """[s]; 0 before the first"""
     next_step: float
-    """[s], that the solver would try next; 0: unknown"""
     linear_iterations: int
     factorisations: int
     newton_failures: int
     bytes: int
-    """memory of the run without the cloth; 0: not known"""
     vetoed: int
-    """steps taken back because a particle may have passed through a shape"""
 
 
 class Measures(NamedTuple):
-    """The measures of a state."""
+    """The measures of a state.
+
+    Attributes
+    ----------
+    energy : Energy
+        [J]
+    momentum : ndarray, shape (3,)
+        [kg m/s], of the free particles.
+    angular_momentum : ndarray, shape (3,)
+        [kg m^2/s], about the origin.
+    power : dict of str to float
+        [W], by what changes the energy; 0 without a ledger.
+    worst : Spring
+        The largest strain.
+    hash : str
+        Of the bits of the state, as in series.csv.
+    gap : float
+        [m], the smallest of a free particle to a shape; inf: no shapes.
+    gap_particle, gap_shape : int
+        Whose gap it is.
+    touching : int
+        Free particles with a gap below the contact's thickness.
+    self_gap : float
+        [m], of the cloth to itself; inf without contact with itself.
+    self_pair : tuple of two tuples of int
+        The particles of the two parts of the cloth there.
+    self_touching : int
+        Pairs of such parts nearer than the thickness.
+    """
 
     energy: Energy
     momentum: Array
-    """[kg m/s], of the free particles"""
     angular_momentum: Array
-    """[kg m^2/s], about the origin"""
     power: dict[str, float]
-    """[W], by what changes the energy; 0 without a ledger"""
     worst: Spring
-    """the largest strain"""
     hash: str
-    """of the bits of the state, as in series.csv"""
     gap: float
-    """[m], the smallest of a free particle to a shape; inf: no shapes"""
     gap_particle: int
     gap_shape: int
     touching: int
-    """free particles with a gap below the contact's thickness"""
     self_gap: float
-    """[m], of the cloth to itself; inf without contact with itself"""
     self_pair: tuple[tuple[int, ...], tuple[int, ...]]
-    """the particles of the two parts of the cloth there"""
     self_touching: int
-    """pairs of such parts nearer than the thickness"""
 
 
 class Stiffness(NamedTuple):
-    """Bounds of the modes x'' + c x' + w2 x = 0 of a cloth."""
+    """Bounds of the modes x'' + c x' + w2 x = 0 of a cloth.
+
+    Attributes
+    ----------
+    omega2 : float
+        [1/s^2], no mode is stiffer.
+    damping : float
+        [1/s], no mode is damped more.
+    corners : ndarray, shape (n, 2)
+        Of a convex polygon that holds (w2, c) of every mode.
+    """
 
     omega2: float
-    """[1/s^2], no mode is stiffer"""
     damping: float
-    """[1/s], no mode is damped more"""
     corners: Array
-    """(n, 2) of a convex polygon that holds (w2, c) of every mode"""
 
 
 class _Memory:
@@ -125,27 +193,62 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
          event: Any = None, event_hold: float = 0.0, dense: bool = False) -> Sim:
     """Makes a simulation of a scene, at t = 0.
 
-    scene: the path of a file; or a dict of the same keys (docs/scene.md), whose values may be NumPy's; or the text
-    of a scene, a string of more than one line. overrides: {"key.path": value}, as `--set` of the program. In a dict,
-    `cloth.mesh`, or that of one of `cloths`, may be a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of
-    {"file": ...}, and the `file` of a mesh in contact.shapes a
-    trimesh.Trimesh or (vertices, triangles), with vertices (keys, n, 3) for key frames.
+    Parameters
+    ----------
+    scene : path, str or dict
+        The path of a file; or the text of a scene, a string of more than one line; or a dict of the same keys
+        (docs/scene.md), whose values may be NumPy's. In a dict `cloth.mesh`, or that of one of `cloths`, may be a
+        weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of {"file": ...}, and the `file` of a mesh in
+        contact.shapes a trimesh.Trimesh or (vertices, triangles), with vertices (keys, n, 3) for key frames.
+    overrides : dict, optional
+        {"key.path": value}, as `--set` of the program.
+    force : callable, optional
+        force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
+        (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand
+        side.
+    correct : callable, optional
+        correct(t, h, x, v) may edit x and v in place, except for pinned particles, after each step of h [s] that ended
+        at t; it returns False if it did not.
+    event : callable, optional
+        event(t, x, v) is a number that falls from > 0 to <= 0 at an event, which ends step(), advance() and frames():
+        `event` of the simulation is True then. By default that of run.stop in the scene.
+    event_hold : float
+        [s] > 0: the event is when the number has been 0 or below for so long.
+    dense : bool
+        Keeps what between() needs. Neither this nor an event goes with a strain limit or `correct`.
 
-    force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
-    (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand side.
-    correct(t, h, x, v) may edit x and v in place, except for pinned particles, after each step of h [s] that ended at
-    t; it returns False if it did not. x, v and f are the same arrays in every call: copy what must stay. Those of
-    triangles have the order of `state`: vertex i is x[sim.index[i]].
-    event(t, x, v) is a number that falls from > 0 to <= 0 at an event, which ends step(), advance() and frames(): `event`
-    of the simulation is True then. event_hold [s] > 0: when it has been 0 or below for so long. Default: that of
-    run.stop in the scene. dense: keeps what between() needs. Neither goes with a strain limit or `correct`.
-    An exception in one of them ends the step, and step() or advance() raises it. Instead of a Python function, which
-    costs some microseconds per call (PerformanceWarning), each takes a C function, weft_force_fn and so on:
-    numba.cfunc(weft.FORCE), numba.cfunc(weft.CORRECT), of ctypes or of cffi, alone or as (function, array), whose
-    memory is the function's ctx.
+    Returns
+    -------
+    Sim
+        The simulation.
 
-    Raises SceneError, which lists all mistakes with their places; Error. Warns with SceneWarning.
+    Raises
+    ------
+    SceneError
+        Lists all mistakes with their places.
+    NotFoundError
+        The scene is not there.
+    Error
+        The cloth or the method refuses the scene.
 
+    Warns
+    -----
+    SceneWarning
+        A possible mistake in the scene.
+    PerformanceWarning
+        A Python function costs some microseconds per call.
+
+    Notes
+    -----
+    x, v and f have the order of Sim.positions: row k is vertex k of a mesh. They are the same arrays in every call: copy what
+    must stay. An exception in one of the functions ends the step, and step() or advance() raises it.
+
+    Each may be a C function instead, weft_force_fn and so on: numba.cfunc(weft.FORCE), numba.cfunc(weft.CORRECT),
+    numba.cfunc(weft.EVENT), of ctypes or of cffi, alone or as (function, array), whose memory is the function's ctx. A C
+    function gets the state, where vertex k stands at Sim.index[k] of each plane.
+
+    Examples
+    --------
     >>> sim = weft.load(scene, {"stepper.fixed_step": 5e-4})
     >>> sim.advance(0.5)
     >>> sim.time, sim.positions.shape
@@ -170,13 +273,21 @@ def _revive_text(name: str, content: str, saved: bytes, own: dict[str, Any]) -> 
 
 
 class Sim(Fixed):
-    """A simulation; make it with load(). While one thread changes, steps or measures it, another one gets an Error.
-    Many may run simulations of their own: the interpreter lock is free while weft computes. Ctrl-C ends advance() after
-    a step.
+    """A simulation; make it with load().
+
+    While one thread changes, steps or measures it, another one gets an Error. Many may run simulations of their own:
+    the interpreter lock is free while weft computes. Ctrl-C ends advance() after a step.
 
     State arrays are views of weft's memory, read-only and not copied: later steps change them (`.copy()` keeps one).
-    They keep the simulation alive; any thread may read them, and the time, at any moment. Particle (r, c) has index
-    r * cols + c.
+    They keep the simulation alive; any thread may read them, and the time, at any moment. Particle (r, c) has index r *
+    cols + c.
+
+    Examples
+    --------
+    >>> sim = weft.load(scene)
+    >>> sim.advance(0.5)
+    >>> sim.energy.kinetic > 0
+    True
     """
 
     def __init__(self, form: Form, overrides: Optional[Mapping[str, Any]], own: dict[str, Any]) -> None:
@@ -272,6 +383,7 @@ class Sim(Fixed):
 
     @property
     def name(self) -> str:
+        """The name of the scene."""
         return text(lib.weft_scene_name(self._scene))
 
     @property
@@ -283,11 +395,12 @@ class Sim(Fixed):
 
     @property
     def rows(self) -> int:
-        """0 of triangles, as cols."""
+        """Of a grid; 0 of triangles."""
         return int(lib.weft_cloth_rows(self._cloth))
 
     @property
     def cols(self) -> int:
+        """Of a grid; 0 of triangles."""
         return int(lib.weft_cloth_cols(self._cloth))
 
     @property
@@ -368,7 +481,7 @@ class Sim(Fixed):
 
     @property
     def time(self) -> float:
-        """[s]"""
+        """[s], the present time."""
         return float(lib.weft_sim_time(self._sim))
 
     def _finish(self, status: int, err: Any) -> None:
@@ -380,11 +493,27 @@ class Sim(Fixed):
         raise StepError(text(err.message), status_text(status), self.failure)
 
     def step(self, until: Optional[float] = None) -> float:
-        """Takes one accepted step, never past `until` [s] (default: the next frame; no step if it is now).
-        Returns its size [s].
+        """Takes one accepted step.
 
-        Raises StepError; the state is that of the last good step then, or one that a correction left not finite.
+        Parameters
+        ----------
+        until : float, optional
+            [s], which the step never passes; by default the next frame. No step if it is now.
 
+        Returns
+        -------
+        float
+            [s], the size of the step.
+
+        Raises
+        ------
+        StepError
+            The step failed; the state is that of the last good step, or one that a correction left not finite.
+        ValueError
+            The time is over, or not finite.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> h = sim.step()
         >>> sim.time == h
@@ -398,8 +527,20 @@ class Sim(Fixed):
             return self.time - before
 
     def advance(self, t: float) -> None:
-        """Steps until the time is exactly t [s], as a double, or an event; frame i of a scene is at i / fps. Raises
-        StepError."""
+        """Steps until a time is reached exactly, as a double, or an event; frame i of a scene is at i / fps.
+
+        Parameters
+        ----------
+        t : float
+            [s]
+
+        Raises
+        ------
+        StepError
+            As of step().
+        ValueError
+            The time is over, or not finite.
+        """
         with self._alone() as err:
             end = later(t, self.time)
             while True:  # returns every 50 ms, so that Python can raise KeyboardInterrupt
@@ -424,9 +565,26 @@ class Sim(Fixed):
             return self._at_event()
 
     def between(self, t: float) -> Array:
-        """The state (6 N,) at t [s] within the last step or at its end, of an order of at least that of the method less
-        one; needs load(dense=True) or an event.
+        """The state within the last step or at its end, of an order of at least that of the method less one; needs
+        load(dense=True) or an event.
 
+        Parameters
+        ----------
+        t : float
+            [s]
+
+        Returns
+        -------
+        ndarray, shape (6 N,)
+            In the order of `state`.
+
+        Raises
+        ------
+        Error
+            The time is elsewhere, or the state was changed since.
+
+        Examples
+        --------
         >>> sim = weft.load(scene, dense=True)
         >>> h = sim.step()
         >>> sim.between(h / 2)[:80].shape
@@ -447,14 +605,24 @@ class Sim(Fixed):
         return float(lib.weft_run_frame_time(run, i))
 
     def frames(self) -> Iterator[int]:
-        """Advances from frame to frame of the scene, up to its duration, and yields the number of each, as `weft run`
-        does and with the same bits: it restarts the stepper at the checkpoints of the scene.
+        """Advances from frame to frame of the scene, up to its duration, as `weft run` does and with the same bits: it
+        restarts the stepper at the checkpoints of the scene. An event is the last frame.
 
+        Yields
+        ------
+        int
+            The number of each frame.
+
+        Raises
+        ------
+        StepError
+            As of step().
+
+        Examples
+        --------
         >>> sim = weft.load(scene, {"run.duration": 0.1})
         >>> [round(sim.time, 3) for i in sim.frames()]
         [0.0, 0.033, 0.067, 0.1]
-
-        An event is the last frame.
         """
         run = lib.weft_scene_run(self._scene)
         last = int(lib.weft_run_last_frame(run))
@@ -470,12 +638,15 @@ class Sim(Fixed):
                 self.restart()
 
     def restart(self) -> None:
-        """Starts the stepper again from the present state, with the step size that it would try next."""
+        """Starts the stepper again from the present state, with the step size that it would try next. Call it after a
+        change of the data that an own force uses.
+        """
         with self._alone() as err:
             check(lib.weft_sim_restart(self._sim, err), err)
 
     @property
     def stats(self) -> Stats:
+        """Counts of the stepper since t = 0."""
         with self._exclusion.read():
             stats, vetoed = lib.weft_sim_stats(self._sim), lib.weft_sim_vetoed(self._sim)
         return Stats(**{name: getattr(stats, name) for name in Stats._fields[:-1]}, vetoed=vetoed)
@@ -583,17 +754,41 @@ class Sim(Fixed):
         return ffi.from_buffer("double[]", array), array
 
     def set_state(self, positions: Any = None, velocities: Any = None) -> None:
-        """Replaces positions [m] and velocities [m/s] of the free particles, (N, 3) or (rows, cols, 3); None keeps
-        them. Raises Error if one is not finite or a particle would be in a shape; then nothing changes."""
+        """Replaces the state of the free particles. None keeps what is there.
+
+        Parameters
+        ----------
+        positions : array, shape (N, 3) or (rows, cols, 3), optional
+            [m]
+        velocities : array, shape (N, 3) or (rows, cols, 3), optional
+            [m/s]
+
+        Raises
+        ------
+        Error
+            A number is not finite, or a particle would be in a shape; then nothing changes.
+        """
         x, keep_x = self._triples(positions, "positions")
         v, keep_v = self._triples(velocities, "velocities")
         with self._alone() as err:
             check(lib.weft_sim_set_state(self._sim, x, v, err), err)
 
     def save(self) -> bytes:
-        """All that the future of the simulation depends on, for restore(). It restarts the stepper, so that both
-        continue with the same bits. A simulation can also be pickled, and copied with copy.deepcopy.
+        """All that the future of the simulation depends on. It restarts the stepper, so that both continue with the same
+        bits. A simulation can also be pickled, and copied with copy.deepcopy.
 
+        Returns
+        -------
+        bytes
+            For restore() of a simulation of the same scene.
+
+        Raises
+        ------
+        Error
+            The state is not finite.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> saved = sim.save()
         >>> sim.advance(0.1)
@@ -608,7 +803,18 @@ class Sim(Fixed):
             return bytes(ffi.buffer(data, size))
 
     def restore(self, saved: bytes) -> None:
-        """Puts the simulation where another one of the same scene was at its save()."""
+        """Puts the simulation where another one of the same scene was at its save().
+
+        Parameters
+        ----------
+        saved : bytes
+            What save() returned.
+
+        Raises
+        ------
+        Error
+            It is of another scene or method, or damaged; then nothing changes.
+        """
         with self._alone() as err:
             self._free = None
             check(lib.weft_sim_restore(self._sim, ffi.from_buffer(saved), len(saved), err), err)
@@ -618,6 +824,13 @@ class Sim(Fixed):
     def measure(self) -> Measures:
         """All measures of the present state.
 
+        Returns
+        -------
+        Measures
+            With the energies.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.measure().energy.kinetic
         0.0
@@ -635,12 +848,12 @@ class Sim(Fixed):
 
     @property
     def energy(self) -> Energy:
-        """[J]"""
+        """[J], the energies of the present state."""
         return self.measure().energy
 
     @property
     def ledger(self) -> Optional[Ledger]:
-        """[J]; None unless the scene has `record: {ledger: true}`."""
+        """[J], what was gained and lost; None unless the scene has `record: {ledger: true}`."""
         with self._alone():
             of = lib.weft_sim_ledger(self._sim)
         return Ledger(*(getattr(of, name) for name in Ledger._fields)) if of.kept else None
@@ -657,9 +870,23 @@ class Sim(Fixed):
         return [ffi.from_buffer("double[]", real(y, "a state", (6 * self.particles,))) for y in values]
 
     def rhs(self, t: float, y: Any) -> Array:
-        """dy/dt (6 N,) at t [s] in a state y (6 N,), with the simulation's present pins and shapes and its own force;
-        for solvers such as scipy.integrate.solve_ivp. NaN if y is unusable: not finite, or a particle in a shape.
+        """The right-hand side, with the simulation's present pins and shapes and its own force; for solvers such as
+        scipy.integrate.solve_ivp.
 
+        Parameters
+        ----------
+        t : float
+            [s]
+        y : array, shape (6 N,)
+            A state, as `state`.
+
+        Returns
+        -------
+        ndarray, shape (6 N,)
+            dy/dt; NaN if y is unusable: not finite, or a particle in a shape.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.rhs(0, sim.state)[4 * 80:5 * 80].round(2)[[0, 40]]  # y'' of a pinned and of a free particle
         array([-0.  , -9.81])
@@ -691,7 +918,20 @@ class Sim(Fixed):
         out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if usable else np.nan
 
     def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
-        """The derivative of the cloth's rhs along dy (6 N,): J dy (6 N,). Exact, without an own force."""
+        """The derivative of the cloth's right-hand side along a direction. Exact, without an own force.
+
+        Parameters
+        ----------
+        t : float
+            [s]
+        y, dy : array, shape (6 N,)
+            A state and a direction, as `state`.
+
+        Returns
+        -------
+        ndarray, shape (6 N,)
+            J dy; NaN if y is unusable.
+        """
         out = np.empty(6 * self.particles)
         state, direction = self._states(y, dy)
         with self._exclusion.read():
@@ -701,9 +941,23 @@ class Sim(Fixed):
         return out
 
     def jacobian(self, t: Optional[float] = None, y: Any = None) -> Any:
-        """J (6 N, 6 N), the derivative of the cloth's rhs, as scipy.sparse.csc_matrix, in the present state or at t [s]
-        in y: that of jacobian_product(), so without an own force. Needs SciPy.
+        """The derivative of the cloth's right-hand side as a matrix, that of jacobian_product(), so without an own force.
+        Needs SciPy.
 
+        Parameters
+        ----------
+        t : float, optional
+            [s]; by default the present time.
+        y : array, shape (6 N,), optional
+            A state; by default the present one.
+
+        Returns
+        -------
+        scipy.sparse.csc_matrix, shape (6 N, 6 N)
+            J
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> J, dy = sim.jacobian(), np.ones(480)
         >>> bool(abs(J @ dy - sim.jacobian_product(0, sim.state, dy)).max() < 1e-9)
@@ -738,8 +992,20 @@ class Sim(Fixed):
         return np.asarray(cKDTree(x).query_pairs(reach, output_type="ndarray"), dtype=np.uint32)
 
     def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
-        """Guaranteed bounds of all modes in the present state, or in any (`anywhere`); sharpened, no longer
-        guaranteed, by `refine` steps of the power method."""
+        """Guaranteed bounds of all modes.
+
+        Parameters
+        ----------
+        refine : int
+            Steps of the power method that sharpen the bounds, which are no longer guaranteed then.
+        anywhere : bool
+            In any state instead of the present one.
+
+        Returns
+        -------
+        Stiffness
+            The bounds.
+        """
         state = ffi.NULL if anywhere else lib.weft_sim_state(self._sim)
         out, err = ffi.new("weft_stiffness *"), ffi.new("weft_error *")
         with self._exclusion.read():
@@ -751,8 +1017,23 @@ class Sim(Fixed):
         return Stiffness(out.omega2, out.damping, corners)
 
     def stable_step(self, growth: float = 0.0) -> float:
-        """[s] The largest fixed step of the scene's method up to which no mode of the present state grows; with
-        growth [1/s], lightly damped oscillations may grow by exp(growth t). inf: every step is stable."""
+        """The largest fixed step of the scene's method up to which no mode of the present state grows.
+
+        Parameters
+        ----------
+        growth : float
+            [1/s]; lightly damped oscillations may grow by exp(growth t).
+
+        Returns
+        -------
+        float
+            [s]; inf: every step is stable.
+
+        Raises
+        ------
+        Error
+            The method is not of Runge-Kutta type.
+        """
         kind, config = self._definition.method, self._definition.config
         stability, modes = ffi.new("weft_stability *"), ffi.new("weft_stiffness *")
         h, err = ffi.new("double *"), ffi.new("weft_error *")
@@ -775,8 +1056,17 @@ class Sim(Fixed):
                 particle, "%d x %d" % (self.rows, self.cols) if self.cols > 0 else self.particles)) from None
 
     def pin(self, particle: Index, velocity: Any = None) -> None:
-        """Holds a particle, an index or (row, column), and moves it at velocity (3,) [m/s] from now on; None: it stays.
+        """Holds a particle, and moves it from now on.
 
+        Parameters
+        ----------
+        particle : int or (row, column)
+            Which one.
+        velocity : array, shape (3,), optional
+            [m/s]; None: it stays.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.pin((-1, -1), velocity=[0, 0, 0.1])
         >>> int(sim.pinned.sum())
@@ -787,9 +1077,17 @@ class Sim(Fixed):
             check(lib.weft_sim_pin(self._sim, self._index(particle), _vector(velocity), err), err)
 
     def pin_many(self, particles: Any, velocities: Any = None) -> None:
-        """pin() of many particles at once, which costs little more than one: their indices (n,), and velocities
-        (n, 3) [m/s].
+        """pin() of many particles at once, which costs little more than one.
 
+        Parameters
+        ----------
+        particles : array, shape (n,)
+            Their indices.
+        velocities : array, shape (n, 3), optional
+            [m/s]; None: they stay.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.pin_many([70, 75, 79], np.zeros((3, 3)))
         >>> int(sim.pinned.sum())
@@ -803,19 +1101,52 @@ class Sim(Fixed):
                                         ffi.NULL if v is None else ffi.from_buffer("double[]", v), len(places), err), err)
 
     def move_pin(self, particle: Index, position: Any) -> None:
-        """Moves a pinned particle to position (3,) [m] at once; its velocity stays."""
+        """Moves a pinned particle at once; its velocity stays.
+
+        Parameters
+        ----------
+        particle : int or (row, column)
+            Which one.
+        position : array, shape (3,)
+            [m]
+
+        Raises
+        ------
+        Error
+            The particle is not pinned, or the cloth would pass through itself.
+        """
         with self._alone() as err:
             check(lib.weft_sim_move_pin(self._sim, self._index(particle), _vector(position), err), err)
 
     def unpin(self, particle: Index) -> None:
-        """Releases a particle with its present velocity."""
+        """Releases a particle with its present velocity.
+
+        Parameters
+        ----------
+        particle : int or (row, column)
+            Which one.
+
+        Raises
+        ------
+        Error
+            The particle is in a shape, or in another part of the cloth.
+        """
         with self._alone() as err:
             self._free = None
             check(lib.weft_sim_unpin(self._sim, self._index(particle), err), err)
 
     def set_wind(self, velocity: Any, drag: float = 0.0) -> None:
-        """The wind's velocity (3,) [m/s] and drag [kg/(m^2 s)] from now on; velocity None: those of the scene again.
+        """Changes the wind from now on.
 
+        Parameters
+        ----------
+        velocity : array, shape (3,), or None
+            [m/s]; None: that of the scene again.
+        drag : float
+            [kg/(m^2 s)]
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.set_wind([0, 0, 3], 1.0)
         >>> sim.advance(0.1)
@@ -841,11 +1172,29 @@ class Sim(Fixed):
             raise IndexError("there is no shape %d of %d" % (k, self._shape_count())) from None
 
     def add_shape(self, kind: str, **fields: Any) -> int:
-        """Adds a rigid shape and returns its number. kind: plane, sphere, capsule or box; fields: those of weft_shape:
-        at, to, half (3,) [m], normal (3,), radius, rounding [m], velocity (3,) [m/s], amplitude (3,) [m],
-        frequency [Hz], spin (3,) [rad/s], friction, orientation (4,) of a box, and turn, a dict of axis (3,), about
-        (3,) [m], rate [rad/s], amplitude [rad], frequency [Hz]. Raises Error if it would be on a particle.
+        """Adds a rigid shape.
 
+        Parameters
+        ----------
+        kind : str
+            plane, sphere, capsule or box.
+        **fields
+            Those of weft_shape: at, to, half (3,) [m], normal (3,), radius, rounding [m], velocity (3,) [m/s],
+            amplitude (3,) [m], frequency [Hz], spin (3,) [rad/s], friction, orientation (4,) of a box, and turn, a dict
+            of axis (3,), about (3,) [m], rate [rad/s], amplitude [rad], frequency [Hz].
+
+        Returns
+        -------
+        int
+            The number of the shape.
+
+        Raises
+        ------
+        Error
+            It would be on a particle.
+
+        Examples
+        --------
         >>> sim = weft.load(scene)
         >>> sim.add_shape("sphere", at=[0, -2, 0], radius=0.3)
         0
@@ -860,11 +1209,26 @@ class Sim(Fixed):
         return int(k[0])
 
     def move_shape(self, k: int, at: Any = None, velocity: Any = None, **motion: Any) -> None:
-        """Puts shape k to `at` (3,) [m] at once (None: it stays) and moves it at velocity (3,) [m/s] from now on (None:
-        its motion continues). A jump passes through whatever is in between; a velocity does not.
+        """Moves a shape from now on, or puts it somewhere at once. A jump passes through whatever is in between; a
+        velocity does not.
 
-        motion: amplitude, frequency and turn as of add_shape(), without `at`: with the velocity (None: 0) they are its
-        motion from now on, from where it is and as it stands; turn["about"] is where its axis is now."""
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+        at : array, shape (3,), optional
+            [m], where it is put at once; None: it stays.
+        velocity : array, shape (3,), optional
+            [m/s], from now on; None: its motion continues.
+        **motion
+            amplitude, frequency and turn as of add_shape(), without `at`: with the velocity (None: 0) they are its
+            motion from now on, from where it is and as it stands; turn["about"] is where its axis is now.
+
+        Raises
+        ------
+        Error
+            It would be on a particle.
+        """
         shape = ffi.new("weft_shape *", lib.weft_shape_default(0))
         unknown = set(motion) - ({"amplitude", "frequency", "turn"} if at is None else set())
         if unknown:
@@ -877,27 +1241,67 @@ class Sim(Fixed):
                 check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
 
     def remove_shape(self, k: int) -> None:
-        """Removes shape k; the shapes behind it get the next lower numbers."""
+        """Removes a shape; the shapes behind it get the next lower numbers.
+
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+        """
         with self._alone() as err:
             check(lib.weft_sim_remove_shape(self._sim, self._shape(k), err), err)
 
     def shape_pose(self, k: int) -> tuple[Array, Array]:
-        """Where `at` of shape k is at present [m], and its velocity [m/s]; (3,) each."""
+        """Where a shape is at present.
+
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+
+        Returns
+        -------
+        at, velocity : ndarray, shape (3,)
+            [m], the place of its `at`, and [m/s].
+        """
         at, velocity = ffi.new("double[3]"), ffi.new("double[3]")
         with self._exclusion.read():
             lib.weft_cloth_shape_pose(self._present, self._shape(k), self.time, at, velocity)
         return numbers_of(at), numbers_of(velocity)
 
     def shape_rotation(self, k: int) -> tuple[Array, Array]:
-        """How shape k stands at present: the rotation (3, 3) of its directions as defined, of a box from x, y and z, and
-        the angular velocity (3,) [rad/s] of its turn."""
+        """How a shape stands at present.
+
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+
+        Returns
+        -------
+        rotation : ndarray, shape (3, 3)
+            Of its directions as defined, of a box from x, y and z.
+        omega : ndarray, shape (3,)
+            [rad/s], the angular velocity of its turn.
+        """
         rotation, omega = ffi.new("double[9]"), ffi.new("double[3]")
         with self._exclusion.read():
             lib.weft_cloth_shape_rotation(self._present, self._shape(k), self.time, rotation, omega)
         return numbers_of(rotation).reshape(3, 3), numbers_of(omega)
 
     def shape_load(self, k: int) -> tuple[Array, Array]:
-        """The force [N] of the cloth on shape k, and its torque [N m] about `at`; (3,) each."""
+        """The force of the cloth on a shape.
+
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+
+        Returns
+        -------
+        force, torque : ndarray, shape (3,)
+            [N], and [N m] about its `at`.
+        """
         force, torque = ffi.new("double[3]"), ffi.new("double[3]")
         with self._alone():
             lib.weft_sim_shape_load(self._sim, self._shape(k), force, torque)
