@@ -32,11 +32,12 @@ static void hear(void *ctx, weft_log_level level, const char *text)
     }
 }
 
-/* A sheet of 6 x 6 on the plane y = 0, and a box that comes down: its lower face is at
+/* A sheet of 3 x 3 on the plane y = 0, and a box that comes down: its lower face is at
  * 0.04 m - 0.1 m/s t. */
 static void press(void)
 {
     level_sheet();
+    model.rows = model.cols = 3;
     all = (heard){ 0 };
     model.density = 0.25, model.mass = 0.0;
     model.origin[1] = 0.006;
