@@ -238,7 +238,8 @@ static weft_status weftpy_advance(weft_sim *sim, double t_end, double seconds, c
             break;
         }
     }
-    return status;
+    const bool there = weft_sim_time(sim) == t_end || weft_sim_event(sim);
+    return status == WEFT_OK && there && !*raised ? weft_sim_check_frame(sim, err) : status;
 }
 
 /* A weft_force_fn: numbers that stay. */
@@ -268,6 +269,9 @@ static void weftpy_advance_some(weft_sim *const *sims, const double *ends, size_
         while (weft_sim_time(sims[i]) != ends[i] && status[i] == WEFT_OK && !event && !*stopped) {
             status[i] = weft_sim_step(sims[i], ends[i], &errors[i]);
             event = weft_sim_event(sims[i]);
+        }
+        if (status[i] == WEFT_OK && !*stopped) {
+            status[i] = weft_sim_check_frame(sims[i], &errors[i]);
         }
     }
 }

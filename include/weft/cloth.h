@@ -295,6 +295,9 @@ typedef struct weft_cloth_def {
     double untangle;   /* [s] >= 0; > 0: a start may pass through itself and shapes, and
                          weft_sim_create calls weft_cloth_untangle */
     bool wind_natural; /* the wind's table is a natural spline */
+    bool strict;       /* cloth that passes through a shape between its particles
+                         (weft_cloth_passages) is an error: at the start, and at frames
+                         (weft_sim_check_frame) */
 } weft_cloth_def;
 
 /* Particles of the whole cloth. */
@@ -674,6 +677,22 @@ WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const dou
  * do. pair may be NULL. */
 WEFT_API double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
                                     weft_primitive pair[2]);
+
+/* An edge or a triangle of the cloth that passes through a shape. Fixed for ever. */
+typedef struct weft_passage {
+    weft_primitive primitive;
+    size_t shape;
+} weft_passage;
+
+/* How many edges of the cloth pass through a sphere, capsule or box at time t, and
+ * triangles without such an edge: they have a point deeper inside than a quarter of the
+ * thickness, or of the radius or rounding if that is less, as cloth that sags between
+ * particles has not. Decided exactly, by the gap of the shape along them. Primitives
+ * that pins hold there, by all of their corners or by one inside the shape, do not
+ * count. first (unless NULL) is one of them; of count 0 if there is none.
+ * y must be finite. */
+WEFT_API size_t weft_cloth_passages(const weft_cloth *cloth, double t, const double *y,
+                                    weft_passage *first);
 
 /* Pairs of primitives that push each other apart. */
 WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y);

@@ -288,6 +288,13 @@ static inline weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
     return weft_sim_play_sized(sim, play, sizeof *play, err);
 }
 
+/* Looks for cloth that passes through a shape (weft_cloth_passages), and logs the first
+ * that it finds in a run as a warning. weft_sim_play does so at each frame, and
+ * weft_sim_advance at its end; weft_sim_step before a step, as often as the speed of
+ * the cloth demands, and takes no step if it fails. With weft_cloth_def.strict a
+ * passage is an error of all of these: WEFT_INVALID. */
+WEFT_API weft_status weft_sim_check_frame(weft_sim *sim, weft_error *err);
+
 /* Why a step failed, and the last good state, or the one that a correction spoiled. */
 typedef struct weft_failure {
     weft_status status;
@@ -370,6 +377,9 @@ WEFT_API weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t,
  * itself, or because in fixed steps a stage was in a shape. In weft_sim_stats, steps
  * taken back count as rejected, but not those that such a stage ended. */
 WEFT_API uint64_t weft_sim_vetoed(const weft_sim *sim);
+
+/* Whether cloth that passes through a shape was found (weft_sim_check_frame). */
+WEFT_API bool weft_sim_passed(const weft_sim *sim);
 
 /* All 0 without a limit. */
 WEFT_RESULT(weft_limit_stats, weft_sim_limit_stats, (const weft_sim *sim), (sim))

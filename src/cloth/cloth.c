@@ -73,11 +73,23 @@ weft_status weft__crossings_error(const weft_cloth *cloth, double t, const doubl
     return weft__bodies_error(&cloth->bodies, t, y, loose, where, err);
 }
 
+static weft_status passage_error(const weft_cloth *cloth, const double *y,
+                                 weft_error *err)
+{
+    weft_passage first;
+    char text[WEFT__PASSAGE_TEXT];
+    const size_t count = cloth->strict ? weft_cloth_passages(cloth, 0.0, y, &first) : 0;
+    return count == 0 ? WEFT_OK
+                      : weft_error_set(
+                          err, WEFT_INVALID, "contact.strict: %s",
+                          weft__passage_text(cloth, 0.0, &first, (double)count, text));
+}
+
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
 {
     TRY(weft__notch_error(&cloth->self, err));
     if (cloth->untangle > 0.0
-        || (!cloth->self.law.self && !cloth->bodies.pairs.law.self)) {
+        || !(cloth->self.law.self || cloth->bodies.pairs.law.self || cloth->strict)) {
         return WEFT_OK;
     }
     double *y = weft__alloc(&cloth->memory, weft_cloth_dim(cloth), sizeof *y);
@@ -85,7 +97,8 @@ weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(cloth, y);
-    const weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, "", err);
+    weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, "", err);
+    status = status == WEFT_OK ? passage_error(cloth, y, err) : status;
     weft__free(&cloth->memory, y);
     return status;
 }
@@ -272,6 +285,7 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     cloth->mesh.motion_count = def->pin_count;
     cloth->memory = memory;
     cloth->untangle = def->untangle;
+    cloth->strict = def->strict;
     status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);

@@ -17,6 +17,7 @@ struct weft_cloth {
     size_t row_count;
     weft__isa isa;
     double untangle;     /* [s] */
+    bool strict;         /* as of weft_cloth_def */
     bool copied;         /* shares masses, motions and rows with its model */
     uint64_t whole_hash; /* of a band of triangles: weft__cloth_hash of the whole */
     struct weft_cloth *whole; /* of a band with contact.self; else NULL */
@@ -141,6 +142,14 @@ weft_status weft__crossings_error(const weft_cloth *cloth, double t, const doubl
 /* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
  * WEFT_NO_MEMORY. */
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);
+
+/* cloth_contact.c: "edge (0, 14)-(0, 15) passes through shapes[0] at t = 0.5 s, one of
+ * 6 edges and triangles: ..." with the cure; particles by their numbers in the whole
+ * definition. Returns `text`. */
+enum { WEFT__PASSAGE_TEXT = 384 };
+const char *weft__passage_text(const weft_cloth *cloth, double t,
+                               const weft_passage *at, double count,
+                               char text[WEFT__PASSAGE_TEXT]);
 
 /* The own forms of a level, for tests and measurements. */
 void weft__cloth_choose(weft_cloth *cloth, weft__isa isa);

@@ -558,6 +558,11 @@ static const weft__key contact_keys[] = {
       .at = -offsetof(weft_cloth_def, contact),
       .meaning = "a start that passes through itself or shapes relaxes before t = 0, "
                  "for so long at most; 0: it is an error" },
+    { "strict", WEFT__BOOLEAN, .fallback = "false",
+      .at = offsetof(weft_cloth_def, strict) - offsetof(weft_cloth_def, contact),
+      .meaning
+      = "cloth that passes through a shape between its particles ends the run; "
+        "false: weft warns once" },
     { "shapes", WEFT__ITEMS,
       ITEMS(weft_contact_def, shapes, shape_count, weft__read_shape),
       .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },

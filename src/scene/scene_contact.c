@@ -89,6 +89,15 @@ static void check_crossings(weft__reader *reader, const weft__node *at, bool bod
     weft_cloth_destroy(cloth);
 }
 
+static bool has_bodies(const weft_contact_def *contact)
+{
+    bool has = false;
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        has = has || contact->shapes[k].kind == WEFT_MESH;
+    }
+    return has;
+}
+
 void weft__check_contact(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft_contact_def *contact = base;
@@ -109,7 +118,8 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
     if (contact->shape_count > 0 && reader->scene->cloth.untangle == 0.0) {
         check_start(reader, weft__value_in(match, "shapes"));
     }
-    if (reader->scene->body_files != NULL && reader->report->found->errors == 0) {
+    if ((has_bodies(contact) || reader->scene->cloth.strict)
+        && reader->report->found->errors == 0) {
         check_crossings(reader, weft__value_in(match, "shapes"), true);
     }
     const weft__node *self = weft__value_in(match, "self");

@@ -74,8 +74,9 @@ static weft_status show_frame(weft_sim *sim, const weft_play *play, size_t i,
     const double t = weft_run_frame_time(play->run, i);
     TRY(t < sim->t ? weft__between_show(sim, t, err) : WEFT_OK);
     ++sim->playing;
-    const weft_status status = play->frame(play->ctx, i, err);
+    weft_status status = play->frame(play->ctx, i, err);
     --sim->playing;
+    status = status == WEFT_OK ? weft__sim_passages(sim, err) : status;
     weft__between_hide(sim);
     return status;
 }

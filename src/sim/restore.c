@@ -247,7 +247,7 @@ static const char *fault_of(const weft_sim *sim, restored *of)
                    && (!weft__all_finite(works, 3)
                        || !weft__all_finite(of->y + dim, sim->config.quadratures))
                ? "the saved simulation has an energy ledger that is not finite"
-           : saved->wind_changed > 1
+           : saved->flags > WEFT__SAVED_FLAGS
                    || !weft__wind_usable(saved->wind, saved->wind_drag)
                ? "a saved wind makes no sense"
            : !held                 ? "a saved pin makes no sense"
@@ -282,6 +282,8 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->event_since = from->event_since;
     sim->limit.stats = from->limit;
     sim->vetoed = from->vetoed;
+    sim->passage.next = -INFINITY;
+    sim->passage.told = (from->flags & WEFT__SAVED_PASSAGE) != 0;
 }
 
 static void swap(double *a, double *b, size_t count)
@@ -328,8 +330,9 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
 {
     const weft__save_fields *saved = &to->head.fields;
     to->head = head_at(to->front);
-    to->wind = weft__sim_wind(sim, saved->wind_changed != 0 ? saved->wind : NULL,
-                              saved->wind_drag);
+    to->wind = weft__sim_wind(
+        sim, (saved->flags & WEFT__SAVED_WIND) != 0 ? saved->wind : NULL,
+        saved->wind_drag);
     TRY(check_definition(sim, to, err));
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);

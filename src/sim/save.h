@@ -18,6 +18,9 @@ enum { WEFT__SAVE_VERSION = 9, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
 
 #define WEFT__SAVE_MAGIC "weftsave"
 
+/* The wind has changed; frame_check.c has found a passage. */
+enum { WEFT__SAVED_WIND = 1, WEFT__SAVED_PASSAGE = 2, WEFT__SAVED_FLAGS = 3 };
+
 /* All that is saved besides the state, in words. */
 typedef struct weft__save_fields {
     double t, next_step, last_step;                /* [s] */
@@ -27,9 +30,9 @@ typedef struct weft__save_fields {
     weft_limit_stats limit;
     uint64_t vetoed;
     uint64_t linear_iterations, factorisations, newton_failures;
-    double event_since; /* [s] */
-    uint64_t wind_changed;
-    double wind[3], wind_drag; /* of use if it has */
+    double event_since;        /* [s] */
+    uint64_t flags;            /* WEFT__SAVED_... */
+    double wind[3], wind_drag; /* of use if it has changed */
 } weft__save_fields;
 
 /* The front as far as it has one length. */

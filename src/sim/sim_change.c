@@ -69,6 +69,7 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
     weft__between_forget(sim);
     sim->event = sim->event_since = NAN;
+    sim->passage.next = -INFINITY;
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.outside_work);
     if (ode) {

@@ -164,6 +164,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
                               weft_text_digits(sim->t), sim->t, weft_text_digits(t_end),
                               t_end);
     }
+    TRY(weft__sim_look(sim, err));
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
@@ -196,5 +197,11 @@ weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
         status = weft_sim_step(sim, t_end, err);
     }
     sim->sensitivity.passes = false;
-    return status;
+    return status == WEFT_OK ? weft__sim_passages(sim, err) : status;
+}
+
+weft_status weft_sim_check_frame(weft_sim *sim, weft_error *err)
+{
+    TRY(weft__sim_outside(sim, "weft_sim_check_frame", err));
+    return weft__sim_passages(sim, err);
 }

@@ -103,6 +103,10 @@ struct weft_sim {
         bool told;
     } crawl;
     weft__pace pace;
+    struct {
+        double next; /* [s] when frame_check.c looks again; -INFINITY: it has not yet */
+        bool told;
+    } passage;
     weft__breach refused; /* by the last right-hand side; of the whole cloth */
     uint64_t calls;       /* of it, with shapes */
     weft_agree agree;     /* with a comm: its maximum, for the stepper */
@@ -187,6 +191,14 @@ void weft__piece_leave(weft_sim *sim, double end);
 /* Adds `factor` times what the velocities of pins jump by at t, of which those of the
  * state are those after it. */
 void weft__piece_jump(const weft_sim *sim, double factor, double *v);
+
+/* frame_check.c: weft_sim_check_frame of the state that is shown; and before a step, if
+ * it is time. */
+weft_status weft__sim_passages(weft_sim *sim, weft_error *err);
+static inline weft_status weft__sim_look(weft_sim *of, weft_error *why)
+{
+    return of->t >= of->passage.next ? weft__sim_passages(of, why) : WEFT_OK;
+}
 
 /* event.c: before a step, which may go to the end that is returned; and after one from
  * t0 that is accepted: if the event function fell to 0 within it, takes it back and

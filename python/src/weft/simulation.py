@@ -1162,6 +1162,18 @@ class Sim(Fixed):
         with self._exclusion.read():
             return [_shape_dict(lib.weft_cloth_shape(self._present, k)) for k in range(self._shape_count())]
 
+    @property
+    def passages(self) -> int:
+        """How many edges of the cloth pass through a sphere, capsule or box between their particles, and triangles
+        without such an edge: what weft warns of once, and `contact.strict` makes an error of advance().
+
+        >>> sim = weft.load(scene)
+        >>> sim.passages
+        0
+        """
+        with self._exclusion.read():
+            return int(lib.weft_cloth_passages(self._present, self.time, lib.weft_sim_state(self._sim), ffi.NULL))
+
     def _shape_count(self) -> int:
         return int(lib.weft_cloth_shapes(self._present))
 

@@ -85,6 +85,8 @@ static double drop_of(const weft_cloth *cloth, const weft_cloth_def *def, double
 typedef struct fall {
     double drop, speed; /* [m], [m/s]; infinite: it does not fall onto the shape */
     double z;           /* where it is stopped */
+    size_t passages;    /* of the start, and the first in words */
+    char passage[128];
 } fall;
 
 static fall fall_onto(const weft_cloth_def *def, size_t shape)
@@ -96,6 +98,13 @@ static fall fall_onto(const weft_cloth_def *def, size_t shape)
     one.contact.shape_count = 1;
     double *y = calloc(6 * weft_cloth_def_particles(def), sizeof *y);
     if (y != NULL && weft_cloth_create(&one, &cloth, NULL) == WEFT_OK) {
+        weft_passage first;
+        weft_cloth_start(cloth, y);
+        out.passages = weft_cloth_passages(cloth, 0.0, y, &first);
+        if (out.passages > 0) {
+            (void)weft_primitive_text(cloth, &first.primitive, out.passage,
+                                      sizeof out.passage);
+        }
         out.drop = drop_of(cloth, def, y);
     }
     weft_cloth_destroy(cloth);
@@ -126,6 +135,12 @@ static void print_shape(const weft_cloth_def *def, size_t k)
     if (isfinite(onto.drop)) {
         say(&text, "; after a fall of %.3g m at %.3g m/s: gap %.3g mm, omega %.4g 1/s",
             onto.drop, onto.speed, 1e3 * onto.z * law->thickness, omega(law, onto.z));
+    }
+    if (onto.passages > 0) {
+        say(&text,
+            "; warning: %s passes through it at the start, one of %zu edges and "
+            "triangles",
+            onto.passage, onto.passages);
     }
     print_item("", "%s", text.text);
 }
@@ -183,6 +198,9 @@ void contact_yaml(yaml_out *out, const weft_cloth_def *def)
         if (isfinite(onto.drop)) {
             yaml_out_write(out, "drop: %g, speed: %g, gap: %g, omega: %g", onto.drop,
                            onto.speed, onto.z * law->thickness, omega(law, onto.z));
+        }
+        if (onto.passages > 0) {
+            yaml_out_write(out, "passages: %zu", onto.passages);
         }
         yaml_out_write(out, "}");
     }

@@ -260,6 +260,7 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         = (size_t)self->beyond
           + (size_t)(weft_sim_limit_stats(self->sim).unconverged > 0)
           + (size_t)(weft_sim_limit_held(self->sim) > 0)
+          + (size_t)weft_sim_passed(self->sim)
           + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps)
           + (size_t)(record_sensitivity_growth(self->scene, self->sim, NULL) > 1.0);
     if (status != WEFT_OK) {
