@@ -62,7 +62,7 @@ void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
 void weftpy_index(const weft_cloth *, size_t *);
 weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
-void weftpy_stop(weft_sim_def *, const weft_run_def *);
+void weftpy_stop(weft_sim_def *, const weft_run_def *, bool);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
 typedef struct weftpy_added { size_t count; const double *force; } weftpy_added;
 int weftpy_add(void *, double, const double *, double *);
@@ -71,6 +71,7 @@ void weftpy_states(weft_sim *const *, size_t, const size_t *, double *);
 """
 
 SOURCE = r"""
+#include <math.h>
 #include <stdatomic.h>
 #include <time.h>
 #include <weft/weft.h>
@@ -211,11 +212,17 @@ static weft_status weftpy_joined(const weft_cloth *cloth, uint32_t *pairs, size_
 
 /* The end that a scene gives a run, as the program does. */
 static weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
-void weftpy_stop(weft_sim_def *def, const weft_run_def *run)
+/* `own`: of Python, which comes after it. Implicit methods see less of what happens within
+ * long steps: none is longer than a frame then. */
+void weftpy_stop(weft_sim_def *def, const weft_run_def *run, bool own)
 {
     def->event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
     def->event_ctx = (void *)&run->stop; /* which reads it alone */
     def->event_hold = run->stop.hold;
+    if ((own || def->event != NULL) && (def->method->flags & WEFT_STEPPER_IMPLICIT) != 0) {
+        const double frame = fmax(1.0 / run->fps, def->config.min_step);
+        def->config.max_step = fmin(def->config.max_step, frame);
+    }
 }
 
 static double weftpy_clock(void)

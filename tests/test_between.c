@@ -407,7 +407,7 @@ START_TEST(an_event_that_must_hold_comes_so_long_after_it_began_also_when_saved)
     for (size_t i = 0; i < 2; ++i) {
         ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_OK);
         ck_assert(weft_sim_event(sim));
-        ck_assert_double_eq(weft_sim_time(sim), 0.3125 + 0.25);
+        ck_assert_double_eq_tol(weft_sim_time(sim), 0.3 + 0.25, 1e-10);
         hashes[i] = weft_sim_measure(sim).hash;
         ck_assert_int_eq(weft_sim_advance(sim, 1.0, &err), WEFT_OK);
         ck_assert(!weft_sim_event(sim) && weft_sim_time(sim) == 1.0);

@@ -54,8 +54,9 @@ typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 typedef bool weft_stop_fn(void *ctx);
 
 /* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
- * `cloth` is the one of weft_sim_cloth. Called after every accepted step, and of states
- * within those where it falls, in the thread that steps; NaN is no event. In bands it
+ * `cloth` is the one of weft_sim_cloth. Called after every accepted step and for states
+ * at 8 points within it, or more (docs/physics.md), so that a fall and a rise within
+ * one step count, in the thread that steps; NaN is no event. In bands it
  * is called on all of them alike, each with its own cloth and state, ghosts included,
  * and the smallest number that they return counts; NaN counts if it is all there is. So
  * a minimum over particles needs nothing more. A sum is one over own rows
@@ -115,9 +116,9 @@ typedef struct weft_sim_def {
                    takes frames from within steps. Not with a limit or `correct` */
     weft_event_fn *event; /* NULL: none. Not with a limit or `correct` */
     void *event_ctx;
-    double event_hold; /* [s] > 0: the event is when the function has been 0 or below at
-                          the end of every step for so long; that it was so at the start
-                          counts. Saved. 0: when it falls to 0, as weft_event_fn says */
+    double event_hold; /* [s] > 0: the event is when the function has been 0 or below
+                          for so long; that it was so at the start counts. Saved. 0:
+                          when it falls to 0, as weft_event_fn says */
     const weft_sensitivity_def *sensitivity; /* NULL: none. One-step methods;
                           not with a limit, `correct`, `force`, `event`, a ledger,
                           `dense`, a comm or an untangled start: WEFT_UNSUPPORTED. Then
@@ -196,7 +197,8 @@ WEFT_API weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
 WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err);
 
 /* Whether an event ended the last step. The step was then taken again to end where the
- * event function falls to 0, to 1e-10 s; a multistep method starts again there. */
+ * event function falls to 0, to 1e-10 s, and is 0 or below in the state; a multistep
+ * method starts again there. */
 WEFT_API bool weft_sim_event(const weft_sim *sim);
 
 /* Writes the state at t [s], within the last step or at its end, to y[6 N], with an

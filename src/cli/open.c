@@ -345,6 +345,19 @@ static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
     return cloth_create(scene, &band, cloth, err);
 }
 
+/* The end of a run by its stop. What happens within long steps of implicit methods is
+ * seen less well (docs/physics.md): none is longer than a frame then. */
+static void define_stop(const weft_run_def *run, weft_sim_def *def)
+{
+    def->event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
+    def->event_ctx = (void *)&run->stop; /* which reads it alone */
+    def->event_hold = run->stop.hold;
+    if (def->event != NULL && (def->method->flags & WEFT_STEPPER_IMPLICIT) != 0) {
+        const double frame = fmax(1.0 / run->fps, def->config.min_step);
+        def->config.max_step = fmin(def->config.max_step, frame);
+    }
+}
+
 weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
                               const weft_sensitivity_def *sensitivity, weft_log log,
                               weft_cloth **cloth, weft_sim **sim, weft_error *err)
@@ -355,13 +368,10 @@ weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
         = weft_comm_agree(comm, band_create(scene, comm, cloth, err), err);
     if (status == WEFT_OK) {
         weft_sim_def def = define(scene, comm, *cloth);
-        const weft_run_def *run = weft_scene_run(scene);
         def.log = log;
         def.sensitivity = sensitivity;
-        def.dense = run->interpolate;
-        def.event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;
-        def.event_ctx = (void *)&run->stop; /* which reads it alone */
-        def.event_hold = run->stop.hold;
+        def.dense = weft_scene_run(scene)->interpolate;
+        define_stop(weft_scene_run(scene), &def);
         status = weft_sim_create(&def, sim, err);
     }
     if (status != WEFT_OK) {

@@ -115,25 +115,74 @@ static void add_difference(double *sum, double factor, const double *from,
     }
 }
 
-/* Positions, rate false, or h times the velocities: to out[count]. */
-static void motion_at(const weft_sim *sim, unsigned inner, double s, bool rate,
-                      double *out)
+/* The weights of what determines the motion at s, for positions and for h times the
+ * velocities. */
+typedef struct motion_weights {
+    double x[MOST], v[MOST];
+} motion_weights;
+
+static motion_weights motion_weights_at(unsigned highest, unsigned inner, double s)
+{
+    motion_weights of;
+    weights(highest, inner, (condition){ 0, s }, of.x);
+    weights(highest, inner, (condition){ 1, s }, of.v);
+    return of;
+}
+
+/* Positions and h times the velocities to out[2 count], of both ends. */
+static void add_ends(const weft_sim *sim, const motion_weights *w, double *out)
+{
+    const size_t count = weft_cloth_dim(sim->cloth) / 2;
+    const double *x0 = sim->between.start, *v0 = x0 + count;
+    const double *x1 = sim->y, *v1 = x1 + count;
+    const double *a0 = sim->between.rates[0] + count;
+    const double *a1 = sim->between.rates[1] + count;
+    const double h = sim->t - sim->between.t0;
+    const motion_weights of = *w;
+    double *x = out, *v = out + count;
+    for (size_t i = 0; i < count; ++i) {
+        const double way = x1[i] - x0[i];
+        x[i] = 0.0 + x0[i] + of.x[3] * way + h * of.x[1] * v0[i] + h * of.x[4] * v1[i]
+               + h * h * of.x[2] * a0[i] + h * h * of.x[5] * a1[i];
+        v[i] = 0.0 + of.v[3] * way + h * of.v[1] * v0[i] + h * of.v[4] * v1[i]
+               + h * h * of.v[2] * a0[i] + h * h * of.v[5] * a1[i];
+    }
+}
+
+/* The same without accelerations: the cubic through positions and velocities. */
+static void add_cubic(const weft_sim *sim, const motion_weights *w, double *out)
+{
+    const size_t count = weft_cloth_dim(sim->cloth) / 2;
+    const double *x0 = sim->between.start, *v0 = x0 + count;
+    const double *x1 = sim->y, *v1 = x1 + count;
+    const double h = sim->t - sim->between.t0;
+    const motion_weights of = *w;
+    double *x = out, *v = out + count;
+    for (size_t i = 0; i < count; ++i) {
+        const double way = x1[i] - x0[i];
+        x[i] = x0[i] + of.x[2] * way + h * of.x[1] * v0[i] + h * of.x[3] * v1[i];
+        v[i] = of.v[2] * way + h * of.v[1] * v0[i] + h * of.v[3] * v1[i];
+    }
+}
+
+/* Positions and velocities at s, to out[6 N]. levels 0: without accelerations. */
+static void motion_at(const weft_sim *sim, unsigned levels, double s, double *out)
 {
     const weft__between *of = &sim->between;
     const size_t count = weft_cloth_dim(sim->cloth) / 2;
     const double h = sim->t - of->t0;
-    double w[MOST];
-    weights(2, inner, (condition){ rate ? 1 : 0, s }, w);
-    memset(out, 0, count * sizeof *out);
-    add(out, rate ? 0.0 : 1.0, of->start, count);
-    add_difference(out, w[3], of->start, sim->y, count);
-    add(out, h * w[1], of->start + count, count);
-    add(out, h * w[4], sim->y + count, count);
-    weft__piece_jump(sim, -h * w[4], out);
-    add(out, h * h * w[2], of->rates[0] + count, count);
-    add(out, h * h * w[5], of->rates[1] + count, count);
-    for (unsigned i = 0; i < inner; ++i) {
-        add(out, h * h * w[6 + i], of->rates[2 + i] + count, count);
+    const motion_weights w
+        = motion_weights_at(levels > 0 ? 2 : 1, levels > 0 ? levels - 1 : 0, s);
+    const unsigned end_velocity = levels > 0 ? 4 : 3;
+    levels > 0 ? add_ends(sim, &w, out) : add_cubic(sim, &w, out);
+    weft__piece_jump(sim, -h * w.x[end_velocity], out);
+    weft__piece_jump(sim, -h * w.v[end_velocity], out + count);
+    for (unsigned i = 0; i + 1 < levels; ++i) {
+        add(out, h * h * w.x[6 + i], of->rates[2 + i] + count, count);
+        add(out + count, h * h * w.v[6 + i], of->rates[2 + i] + count, count);
+    }
+    for (size_t i = count; i < 2 * count; ++i) {
+        out[i] /= h;
     }
 }
 
@@ -155,14 +204,8 @@ static void quadratures_at(const weft_sim *sim, unsigned inner, double s, double
 
 static void state_at(const weft_sim *sim, unsigned inner, double s, double *y)
 {
-    const size_t dim = weft_cloth_dim(sim->cloth);
-    const double h = sim->t - sim->between.t0;
-    motion_at(sim, inner, s, false, y);
-    motion_at(sim, inner, s, true, y + dim / 2);
-    for (size_t i = dim / 2; i < dim; ++i) {
-        y[i] /= h;
-    }
-    quadratures_at(sim, inner, s, y + dim);
+    motion_at(sim, inner + 1, s, y);
+    quadratures_at(sim, inner, s, y + weft_cloth_dim(sim->cloth));
 }
 
 /* The rates in a state of the step; as weft_rhs_fn, and the same on all bands. */
@@ -224,7 +267,12 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err)
      * 0: a method of variable order */
     const int wanted = (order == 0 ? 8 : order) - 5 + sim->ledger.on;
     of->nodes = wanted < 0 ? 0 : wanted < WEFT__NODES ? (unsigned)wanted : WEFT__NODES;
-    of->start = weft__alloc(&sim->memory, dim * (4 + of->nodes), sizeof *of->start);
+    /* events see no accelerations in steps that are short beside the motion, those of
+     * low order and of multistep methods, and none of stiff modes */
+    const uint32_t flags = sim->def.method->flags;
+    of->smooth = (flags & WEFT_STEPPER_MULTISTEP) != 0
+                 || (order > 0 && (order < 4 || (flags & WEFT_STEPPER_IMPLICIT) != 0));
+    of->start = weft__alloc(&sim->memory, dim * (5 + of->nodes), sizeof *of->start);
     if (of->start == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for states within steps");
     }
@@ -232,6 +280,7 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err)
     for (unsigned i = 0; i < 2 + of->nodes; ++i) {
         of->rates[i] = of->start + (2 + i) * dim;
     }
+    of->kept = of->start + (4 + of->nodes) * dim;
     return WEFT_OK;
 }
 
@@ -261,6 +310,23 @@ static weft_status find(weft_sim *sim, double t, weft_error *err)
     TRY(of->levels == 0 ? find_rates(sim, err) : WEFT_OK);
     state_at(sim, of->levels - 1, (t - of->t0) / (sim->t - of->t0), of->shown);
     return WEFT_OK;
+}
+
+weft_status weft__between_look(weft_sim *sim, weft_error *err)
+{
+    const weft__between *of = &sim->between;
+    weft_error why = { 0 };
+    return of->smooth || of->levels > 0 || find_rates(sim, &why) != WEFT_STOPPED
+               ? WEFT_OK
+               : weft_error_set(err, why.status, "%s", why.message);
+}
+
+double *weft__between_motion(weft_sim *sim, double t)
+{
+    weft__between *of = &sim->between;
+    motion_at(sim, of->smooth ? 0 : of->levels, (t - of->t0) / (sim->t - of->t0),
+              of->shown);
+    return of->shown;
 }
 
 weft_status weft_sim_between(weft_sim *sim, double t, double *y, weft_error *err)

@@ -1,213 +1,255 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* event.c -- steps that end where a function of the state falls to 0. The root is found
- * on solutions, not on an interpolant: each trial is the step taken again from its
- * start to another end. The quantities that end a run are such functions. */
+/* event.c -- steps that end where a function g of the state falls to 0. Where that may
+ * be is seen on the polynomial within the step; it is found on solutions: each trial is
+ * the step taken again from its start to another end, and the last one with g <= 0 is
+ * kept, so that a run goes on from a state of which that was seen. */
 #include <math.h>
 #include <string.h>
 
-#include "mesh/blocks.h"
-#include "sim/bands.h"
-#include "sim/simulation.h"
+#include "sim/event.h"
 
-#define TOLERANCE 1e-10 /* [s] */
+#define WIDEN 16.0
 
-/* The step from t0: g(a) > 0 >= g(b). */
-typedef struct bracket {
-    double t0, a, b; /* [s] */
-    double ga, gb;
-} bracket;
+/* The step that the method has taken, and the state to go on from, in between.kept. */
+typedef struct fall_search {
+    weft_sim *sim;
+    weft__sample start, end;
+    weft__sample kept;
+    uint64_t before, steps; /* of the simulation at `start`; from there to `kept` */
+    bool away;              /* a trial has left `kept` */
+} fall_search;
 
-/* ---- quantities that end a run ----------------------------------------------------
+/* ---- trials -----------------------------------------------------------------------
  */
 
-const char *weft_stop_name(weft_stop_quantity quantity)
+static uint64_t steps_since(const fall_search *of)
 {
-    static const char *const names[WEFT_STOPS]
-        = { "", "max_strain", "min_gap", "kinetic", "at_rest" };
-    return (unsigned)quantity < WEFT_STOPS ? names[quantity] : "";
+    return weft_sim_stats(of->sim).steps - of->before;
 }
 
-static void block_gap(const weft_cloth *cloth, const weft__state *at, size_t b,
-                      weft_measures *sum)
+/* Steps that are not part of the run count as rejected. */
+static void reject(weft_sim *sim, uint64_t steps)
 {
-    weft__block_gap(&cloth->contact, at, b, sum);
+    sim->earlier.steps -= steps; /* modulo 2^64, as is the sum */
+    sim->earlier.rejected += steps;
 }
 
-/* The kinetic energy and the work of gravity since t = 0, as energies. */
-static void block_rest(const weft_cloth *cloth, const weft__state *at, size_t b,
-                       weft_measures *sum)
+static void set_back(weft_sim *sim, double t, const double *y)
 {
-    const weft__mesh *mesh = &cloth->mesh;
-    const size_t n = mesh->particles;
-    double start[3];
-    for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
-        if (mesh->pin[i] == 0) {
-            weft__start_position(mesh, i, start);
-            for (size_t k = 0; k < 3; ++k) {
-                const double v = at->y[(3 + k) * n + i];
-                sum->energy.kinetic += 0.5 * mesh->mass[i] * v * v;
-                sum->energy.gravitational += mesh->mass[i] * cloth->body.gravity[k]
-                                             * (at->y[k * n + i] - start[k]);
-            }
-        }
-    }
-}
-
-static weft__measure_fn *const stop_measures[WEFT_STOPS]
-    = { [WEFT_STOP_STRAIN] = weft__block_worst,
-        [WEFT_STOP_GAP] = block_gap,
-        [WEFT_STOP_KINETIC] = weft__block_energy,
-        [WEFT_STOP_REST] = block_rest };
-
-/* NULL: nothing ends the run. */
-static weft__measure_fn *measure_of(const weft_stop_def *at)
-{
-    return (unsigned)at->quantity < WEFT_STOPS ? stop_measures[at->quantity] : NULL;
-}
-
-static double stop_value(const weft_stop_def *at, const weft_measures *of)
-{
-    switch (at->quantity) {
-    case WEFT_STOP_STRAIN:
-        return at->bound - of->worst.strain;
-    case WEFT_STOP_GAP:
-        return of->gap - at->bound;
-    case WEFT_STOP_KINETIC:
-        return of->energy.kinetic - at->bound;
-    default:
-        return of->energy.kinetic - at->bound * fabs(of->energy.gravitational);
-    }
-}
-
-double weft_stop_event(void *stop, const weft_cloth *cloth, double t, const double *y)
-{
-    const weft_stop_def *at = stop;
-    const weft__state of = { .t = t, .y = y };
-    weft_measures sum = weft__measures_start;
-    if (measure_of(at) == NULL) {
-        return (double)INFINITY;
-    }
-    if (at->quantity == WEFT_STOP_GAP) { /* bodies have theirs */
-        sum.gap = weft_cloth_gap(cloth, t, y, NULL, NULL);
-        return stop_value(at, &sum);
-    }
-    for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
-        weft_measures block = weft__block_start;
-        measure_of(at)(cloth, &of, b, &block);
-        weft__measures_add(&sum, &block);
-    }
-    return stop_value(at, &sum);
-}
-
-/* ---- the end of a step ----------------------------------------------------------- */
-
-/* The smallest of all bands; weft_stop_event is one of the whole cloth. */
-static double value(weft_sim *sim)
-{
-    const weft_comm *comm = sim->def.comm;
-    const weft_stop_def *at = sim->def.event_ctx;
-    if (comm != NULL && sim->def.event == weft_stop_event && measure_of(at) != NULL) {
-        const weft__state of = { .t = sim->t, .y = sim->y };
-        const weft_measures all
-            = weft__forces_measure(&sim->forces, &of, measure_of(at));
-        return stop_value(at, &all);
-    }
-    ++sim->callbacks;
-    const double g = sim->def.event(sim->def.event_ctx, sim->cloth, sim->t, sim->y);
-    --sim->callbacks;
-    double most = -g;
-    if (comm != NULL) {
-        weft__bands_most(&sim->forces, &most, 1);
-    }
-    return -most;
-}
-
-/* Takes the step from t0 again, to `end`: the steps before it count as rejected. */
-static weft_status step_again(weft_sim *sim, double t0, double end, uint64_t before,
-                              weft_error *why)
-{
-    const uint64_t taken = weft_sim_stats(sim).steps - before;
-    memcpy(sim->y, sim->between.start, weft__sim_dim(sim) * sizeof *sim->y);
-    sim->t = t0;
+    memcpy(sim->y, y, weft__sim_dim(sim) * sizeof *sim->y);
+    sim->t = t;
     sim->between.levels = 0;
-    sim->earlier.steps -= taken; /* modulo 2^64, as is the sum */
-    sim->earlier.rejected += taken;
     sim->def.method->state_changed(sim->stepper);
-    while (sim->t < end) {
-        TRY(weft__sim_take_step(sim, end, why));
+}
+
+/* Takes the step again, to at->t. */
+static weft_status try_end(fall_search *of, weft__sample *at, weft_error *why)
+{
+    weft_sim *sim = of->sim;
+    reject(sim, steps_since(of));
+    set_back(sim, of->start.t, sim->between.start);
+    while (sim->t < at->t) {
+        TRY(weft__sim_take_step(sim, at->t, why));
+    }
+    at->g = weft__event_value(sim, sim->t, sim->y);
+    of->away = true;
+    return WEFT_OK;
+}
+
+static void keep(fall_search *of, double g)
+{
+    of->kept = (weft__sample){ of->sim->t, g };
+    of->steps = steps_since(of);
+    of->away = false;
+    memcpy(of->sim->between.kept, of->sim->y, weft__sim_dim(of->sim) * sizeof(double));
+}
+
+static void go_on_from_kept(fall_search *of)
+{
+    weft_sim *sim = of->sim;
+    if (of->away) {
+        reject(sim, steps_since(of) - of->steps);
+        set_back(sim, of->kept.t, sim->between.kept);
+    }
+    sim->event = of->kept.g;
+}
+
+/* As try_end; keeps the state if g fell. */
+static weft_status try_fall(fall_search *of, double t, weft__bracket *in,
+                            weft_error *why)
+{
+    weft__sample at = { t, of->end.g };
+    if (t == of->end.t) { /* kept, as no fall has been seen before */
+        in->b = at;
+        return WEFT_OK;
+    }
+    TRY(try_end(of, &at, why));
+    if (at.g <= 0.0) {
+        keep(of, at.g);
+    }
+    weft__bracket_narrow(in, at);
+    return WEFT_OK;
+}
+
+/* A fall that solutions have too, near the one seen within the step and not after
+ * `last`; else in->b.g stays > 0. */
+static weft_status find_fall(fall_search *of, const weft__bracket *seen, double last,
+                             weft__bracket *in, weft_error *why)
+{
+    const double first = in->a.t;
+    const double least = fmax(WEFT__EVENT_TOLERANCE, seen->b.t - seen->a.t);
+    double width = least;
+    for (double t = seen->b.t; !(in->b.g <= 0.0) && in->a.t < last;
+         t = fmin(t + width, last), width *= WIDEN) {
+        TRY(try_fall(of, t, in, why));
+    }
+    for (width = least; in->b.g <= 0.0 && in->a.t == first && in->b.t - width > first;
+         width *= WIDEN) {
+        TRY(try_fall(of, in->b.t - width, in, why));
+    }
+    in->side = 0;
+    while (in->b.g <= 0.0 && weft__bracket_open(in)) {
+        TRY(try_fall(of, weft__bracket_guess(in), in, why));
     }
     return WEFT_OK;
 }
 
-/* [s] Within the bracket: where a line meets 0, of values that the Illinois rule has
- * halved (M. Dowell, P. Jarratt, BIT 11, 1971), and not at its ends. */
-static double guess(const bracket *in)
+/* From a to b, as seen within the step; *found if solutions have it. */
+static weft_status settle(fall_search *of, weft__sample a, weft__sample b, bool *found,
+                          weft_error *why)
 {
-    const double t = in->a + (in->b - in->a) * (in->ga / (in->ga - in->gb));
-    const double margin = 0.25 * TOLERANCE;
-    return isfinite(t) ? fmin(fmax(t, in->a + margin), in->b - margin)
-                       : 0.5 * (in->a + in->b);
+    const weft__bracket seen = weft__event_root(of->sim, a, b);
+    weft__bracket in = { .a = of->start, .b = { of->end.t, INFINITY } };
+    keep(of, of->end.g);
+    if (!(of->start.g > 0.0)) { /* it must have risen before */
+        in.a = a;
+        TRY(try_end(of, &in.a, why));
+    }
+    if (in.a.g > 0.0) {
+        TRY(find_fall(of, &seen, b.t, &in, why));
+    }
+    *found = in.a.g > 0.0 && in.b.g <= 0.0;
+    go_on_from_kept(of);
+    return WEFT_OK;
 }
 
-static weft_status locate(weft_sim *sim, bracket *in, uint64_t before, weft_error *why)
-{
-    int side = 0;
-    for (unsigned trial = 0;
-         in->b - in->a > fmax(TOLERANCE, 4.0 * DBL_EPSILON * fabs(in->b)); ++trial) {
-        /* now and then a half: a line is slow where g bends or jumps */
-        const double t = trial % 4 == 3 ? 0.5 * (in->a + in->b) : guess(in);
-        TRY(step_again(sim, in->t0, t, before, why));
-        const double g = value(sim);
-        if (g > 0.0) {
-            in->a = t;
-            in->ga = g;
-            in->gb *= side > 0 ? 0.5 : 1.0;
-            side = 1;
-        } else {
-            in->b = t;
-            in->gb = g;
-            in->ga *= side < 0 ? 0.5 : 1.0;
-            side = -1;
-        }
-    }
-    return sim->t != in->b ? step_again(sim, in->t0, in->b, before, why) : WEFT_OK;
-}
+/* ---- the end of a step ------------------------------------------------------------
+ */
 
 double weft__sim_before_event(weft_sim *sim, double t_end)
 {
     const double end = sim->event_since + sim->def.event_hold;
     if (isnan(sim->event)) {
-        sim->event = value(sim);
+        sim->event = weft__event_value(sim, sim->t, sim->y);
     }
     return end > sim->t ? fmin(end, t_end) : t_end;
 }
 
-/* Of an event that must hold. */
-static void hold(weft_sim *sim, bool holds)
+/* What was seen within the step but not on a solution was not there. */
+static weft_status look_again(fall_search *of, bool found, weft_error *why)
 {
-    sim->event_since = !holds                    ? (double)NAN
-                       : isnan(sim->event_since) ? sim->t
-                                                 : sim->event_since;
-    sim->event_passed = sim->t >= sim->event_since + sim->def.event_hold;
-    sim->event_since = sim->event_passed ? (double)INFINITY : sim->event_since;
+    return found ? WEFT_OK : weft__between_look(of->sim, why);
 }
 
-weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why)
+static weft_status find_first(fall_search *of, weft__sample *at, size_t count,
+                              weft_error *why)
 {
-    bracket in = { .t0 = t0, .a = t0, .b = sim->t, .ga = sim->event };
-    in.gb = value(sim);
-    sim->event = in.gb;
-    if (sim->def.event_hold > 0.0) {
-        hold(sim, in.gb <= 0.0);
+    bool found = false;
+    for (size_t k = 1; k < count && !found; ++k) {
+        if (at[k - 1].g > 0.0 && at[k].g <= 0.0) {
+            TRY(settle(of, at[k - 1], at[k], &found, why));
+            TRY(look_again(of, found, why));
+            at[k].g = at[k - 1].g;
+        } else if (isnan(at[k].g)) {
+            at[k] = at[k - 1];
+        }
+    }
+    of->sim->event_passed = found;
+    return WEFT_OK;
+}
+
+/* Ends the step at t, when an event has held for so long; unless solutions differ. */
+static weft_status end_hold(fall_search *of, double t, bool *found, weft_error *why)
+{
+    weft__sample at = { t, of->end.g };
+    if (t < of->end.t) {
+        keep(of, of->end.g);
+        TRY(try_end(of, &at, why));
+        if (at.g <= 0.0) {
+            keep(of, at.g);
+        }
+        go_on_from_kept(of);
+    }
+    *found = at.g <= 0.0;
+    return look_again(of, *found, why);
+}
+
+/* [s] Since when it holds at k, if it did since then at k - 1. */
+static double held_since(weft_sim *sim, const weft__sample *at, size_t k, double since)
+{
+    const bool fell = k > 0 && at[k - 1].g > 0.0;
+    return !(at[k].g <= 0.0) ? (double)NAN
+           : !isnan(since)   ? since
+           : fell            ? weft__event_root(sim, at[k - 1], at[k]).b.t
+                             : at[k].t;
+}
+
+/* Of an event that must hold. */
+static weft_status hold(fall_search *of, const weft__sample *at, size_t count,
+                        weft_error *why)
+{
+    weft_sim *sim = of->sim;
+    double since = sim->event_since;
+    bool found = false;
+    for (size_t k = 0; k < count && !found; ++k) {
+        const double before = since + sim->def.event_hold;
+        since = held_since(sim, at, k, since);
+        /* it may rise after that */
+        const bool rises = isnan(since) && before < at[k].t && k > 0
+                           && before > at[k - 1].t
+                           && weft__event_within(sim, before) <= 0.0;
+        const double due = rises ? before : since + sim->def.event_hold;
+        if (due <= at[k].t) {
+            TRY(end_hold(of, due, &found, why));
+            since = found ? (double)INFINITY : (double)NAN;
+        }
+    }
+    sim->event_since = since;
+    sim->event_passed = found;
+    return WEFT_OK;
+}
+
+static weft_status look_within(fall_search *of, weft_error *why)
+{
+    weft_sim *sim = of->sim;
+    weft__sample at[WEFT__SAMPLES];
+    const double long_enough = sim->def.event_hold;
+    if (long_enough > of->end.t - of->start.t && !(of->end.g <= 0.0)) {
+        sim->event_since = (double)NAN; /* it has not held to the end */
         return WEFT_OK;
     }
-    sim->event_passed = in.ga > 0.0 && in.gb <= 0.0;
-    if (!sim->event_passed) {
-        return WEFT_OK;
+    TRY(weft__between_look(sim, why));
+    const size_t count = weft__event_samples(sim, of->start, of->end, at);
+    return long_enough > 0.0 ? hold(of, at, count, why)
+                             : find_first(of, at, count, why);
+}
+
+weft_status weft__sim_find_event(weft_sim *sim, weft_error *why)
+{
+    const double since = sim->event_since;
+    fall_search of = { .sim = sim,
+                       .start = { sim->between.t0, sim->event },
+                       .end = { sim->t, weft__event_value(sim, sim->t, sim->y) },
+                       .before = weft_sim_stats(sim).steps - 1 };
+    sim->event = of.end.g;
+    const weft_status status = look_within(&of, why);
+    if (status != WEFT_OK) {
+        reject(sim, steps_since(&of));
+        set_back(sim, of.start.t, sim->between.start);
+        sim->event = of.start.g;
+        sim->event_since = since;
     }
-    sim->event = -1.0;
-    /* `before`: the step that found the event is the last one counted */
-    return locate(sim, &in, weft_sim_stats(sim).steps - 1, why);
+    return status;
 }
 
 bool weft_sim_event(const weft_sim *sim)

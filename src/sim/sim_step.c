@@ -6,25 +6,6 @@
 #include "forces/self/self.h"
 #include "sim/simulation.h"
 
-weft_status weft__sim_outside(const weft_sim *sim, const char *function,
-                              weft_error *err)
-{
-    return sim->callbacks > 0 ? weft_error_set(
-               err, WEFT_INVALID, "%s may not be called from a callback", function)
-                              : WEFT_OK;
-}
-
-weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
-                                   weft_error *err)
-{
-    const weft_status outside = weft__sim_outside(sim, function, err);
-    return outside == WEFT_OK && sim->playing > 0
-               ? weft_error_set(err, WEFT_INVALID,
-                                "%s may not be called from a callback of weft_sim_play",
-                                function)
-               : outside;
-}
-
 static void warn_of_limit(const weft_sim *sim)
 {
     const weft_spring worst = weft_sim_limit_worst(sim);
@@ -121,14 +102,13 @@ static void log_rejected(weft_sim *sim, double h)
 /* A step within a piece of tables and keys. */
 static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
 {
-    const double before = sim->t;
     const double piece_end = weft__piece_enter(sim, &t_end);
     if (sim->def.event != NULL) {
         t_end = weft__sim_before_event(sim, t_end);
     }
     weft_status status = weft__sim_take_step(sim, t_end, why);
     if (status == WEFT_OK && sim->def.event != NULL) {
-        status = weft__sim_find_event(sim, before, why);
+        status = weft__sim_find_event(sim, why);
     }
     weft__piece_leave(sim, piece_end);
     return status;

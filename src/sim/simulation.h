@@ -21,6 +21,8 @@ typedef struct weft__between {
         levels; /* 1 + nodes whose rates are known; 0: not even those of the ends */
     double *rates[2 + WEFT__NODES]; /* of both ends, then of the inner nodes */
     double *shown; /* the state that weft__between_show hides, else room */
+    double *kept;  /* room for an event's search: a state to go on from */
+    bool smooth;   /* events see the cubic through positions and velocities */
     double behind; /* [s] of the hidden state */
     bool showing;
 } weft__between;
@@ -113,8 +115,8 @@ struct weft_sim {
     weft__between between;
     double event;       /* the event function at present; NAN: not known */
     bool event_passed;  /* it ended the last step */
-    double event_since; /* [s] 0 or below at the ends of all steps; NAN: it is not;
-                           INFINITY: that was an event */
+    double event_since; /* [s] 0 or below since then; NAN: it is not; INFINITY: that was
+                           an event */
     weft__sensitivity sensitivity;
 };
 
@@ -200,11 +202,11 @@ static inline weft_status weft__sim_look(weft_sim *of, weft_error *why)
     return of->t >= of->passage.next ? weft__sim_passages(of, why) : WEFT_OK;
 }
 
-/* event.c: before a step, which may go to the end that is returned; and after one from
- * t0 that is accepted: if the event function fell to 0 within it, takes it back and
- * ends it there. */
+/* event.c: before a step, which may go to the end that is returned; and after one that
+ * is accepted: if the event function fell to 0 within it, takes it back and ends it
+ * there. After a failure the state is that at its start. */
 double weft__sim_before_event(weft_sim *sim, double t_end);
-weft_status weft__sim_find_event(weft_sim *sim, double t0, weft_error *why);
+weft_status weft__sim_find_event(weft_sim *sim, weft_error *why);
 
 /* Room for checked steps. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
@@ -256,6 +258,11 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err);
 void weft__between_begin(weft_sim *sim);
 /* After a change from outside: no time is behind. */
 void weft__between_forget(weft_sim *sim);
+
+/* For events: after the first the second writes the motion at t within the last step,
+ * without quadratures, to room of its own. Error: WEFT_STOPPED. */
+weft_status weft__between_look(weft_sim *sim, weft_error *err);
+double *weft__between_motion(weft_sim *sim, double t);
 
 /* Between the two, the simulation is as it was at t within the last step, and no
  * function may change it. Errors: those of weft_sim_between. */

@@ -211,7 +211,8 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
         at t; it returns False if it did not.
     event : callable, optional
         event(t, x, v) is a number that falls from > 0 to <= 0 at an event, which ends step(), advance() and frames():
-        `event` of the simulation is True then. By default that of run.stop in the scene.
+        `event` of the simulation is True then. It is called at the end of every step and at 8 or more points within
+        it. By default that of run.stop in the scene.
     event_hold : float
         [s] > 0: the event is when the number has been 0 or below for so long.
     dense : bool
@@ -317,7 +318,7 @@ class Sim(Fixed):
         definition.log = lib.weftpy_log_of()
         self._definition = definition
         definition.dense = own["dense"]
-        lib.weftpy_stop(definition, lib.weft_scene_run(self._scene))
+        lib.weftpy_stop(definition, lib.weft_scene_run(self._scene), own["event"] is not None)
         if own["event"] is not None:
             definition.event_hold = own["event_hold"]
         hooks, self._kept = ("force", "correct", "event"), []
