@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_pace.c -- runs that hardly advance say what holds them; shapes that close on a
  * cloth are named. */
+#include "bodies.h"
 #include "meshes.h"
 #include "scene_load.h"
 
@@ -215,6 +216,36 @@ START_TEST(shapes_that_do_not_meet_with_cloth_between_them_are_not_named)
 }
 END_TEST
 
+/* The box as two triangles; then the floor as well. */
+START_TEST(bodies_that_close_on_a_cloth_are_named)
+{
+    body_mesh *down = plate(1, 0.2, 0.2), *floor = plate(1, 0.3, 0.3);
+    press();
+    for (size_t k = 0; k < 2; ++k) {
+        if (k == 1 || _i % 2 == 1) {
+            shapes[k] = body_shape(k == 1 ? down : floor);
+        }
+    }
+    shapes[1].at[1] = 0.04;
+    if (_i < 2) {
+        shapes[1].velocity[1] = -0.1;
+    } else { /* stops 4 mm above the floor */
+        shapes[1].amplitude[1] = -0.036, shapes[1].frequency = 0.5;
+    }
+    start();
+    for (size_t i = 1; i <= 60 && weft_sim_time(sim) < 0.37; ++i) {
+        go((double)i / 100.0);
+    }
+    ck_assert_uint_eq(all.closing, _i < 2);
+    if (_i < 2) {
+        has(all.closed, "shapes[0] and shapes[1] are ");
+        has(all.closed, " meet at t = 0.4 s, with particle (");
+    }
+    free(down);
+    free(floor);
+}
+END_TEST
+
 /* ---- in a scene ------------------------------------------------------------------ */
 
 static size_t warnings(const char *box, double duration, const char *part)
@@ -285,6 +316,7 @@ TEST_SUITE(pace)
     tcase_add_test(tests, the_flattest_triangle_of_a_mesh_is_named);
     tcase_add_loop_test(
         tests, shapes_that_do_not_meet_with_cloth_between_them_are_not_named, 0, 4);
+    tcase_add_loop_test(tests, bodies_that_close_on_a_cloth_are_named, 0, 4);
     suite_add_tcase(suite, tests);
     TCase *scenes = tcase_create("scenes");
     tcase_add_test(scenes, a_scene_warns_of_shapes_that_will_meet_on_the_cloth);

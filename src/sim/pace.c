@@ -181,8 +181,13 @@ static void warn_of_closing(weft_sim *sim)
                                           .within = two,
                                           .t = sim->t,
                                           .t_last = INFINITY };
-    const weft__closing found = weft__shapes_closing(&search);
+    weft__closing found = weft__shapes_closing(&search);
     char name[96];
+    if (!found.found && sim->forces.bodies != NULL) {
+        const weft__state at = { .t = sim->t, .y = sim->y };
+        found = weft__bodies_closing(&sim->cloth->bodies, sim->forces.bodies, &at,
+                                     contact->law.thickness);
+    }
     if (found.found) {
         sim->pace.closed = true;
         weft__log(

@@ -113,10 +113,9 @@ static const double *points_of_twin(const weft__bodies *own, weft__bodies_space 
     return y;
 }
 
-/* All that push, in a state that *y has meanwhile. */
-static int each(const weft__bodies *own, weft__bodies_space *space,
-                const weft__state *at, weft__pushed_fn *visit, void *ctx,
-                const double **y)
+int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
+                      const weft__state *at, weft__pushed_fn *visit, void *ctx,
+                      const double **y)
 {
     double *once;
     const double *near = points_at(space != NULL ? space->own : own, space, at, &once);
@@ -138,7 +137,7 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
     const size_t n = of->pairs.mesh->particles;
     weft__self_sums sums = { &of->pairs, unit, to, 0, n, n };
     const double *y;
-    return each(of, space, at, weft__self_sum, &sums, &y);
+    return weft__bodies_each(of, space, at, weft__self_sum, &sums, &y);
 }
 
 static int transposed_all(const void *own, void *space, const weft__state *at,
@@ -231,7 +230,7 @@ static void measure_all(const void *own, void *space, const weft__state *at,
             .marks = in != NULL ? in->marks : weft__alloc(&of->memory, n, 1) };
     if (all.marks != NULL) {
         memset(all.marks, 0, n);
-        (void)each(of, in, at, measure_pushes, &all, &all.y);
+        (void)weft__bodies_each(of, in, at, measure_pushes, &all, &all.y);
         sum->touching += count_touching(of, at, all.marks);
     }
     if (in == NULL) {
@@ -267,7 +266,7 @@ void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
 {
     gap_search of = { own, than, least };
     const double *y;
-    (void)each(own, space, at, keep_other, &of, &y);
+    (void)weft__bodies_each(own, space, at, keep_other, &of, &y);
 }
 
 typedef struct load_sums {
@@ -314,7 +313,7 @@ void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
                      .at = pose.at,
                      .load = load };
     memset(load, 0, WEFT__LOAD * sizeof *load);
-    (void)each(own, space, at, load_pushes, &of, &of.y);
+    (void)weft__bodies_each(own, space, at, load_pushes, &of, &of.y);
 }
 
 /* ---- steps ----------------------------------------------------------------------- */

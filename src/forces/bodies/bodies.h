@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/thread_pool.h"
+#include "forces/contact/closing.h"
 #include "forces/contact/mesh_shape.h"
 #include "forces/self/self.h"
 
@@ -59,6 +60,17 @@ double *weft__bodies_spread(const weft__bodies *own, const weft__state *at);
 /* What the cloth exerts on shape k: force [N], torque [N m] about `at`. */
 void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
                        const weft__state *at, size_t k, double load[WEFT__LOAD]);
+
+/* Visits all that push, in a state of all points that *y has meanwhile; as
+ * weft__self_each. */
+int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
+                      const weft__state *at, weft__pushed_fn *visit, void *ctx,
+                      const double **y);
+
+/* Two shapes, of which one at least is a body, that push a particle from both sides and
+ * will meet at their present motion (forces/contact/closing.h). */
+weft__closing weft__bodies_closing(const weft__bodies *own, weft__bodies_space *space,
+                                   const weft__state *at, double thickness);
 
 /* Keeps the smallest gap to a body but that of shape `than`, as weft__keep_gap. */
 void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
