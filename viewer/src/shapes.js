@@ -27,20 +27,36 @@ export function placeAt(shape, t, x = shape.at) {
     );
 }
 
-/** The shares of the keys about x, their number counted in keys: the law of tracks (docs/physics.md). */
+/** Keys on each side of a time that a place takes something from; those beyond have less than 1e-9. */
+const KEYS_BESIDE = 16;
+
+/**
+ * The shares that keys have in a place at x, their number counted in keys: those of the natural cubic spline through
+ * them (docs/contact.md), as src/forces/contact/mesh_shape.c computes them.
+ */
 function keyShares(count, x) {
-    const i = Math.floor(x);
-    if (!(x > 0 && x < count - 1)) {
+    if (!(x >= 0 && x < count - 1)) {
         return [[x > 0 ? count - 1 : 0, 1]];
     }
-    const s = x - i;
-    return [i - 1, i, i + 1, i + 2].filter((k) => k >= 0 && k < count).map((k) => {
-        const is = (j) => (j === k ? 1 : 0);
-        const slopes = (j) => (j > 0 && j < count - 1 ? [(is(j + 1) - is(j - 1)) / 2, is(j + 1) - 2 * is(j) + is(j - 1)] : [0, 0]);
-        const [[c1, bend], [slope, last]] = [slopes(i), slopes(i + 1)];
-        const [p, q, r] = [is(i + 1) - is(i) - c1 - bend / 2, slope - c1 - bend, last - bend];
-        return [k, is(i) + s * (c1 + s * (bend / 2 + s * (10 * p - 4 * q + r / 2 + s * (7 * q - 15 * p - r + s * (6 * p - 3 * q + r / 2)))))];
-    });
+    const i = Math.floor(x);
+    const first = Math.max(i + 1 - KEYS_BESIDE, 0);
+    const share = new Array(Math.min(i + 1 + KEYS_BESIDE, count) - first).fill(0);
+    const [pivot, part] = [share.slice(), share.slice()];
+    const [at, s, r] = [i - first, x - i, 1 - (x - i)];
+    share[at] += r;
+    share[at + 1] += s;
+    for (let j = 1; j + 1 < share.length; ++j) {
+        const wanted = j === at ? r * (r * r - 1) : j === at + 1 ? s * (s * s - 1) : 0;
+        pivot[j] = 1 / (4 - pivot[j - 1]);
+        part[j] = pivot[j] * (wanted - part[j - 1]);
+    }
+    for (let j = share.length - 2; j > 0; --j) {
+        part[j] -= pivot[j] * part[j + 1];
+        share[j - 1] += part[j];
+        share[j] -= 2 * part[j];
+        share[j + 1] += part[j];
+    }
+    return share.map((of, k) => [first + k, of]);
 }
 
 /** Puts the vertices of a mesh that moves by keys where they are at time t [s]. */
