@@ -379,7 +379,7 @@ static void measure_creation(const sheet *of)
     const weft_allocator memory = weft_allocator_or_malloc(NULL);
     weft__plate_matrix matrix = { 0 };
     (void)weft__plate_matrix_create(&matrix, mesh->triangles, mesh->particles,
-                                    mesh->pin, &memory);
+                                    mesh->pin, NULL, &memory);
     printf("create %zux%zu: %.2f s, of which the bending matrix %.2f s\n", of->side,
            of->side, made - start, now(CLOCK_THREAD_CPUTIME_ID) - made);
     weft__plate_matrix_free(&matrix, &memory);

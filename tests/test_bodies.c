@@ -5,6 +5,7 @@
 
 #include "bodies.h"
 #include "cloth/model.h"
+#include "forces/self/crossing.h"
 #include "forces/self/self_list.h"
 #include "products.h"
 #include "random.h"
@@ -392,7 +393,7 @@ START_TEST(nothing_tunnels_through_two_triangles)
         go(0.001 * (double)i);
         ck_assert_msg(weft__bodies_error(&weft_sim_cloth(sim)->bodies,
                                          weft_sim_time(sim), weft_sim_state(sim),
-                                         SIZE_MAX, "", &err)
+                                         &(weft__search){ 0 }, &err)
                           == WEFT_OK,
                       "%s", err.message);
     }

@@ -5,6 +5,7 @@
 
 #include "bodies.h"
 #include "cloth/model.h"
+#include "forces/self/crossing.h"
 #include "shell.h"
 
 enum { SIDE = 9, UPPER = 7, N = SIDE * SIDE + UPPER * UPPER, T = 2 * (64 + 36) };
@@ -271,6 +272,146 @@ START_TEST(what_cannot_be_freed_in_time_is_named_and_counted)
 }
 END_TEST
 
+/* Both sheets are held where they cross. */
+static void hold_most(void)
+{
+    static size_t held[N - 1];
+    static weft_pin pin;
+    sheets(dips);
+    for (size_t i = 0; i < N - 1; ++i) {
+        held[i] = i + (i >= SIDE * SIDE + 22);
+    }
+    pin = (weft_pin){ .vertices = held, .vertex_count = N - 1 };
+    def.pins = &pin, def.pin_count = 1;
+}
+
+static void keep_line(void *ctx, weft_log_level level, const char *text)
+{
+    ck_assert_int_eq(level, WEFT_LOG_INFO);
+    (void)snprintf(ctx, 128, "%s", text);
+}
+
+START_TEST(a_start_that_does_not_get_better_ends_with_what_is_left)
+{
+    char said[128] = "";
+    hold_most();
+    def.log = (weft_log){ keep_line, said };
+    make(1e6);
+    const size_t before = weft_cloth_each_crossing(cloth, y, NULL, NULL);
+    ck_assert_uint_gt(before, 0);
+    ck_assert_int_eq(weft_cloth_untangle(cloth, y, &err), WEFT_SOLVER);
+    ck_assert_uint_le(weft_cloth_each_crossing(cloth, y, NULL, NULL), before);
+    ck_assert_msg(strstr(err.message, " s of contact.untangle, as the number of "
+                                      "crossings did not fall any more: edge ")
+                      != NULL,
+                  "%s", err.message);
+    ck_assert_msg(said[0] == '\0' || strstr(said, " crossings after ") != NULL, "%s",
+                  said);
+}
+END_TEST
+
+/* Asked for the k-th time it says so. */
+static bool stop_at(void *ctx)
+{
+    size_t *left = ctx;
+    *left -= *left > 0;
+    return *left == 0;
+}
+
+START_TEST(the_embedder_stops_a_start_that_relaxes)
+{
+    size_t left = 20;
+    hold_most();
+    def.stop = stop_at, def.stop_ctx = &left;
+    left = SIZE_MAX;
+    make(1e6);
+    left = 20;
+    ck_assert_int_eq(weft_cloth_untangle(cloth, y, &err), WEFT_STOPPED);
+    ck_assert_str_eq(err.message, "asked to stop");
+    for (size_t i = 0; i < 6 * N; ++i) {
+        ck_assert(isfinite(y[i]));
+    }
+    weft_sim_def run = weft_sim_def_default();
+    weft_sim *sim;
+    run.cloth = cloth, run.method = test_method_named("arkode/dormand_prince");
+    left = 20;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_STOPPED);
+    ck_assert_ptr_null(sim);
+    teardown();
+    def.stop = NULL; /* or the simulation's own */
+    make(1e6);
+    run.cloth = cloth, run.stop = stop_at, run.stop_ctx = &left;
+    left = 20;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_STOPPED);
+    ck_assert_ptr_null(sim);
+}
+END_TEST
+
+/* At each place where it asks. */
+START_TEST(the_embedder_stops_the_making_of_a_cloth)
+{
+    size_t left, k = 0;
+    sheets(lies_above);
+    mesh.arc = true;
+    def.stop = stop_at, def.stop_ctx = &left;
+    weft_status status = WEFT_STOPPED;
+    while (status == WEFT_STOPPED) {
+        left = k += 1 + k / 8;
+        status = weft_cloth_create(&def, &cloth, &err);
+        ck_assert((status == WEFT_OK) == (cloth != NULL));
+    }
+    ck_assert_int_eq(status, WEFT_OK);
+    ck_assert_uint_gt(k, 2 * N);
+}
+END_TEST
+
+START_TEST(a_state_that_is_not_finite_is_not_judged)
+{
+    sheets(lies_above);
+    make(1.0);
+    const weft__search of = { .where = "here " };
+    ck_assert_int_eq(weft__crossings_error(cloth, 0.0, y, &of, &err), WEFT_OK);
+    for (size_t i = 0; i < 6 * N; ++i) {
+        const double kept = y[i];
+        y[i] = i % 2 == 0 ? NAN : INFINITY;
+        ck_assert_int_eq(weft_cloth_untangle(cloth, y, &err), WEFT_INVALID);
+        ck_assert_str_eq(err.message, "a state must be finite");
+        if (i < 3 * N) {
+            ck_assert_int_eq(weft__crossings_error(cloth, 0.0, y, &of, &err),
+                             WEFT_NOT_FINITE);
+            ck_assert_str_eq(err.message, "here the state is not finite");
+        }
+        y[i] = kept;
+    }
+    weft_sim_def run = weft_sim_def_default();
+    weft_sim *sim;
+    run.cloth = cloth, run.method = test_method_named("arkode/dormand_prince");
+    run.start = y;
+    y[7] = NAN;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_INVALID);
+    ck_assert_ptr_null(sim);
+}
+END_TEST
+
+START_TEST(a_given_start_is_taken_as_it_is)
+{
+    weft_sim_def run = weft_sim_def_default();
+    weft_sim *sim;
+    sheets(bulges);
+    make(1.0);
+    run.cloth = cloth, run.method = test_method_named("arkode/dormand_prince");
+    run.start = y;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_OK);
+    ck_assert_mem_eq(weft_sim_state(sim), y, sizeof y);
+    weft_sim_destroy(sim);
+    const weft_number_of_cloth number
+        = { .name = "n", .less = cloth, .more = cloth, .span = 1.0 };
+    const weft_sensitivity_def by = { .count = 1, .numbers = &number };
+    run.sensitivity = &by;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_UNSUPPORTED);
+}
+END_TEST
+
 START_TEST(a_good_start_keeps_its_bits)
 {
     double before[6 * N];
@@ -443,6 +584,11 @@ TEST_SUITE(untangle)
     tcase_add_test(tcase, a_cloth_inside_a_closed_body_stays_and_is_named);
     tcase_add_test(tcase, a_pin_that_holds_a_cloth_in_a_body_is_named);
     tcase_add_test(tcase, what_cannot_be_freed_in_time_is_named_and_counted);
+    tcase_add_test(slow, a_start_that_does_not_get_better_ends_with_what_is_left);
+    tcase_add_test(tcase, the_embedder_stops_a_start_that_relaxes);
+    tcase_add_test(tcase, the_embedder_stops_the_making_of_a_cloth);
+    tcase_add_test(tcase, a_state_that_is_not_finite_is_not_judged);
+    tcase_add_test(tcase, a_given_start_is_taken_as_it_is);
     tcase_add_test(tcase, a_good_start_keeps_its_bits);
     tcase_add_test(slow, all_instruction_sets_give_the_same_bits);
     tcase_add_test(tcase, the_time_is_a_number_from_0_on);

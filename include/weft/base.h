@@ -131,6 +131,11 @@ typedef struct weft_log {
     void *ctx;
 } weft_log;
 
+/* Asked again and again during a computation that may take long, in the thread that
+ * calls weft; true ends it with WEFT_STOPPED. For a signal, a deadline or a button:
+ * return a flag that another thread or a handler sets. */
+typedef bool weft_stop_fn(void *ctx);
+
 /* A short text for a status, never NULL. */
 WEFT_API const char *weft_status_text(weft_status status);
 

@@ -298,6 +298,10 @@ typedef struct weft_cloth_def {
     bool strict;       /* cloth that passes through a shape between its particles
                          (weft_cloth_passages) is an error: at the start, and at frames
                          (weft_sim_check_frame) */
+    weft_log log;      /* progress of weft_cloth_untangle, at least once a second */
+    weft_stop_fn *stop; /* asked while the cloth is made, which takes a minute for a
+                       million triangles, and by weft_cloth_untangle; NULL: none */
+    void *stop_ctx;
 } weft_cloth_def;
 
 /* Particles of the whole cloth. */
@@ -727,8 +731,11 @@ WEFT_API size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *
 
 /* Relaxes a start of a cloth with weft_cloth_def.untangle, for so long at most, by its
  * elastic forces, strongly damped, while what crosses is moved apart; then free
- * particles are at rest. A y without crossings is not changed. Errors: WEFT_SOLVER,
- * with what is left; WEFT_NO_MEMORY. */
+ * particles are at rest. A y without crossings is not changed. Ends early where the
+ * number of crossings does not fall any more; y is then the state with the fewest, and
+ * never has more than it began with. Errors, with y finite: WEFT_SOLVER, with what is
+ * left; WEFT_STOPPED, by `stop` of the definition; WEFT_INVALID, of a y that is not
+ * finite; WEFT_NO_MEMORY. */
 WEFT_API weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y,
                                          weft_error *err);
 

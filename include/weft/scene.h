@@ -124,13 +124,16 @@ typedef struct weft_scene_def {
     size_t
         refine; /* > 1: spacings of a cut are divided by it, and the sides of triangles
                    of a file, whose vertices keep their numbers; a power of 2 then */
+    weft_log log;       /* of the scene's weft_cloth_def, with the two below */
+    weft_stop_fn *stop; /* also asked where the scene's cloth is checked; NULL: none */
+    void *stop_ctx;
 } weft_scene_def;
 
 WEFT_DEFAULT(weft_scene_def)
 
 /* Reads, checks and resolves a scene. Errors: WEFT_BAD_SCENE (found->errors > 0),
- * WEFT_IO (the file could not be read), WEFT_NO_MEMORY; then *out is NULL. A scene that
- * loads may have warnings. `found` must not be NULL. */
+ * WEFT_IO (the file could not be read), WEFT_STOPPED, WEFT_NO_MEMORY; then *out is
+ * NULL. A scene that loads may have warnings. `found` must not be NULL. */
 WEFT_API weft_status weft_scene_load(const weft_scene_def *def, weft_scene **out,
                                      weft_diagnostics *found, weft_error *err);
 WEFT_API void weft_scene_destroy(weft_scene *scene); /* NULL is allowed */

@@ -45,14 +45,6 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  * docs/steppers.md, "Stages outside of the step". */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
-/* Called before every evaluation of the right-hand side, in the thread that steps. If
- * it returns true, the step fails with WEFT_STOPPED, the state and the time are those
- * before the step, and a later step may continue. For a signal, a deadline or a button:
- * return a flag that another thread or a handler sets. The method determines how often
- * a step evaluates: methods with dense matrices may factorise for minutes in between.
- */
-typedef bool weft_stop_fn(void *ctx);
-
 /* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
  * `cloth` is the one of weft_sim_cloth. Called after every accepted step and for states
  * at 8 points within it, or more (docs/physics.md), so that a fall and a rise within
@@ -108,7 +100,12 @@ typedef struct weft_sim_def {
     void *force_ctx;
     weft_log log;
     const weft_allocator *allocator; /* also for the stepper; NULL: malloc's */
-    weft_stop_fn *stop;              /* NULL: none */
+    weft_stop_fn *stop; /* NULL: none. Asked before every evaluation of the right-hand
+                           side: the step then fails with WEFT_STOPPED, the state and
+                           the time are those before the step, and a later step may
+                           continue. The method determines how often a step evaluates:
+                           methods with dense matrices may factorise for minutes in
+                           between. Also asked while weft_sim_create relaxes a start */
     void *stop_ctx;
     const weft_comm *comm; /* joins the bands of a cloth, and must outlive the
                               simulation; the cloth is this band. NULL: it is whole */
@@ -123,6 +120,10 @@ typedef struct weft_sim_def {
                           not with a limit, `correct`, `force`, `event`, a ledger,
                           `dense`, a comm or an untangled start: WEFT_UNSUPPORTED. Then
                           no function may change state, pins, wind or shapes */
+    const double *start; /* [m, m/s] y[6 N] at t = 0 instead of weft_cloth_start, which
+                            is then not relaxed either; copied. Pins are at their
+                            places. For a start that you relaxed yourself, or a
+                            simulation that you restore. Not with a sensitivity */
 } weft_sim_def;
 
 /* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
@@ -175,7 +176,7 @@ WEFT_DEFAULT(weft_sim_def)
 
 /* Starts at t = 0 with weft_cloth_start. Errors: WEFT_INVALID, WEFT_NO_MEMORY,
  * WEFT_UNSUPPORTED (the method does not support the config), WEFT_BAD_PLUGIN (it lacks
- * a function or is of another abi). */
+ * a function or is of another abi), and those of weft_cloth_untangle. */
 WEFT_API weft_status weft_sim_create(const weft_sim_def *def, weft_sim **out,
                                      weft_error *err);
 WEFT_API void weft_sim_destroy(weft_sim *sim); /* NULL is allowed */

@@ -3,6 +3,7 @@
 #include "weft/base.h"
 
 #include "base/log.h"
+#include "base/stop.h"
 
 const char *weft_status_text(weft_status status)
 {
@@ -30,4 +31,9 @@ void weft__log(const weft_log *log, weft_log_level level, const char *format, ..
         va_end(args);
         log->write(log->ctx, level, text);
     }
+}
+
+weft_status weft__stopped(weft_error *err)
+{
+    return weft_error_set(err, WEFT_STOPPED, "asked to stop");
 }

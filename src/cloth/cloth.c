@@ -67,10 +67,10 @@ static weft_status allocate(weft_cloth *cloth, weft_error *err)
 }
 
 weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
-                                  size_t loose, const char *where, weft_error *err)
+                                  const weft__search *of, weft_error *err)
 {
-    TRY(weft__crossing_error(&cloth->self, y, loose, where, err));
-    return weft__bodies_error(&cloth->bodies, t, y, loose, where, err);
+    TRY(weft__crossing_error(&cloth->self, y, of, err));
+    return weft__bodies_error(&cloth->bodies, t, y, of, err);
 }
 
 static weft_status passage_error(const weft_cloth *cloth, const double *y,
@@ -85,8 +85,10 @@ static weft_status passage_error(const weft_cloth *cloth, const double *y,
                           weft__passage_text(cloth, 0.0, &first, (double)count, text));
 }
 
-weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
+weft_status weft__start_crossing_error(const weft_cloth *cloth, weft__stop *stop,
+                                       weft_error *err)
 {
+    const weft__search of = { .stop = stop };
     TRY(weft__notch_error(&cloth->self, err));
     if (cloth->untangle > 0.0
         || !(cloth->self.law.self || cloth->bodies.pairs.law.self || cloth->strict)) {
@@ -97,7 +99,7 @@ weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err)
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     weft_cloth_start(cloth, y);
-    weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, "", err);
+    weft_status status = weft__crossings_error(cloth, 0.0, y, &of, err);
     status = status == WEFT_OK ? passage_error(cloth, y, err) : status;
     weft__free(&cloth->memory, y);
     return status;
@@ -145,17 +147,22 @@ static weft_status make_rows(weft_cloth *cloth, const weft_cloth_def *def,
     return WEFT_OK;
 }
 
-/* All of a cloth that has its plain fields. */
+/* All of a cloth that has its plain fields; stop_ctx of the definition is a weft__stop.
+ */
 static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
 {
+    weft__stop *stop = def->stop_ctx;
     TRY(allocate(cloth, err));
     TRY(make_rows(cloth, def, err));
     double *rows = weft__mesh_fill(&cloth->mesh, def, cloth->rows);
     cloth->wind.track = weft__curve_make(&def->wind, def->wind_natural, rows);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (!weft__table[k].force->init(weft__own_of(cloth, k), def, &cloth->memory)) {
-            return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
-                                  weft__table[k].force->name);
+        if (weft__stops(stop)
+            || !weft__table[k].force->init(weft__own_of(cloth, k), def,
+                                           &cloth->memory)) {
+            return stop->came ? weft__stopped(err)
+                              : weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
+                                               weft__table[k].force->name);
         }
     }
     if (!weft__grids_init(cloth, def)) {
@@ -163,7 +170,7 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     }
     TRY(weft__cloth_slice(cloth, def, err));
     TRY(list_pins(cloth, err));
-    return weft__start_crossing_error(cloth, err);
+    return weft__start_crossing_error(cloth, stop, err);
 }
 
 /* The elements of an array of the caller's in the size that they have here. */
@@ -286,6 +293,8 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     cloth->memory = memory;
     cloth->untangle = def->untangle;
     cloth->strict = def->strict;
+    cloth->log = def->log;
+    cloth->stop = *(const weft__stop *)def->stop_ctx;
     status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);
@@ -309,6 +318,8 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
     TRY(weft__given(given, out, "weft_cloth_create", err));
     *out = NULL;
     weft_status status = take_def(&def, &mesh, given, copies, err);
+    weft__stop stop = { .ask = def.stop, .ctx = def.stop_ctx };
+    def.stop = weft__stop_ask, def.stop_ctx = &stop;
     status = status == WEFT_OK ? create(&def, out, err) : status;
     if (status == WEFT_OK && weft__is_band(&def) && def.contact.self) {
         def.band_first = def.band_rows = 0;

@@ -180,7 +180,7 @@ size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
     if (own.skin != NULL || own.mesh->triangles == NULL
         || weft__self_cover(&own, &cloth->memory)) {
         const weft__quadtree tree = weft__tree_of(&own, y);
-        found = weft__crossings_of(&tree, SIZE_MAX);
+        found = weft__crossings_of(&tree, &(weft__search){ 0 });
     }
     if (own.skin != cloth->self.skin) {
         weft__skin_destroy(own.skin, &cloth->memory);

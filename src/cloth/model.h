@@ -2,6 +2,7 @@
 /* model.h -- a cloth: a mesh and its forces. */
 #pragma once
 
+#include "base/stop.h"
 #include "base/try.h"
 #include "cloth/table.h"
 #include "forces/bounds.h"
@@ -22,6 +23,8 @@ struct weft_cloth {
     uint64_t whole_hash; /* of a band of triangles: weft__cloth_hash of the whole */
     struct weft_cloth *whole; /* of a band with contact.self; else NULL */
     weft_allocator memory;
+    weft_log log;
+    weft__stop stop;
     struct weft_cloth *grids; /* grid_count of them: grids.h */
     size_t grid_count, first; /* of a grid: the whole's particle that is its first */
     weft__sum_fn *sum_grids;  /* NULL: none */
@@ -136,12 +139,18 @@ WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist, dampin
               coupling); /* fabric.c */
 
 /* cloth.c: weft__crossing_error and weft__bodies_error. */
+struct weft__search;
 weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
-                                  size_t loose, const char *where, weft_error *err);
+                                  const struct weft__search *of, weft_error *err);
 
 /* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
- * WEFT_NO_MEMORY. */
-weft_status weft__start_crossing_error(const weft_cloth *cloth, weft_error *err);
+ * WEFT_NO_MEMORY, WEFT_STOPPED. */
+weft_status weft__start_crossing_error(const weft_cloth *cloth, weft__stop *stop,
+                                       weft_error *err);
+
+/* untangle.c: weft_cloth_untangle with another question and another log. */
+weft_status weft__relax_start(const weft_cloth *cloth, double *y, const weft__stop *stop,
+                           const weft_log *log, weft_error *err);
 
 /* cloth_contact.c: "edge (0, 14)-(0, 15) passes through shapes[0] at t = 0.5 s, one of
  * 6 edges and triangles: ..." with the cure; particles by their numbers in the whole

@@ -10,7 +10,10 @@
  * apart. */
 #include <string.h>
 
+#include "base/clock.h"
+#include "base/finite.h"
 #include "base/grow.h"
+#include "base/log.h"
 #include "base/try.h"
 #include "cloth/model.h"
 #include "forces/self/crossing.h"
@@ -22,6 +25,10 @@
 #define MOST   0.5  /* of it: a move */
 #define SLOWER 0.9  /* what a step leaves of a velocity */
 #define PART   0.5  /* of the stable step */
+#define FALLS  0.98 /* of the depth: what counts as less */
+#define PERIOD 1.0  /* [s] of the wall clock from message to message */
+
+enum { PATIENCE = 2000 }; /* steps in which neither number nor depth fall */
 
 /* The pairs of the cloth with itself, or with bodies. */
 typedef struct tangle {
@@ -32,6 +39,7 @@ typedef struct tangle {
     bool *crossed;           /* of an edge by its key */
     uint32_t *part, *points; /* of a point; of a part, which its lowest one names */
     const weft_allocator *memory;
+    weft__stop *stop;
     bool failed;
 } tangle;
 
@@ -41,10 +49,18 @@ typedef struct relaxation {
     weft_cloth *elastic; /* a copy with elastic forces alone */
     double *y, *rates;
     double *moves, *shares; /* [m] sums; their number, of a particle */
-    double *kept;           /* the last state without a crossing */
+    double *kept;           /* the last state without a crossing, else that with the
+                               fewest, of which the number is */
+    size_t fewest, idle;    /* steps since the last progress */
     tangle tangles[2];
-    double least, gap; /* [m] that nothing is below at the end; aimed at */
+    double least, gap;        /* [m] that nothing is below at the end; aimed at */
+    double depth, shallowest; /* [m] of all that crosses, together; the least so far */
     size_t near;
+    weft__stop stop;
+    weft_log log;
+    double told;       /* when the last message was written */
+    double t;          /* [s] that it has relaxed */
+    const char *ended; /* why before the time of the cloth; or nothing */
 } relaxation;
 
 /* ---- what crosses ---------------------------------------------------------------- */
@@ -79,7 +95,8 @@ static void find_pairs(tangle *of, const weft_cloth *cloth, const double *y)
             memcpy(of->y, y, size * sizeof *y);
         }
         const weft__quadtree tree = weft__tree_of(of->own, of->y);
-        weft__each_crossing(&tree, SIZE_MAX, gather, of);
+        (void)weft__each_crossing(&tree, &(weft__search){ .stop = of->stop }, gather,
+                                  of);
     }
 }
 
@@ -261,6 +278,7 @@ static void part_pair(relaxation *to, tangle *of, const weft__crossing *one)
     if (!(sum > 0.0) || !(area > 0.0)) {
         return;
     }
+    to->depth += fabs(height[wrong]);
     if (of_end > 0.0) {
         move(to, end, side * way * of_end / sum, normal);
     }
@@ -281,6 +299,7 @@ static size_t part_shapes(relaxation *to)
          weft__each_touch(&at);) {
         const double way = to->gap - at.touch.gap;
         inside += !(at.touch.gap > 0.0);
+        to->depth += fmax(-at.touch.gap, 0.0);
         if (at.touch.gap < to->least
             && isfinite(weft__dot(at.touch.normal, at.touch.normal))) {
             move(to, at.i, way, at.touch.normal);
@@ -318,14 +337,14 @@ static void part_near(void *ctx, weft__pair_kind kind, const weft__pushes *pushe
     }
 }
 
-/* Finds the moves of a state; false: no memory. *crosses: whether anything does. */
-static bool find_moves(relaxation *to, bool *crosses)
+/* Finds the moves of a finite state; false: no memory. *crosses: how many pairs do. */
+static bool find_moves(relaxation *to, size_t *crosses)
 {
     const size_t n = to->cloth->mesh.particles;
     memset(to->moves, 0, 3 * n * sizeof *to->moves);
     memset(to->shares, 0, n * sizeof *to->shares);
-    to->near = 0;
-    *crosses = part_shapes(to) > 0;
+    to->near = 0, to->depth = 0.0;
+    *crosses = part_shapes(to);
     for (size_t k = 0; k < 2; ++k) {
         tangle *of = &to->tangles[k];
         find_pairs(of, to->cloth, to->y);
@@ -338,9 +357,9 @@ static bool find_moves(relaxation *to, bool *crosses)
         for (size_t i = 0; i < of->count; ++i) {
             part_pair(to, of, &of->pairs[i]);
         }
-        *crosses = *crosses || of->count > 0;
+        *crosses += of->count;
     }
-    for (size_t k = 0; k < 2 && !*crosses; ++k) {
+    for (size_t k = 0; k < 2 && *crosses == 0; ++k) {
         weft__self_pass all = { .law = weft__self_law_of(to->tangles[k].own),
                                 .y = to->tangles[k].y,
                                 .each = part_near,
@@ -367,6 +386,11 @@ static void take_step(relaxation *of, double h)
 }
 
 /* ---- a start --------------------------------------------------------------------- */
+
+static weft_status no_memory(weft_error *err)
+{
+    return weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact.untangle");
+}
 
 static void rest(relaxation *of)
 {
@@ -395,6 +419,7 @@ static bool create(relaxation *of, const weft_cloth *cloth, double *y)
     const size_t n = cloth->mesh.particles;
     *of = (relaxation){ .cloth = cloth,
                         .y = y,
+                        .ended = "",
                         .elastic = elastic_copy(cloth),
                         .rates = weft__alloc(memory, 6 * n, sizeof *y),
                         .moves = weft__alloc(memory, 3 * n, sizeof *y),
@@ -407,6 +432,7 @@ static bool create(relaxation *of, const weft_cloth *cloth, double *y)
     for (size_t k = 0; k < 2; ++k) {
         tangle *to = &of->tangles[k];
         to->memory = memory;
+        to->stop = &of->stop;
         to->own = k == 0 ? &cloth->self : &cloth->bodies.pairs;
         if (to->own->law.self) {
             to->edges
@@ -429,39 +455,81 @@ static void destroy(relaxation *of)
     weft_cloth_destroy(of->elastic);
 }
 
+/* How far it is, once in a while. */
+static void tell(relaxation *of, size_t crosses)
+{
+    const double now = weft__wall_clock();
+    if (now - of->told >= PERIOD) {
+        of->told = now;
+        weft__log(&of->log, WEFT_LOG_INFO,
+                  "contact.untangle: %zu crossings after %.3g of %.6g s, at least %zu",
+                  crosses, of->t, of->cloth->untangle, of->fewest);
+    }
+}
+
+/* Keeps a state that is better than the ones before: one without a crossing always, as
+ * it then becomes wider. */
+static void keep_better(relaxation *of, size_t crosses)
+{
+    if (crosses < of->fewest || crosses == 0) {
+        memcpy(of->kept, of->y, 3 * of->cloth->mesh.particles * sizeof *of->kept);
+        of->fewest = crosses;
+        of->idle = 0;
+    }
+    if (of->depth < FALLS * of->shallowest) {
+        of->shallowest = of->depth;
+        of->idle = 0;
+    }
+}
+
 /* From a state that crosses, whose moves are found, for the time of the cloth at most.
- * false: no memory. */
-static bool relax(relaxation *of)
+ */
+static weft_status relax(relaxation *of, size_t crosses, weft_error *err)
 {
     const size_t size = 3 * of->cloth->mesh.particles;
     const weft_stiffness most = weft_cloth_stiffness(of->elastic, 0.0, of->y);
     const double step = PART / (sqrt(fmax(most.omega2, 0.0)) + most.damping);
     const double time = of->cloth->untangle, h = isfinite(step) ? step : 0.01 * time;
-    bool free = false, crosses = true, found = true;
+    bool able = true;
+    of->fewest = SIZE_MAX;
+    of->shallowest = INFINITY;
+    of->told = weft__wall_clock();
+    keep_better(of, crosses);
     rest(of);
-    for (double t = 0.0; found && t < time && (crosses || of->near > 0); t += h) {
+    while (able && of->t < time && of->ended[0] == '\0' && (crosses > 0 || of->near > 0)
+           && !weft__stops(&of->stop)) {
         take_step(of, h);
-        found = find_moves(of, &crosses);
-        if (!crosses) {
-            memcpy(of->kept, of->y, size * sizeof *of->kept);
-            free = true;
+        of->t += h;
+        if (!weft__all_finite(of->y, 2 * size)) { /* nothing would cross */
+            of->ended = ", where the state ceased to be finite";
+            break;
+        }
+        able = find_moves(of, &crosses);
+        if (able && !of->stop.came) {   /* else not all pairs were found */
+            of->idle += of->fewest > 0; /* once nothing crosses, it becomes wider */
+            keep_better(of, crosses);
+            tell(of, crosses);
+            of->ended = of->idle < PATIENCE
+                            ? ""
+                            : ", as the number of crossings did not fall any more";
         }
     }
-    if (free) {
-        memcpy(of->y, of->kept, size * sizeof *of->kept);
-    }
+    memcpy(of->y, of->kept, size * sizeof *of->kept);
     rest(of);
-    return found;
+    return !able ? no_memory(err) : of->stop.came ? weft__stopped(err) : WEFT_OK;
 }
 
 /* The error of what is left. */
-static weft_status tangled(const weft_cloth *cloth, const double *y, weft_error *err)
+static weft_status tangled(relaxation *left, weft_error *err)
 {
-    char where[64];
+    const weft_cloth *cloth = left->cloth;
+    const double *y = left->y;
+    char where[128];
     size_t i, k;
-    (void)snprintf(where, sizeof where,
-                   "after %.6g s of contact.untangle: ", cloth->untangle);
-    weft_status status = weft__crossings_error(cloth, 0.0, y, SIZE_MAX, where, err);
+    const weft__search of = { .where = where, .stop = &left->stop };
+    (void)snprintf(where, sizeof where, "after %.6g s of contact.untangle%s: ",
+                   left->ended[0] == '\0' ? cloth->untangle : left->t, left->ended);
+    weft_status status = weft__crossings_error(cloth, 0.0, y, &of, err);
     const double gap = weft_cloth_gap(cloth, 0.0, y, &i, &k);
     if (status == WEFT_OK && !(gap > 0.0)) {
         char text[WEFT__CROSSING_TEXT];
@@ -474,18 +542,35 @@ static weft_status tangled(const weft_cloth *cloth, const double *y, weft_error 
     return status == WEFT_INVALID ? WEFT_SOLVER : status;
 }
 
-weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y, weft_error *err)
+weft_status weft__relax_start(const weft_cloth *cloth, double *y,
+                              const weft__stop *stop, const weft_log *log,
+                              weft_error *err)
 {
-    bool crosses = false;
+    size_t crosses = 0;
     relaxation of;
     if (cloth->untangle == 0.0) {
         return WEFT_OK;
     }
-    TRY(weft__bodies_pins_error(&cloth->bodies, 0.0, y,
-                                "contact.untangle cannot move the cloth out: ", err));
-    const bool done = create(&of, cloth, y) && find_moves(&of, &crosses)
-                      && (!crosses || relax(&of));
+    if (!weft__all_finite(y, weft_cloth_dim(cloth))) {
+        return weft_error_set(err, WEFT_INVALID, "a state must be finite");
+    }
+    const weft__search pins
+        = { .where = "contact.untangle cannot move the cloth out: " };
+    TRY(weft__bodies_pins_error(&cloth->bodies, 0.0, y, &pins, err));
+    weft_status status = create(&of, cloth, y) ? WEFT_OK : no_memory(err);
+    of.stop = *stop, of.log = *log;
+    if (status == WEFT_OK) {
+        status = !find_moves(&of, &crosses) ? no_memory(err)
+                 : of.stop.came             ? weft__stopped(err)
+                 : crosses > 0              ? relax(&of, crosses, err)
+                                            : WEFT_OK;
+    }
+    status = status == WEFT_OK ? tangled(&of, err) : status;
     destroy(&of);
-    return done ? tangled(cloth, y, err)
-                : weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact.untangle");
+    return status;
+}
+
+weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y, weft_error *err)
+{
+    return weft__relax_start(cloth, y, &cloth->stop, &cloth->log, err);
 }

@@ -82,6 +82,7 @@ typedef struct weft__report {
     size_t run;                                /* of a sweep, the one being read */
     size_t mistakes; /* of that run, including repeated ones */
     bool no_memory;  /* an allocation failed: the mistakes do not count */
+    bool stopped;    /* by weft_scene_def.stop: likewise */
     const weft_allocator *memory;
 } weft__report;
 

@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/sized.h"
+#include "base/stop.h"
 #include "scene/read.h"
 
 void weft_scene_def_init(weft_scene_def *def, size_t size)
@@ -207,6 +208,7 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
     weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
     weft__obj_forget(&scene->obj);
     return report->no_memory            ? no_memory(err)
+           : report->stopped            ? weft__stopped(err)
            : report->found->errors == 0 ? complete(base, changed, scene, err)
                                         : WEFT_BAD_SCENE;
 }
@@ -240,6 +242,9 @@ weft_status weft__base_read(const weft__base *base, size_t run, weft__report *re
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;
     weft__scene_begin(scene);
+    scene->cloth.log = base->def.log;
+    scene->cloth.stop = base->def.stop;
+    scene->cloth.stop_ctx = base->def.stop_ctx;
     const weft_status status = read_in_c_locale(base, run, report, scene, err);
     scene->tree.root = NULL; /* of nodes of the base */
     scene->tree.report = NULL;

@@ -86,6 +86,7 @@ static void check_crossings(weft__reader *reader, const weft__node *at, bool bod
     if (status == WEFT_NO_MEMORY) {
         reader->report->no_memory = true;
     }
+    reader->report->stopped = reader->report->stopped || status == WEFT_STOPPED;
     weft_cloth_destroy(cloth);
 }
 

@@ -33,6 +33,7 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
            : def->dense         ? "`dense`: there are none within a step"
            : def->cloth->grid_count > 0
                ? "grids among several cloths, whose derivatives are not known"
+           : def->start != NULL ? "a start of its own, whose derivative is not known"
            : def->cloth->untangle > 0.0
                ? "a start that is untangled, which has no derivative"
            : (flags & (uint32_t)WEFT_STEPPER_MULTISTEP) != 0

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/sized.h"
@@ -143,6 +144,32 @@ static weft_sim *make_sim(const weft_sim_def *def)
     return sim;
 }
 
+/* Whether the embedder asks the simulation or its cloth to stop. */
+static bool must_stop(void *ctx)
+{
+    weft_sim *sim = ctx;
+    weft__stop of_cloth = sim->cloth->stop;
+    return weft__sim_must_stop(sim) || weft__stops(&of_cloth);
+}
+
+/* The first state: of the definition, or that of the cloth, relaxed if it asks for it.
+ */
+static weft_status make_state(weft_sim *sim, weft_error *err)
+{
+    const double *given = sim->def.start;
+    const weft__stop stop = { .ask = must_stop, .ctx = sim };
+    const weft_log *log
+        = sim->cloth->log.write != NULL ? &sim->cloth->log : &sim->def.log;
+    if (given == NULL) {
+        return weft__relax_start(sim->cloth, sim->y, &stop, log, err);
+    }
+    if (!weft__all_finite(given, weft_cloth_dim(sim->cloth))) {
+        return weft_error_set(err, WEFT_INVALID, "a state must be finite");
+    }
+    memcpy(sim->y, given, weft_cloth_dim(sim->cloth) * sizeof *given);
+    return WEFT_OK;
+}
+
 /* All that needs no other band: the structure for the stepper does. */
 static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
@@ -164,7 +191,7 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     }
     TRY(weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err));
     TRY(take_config(sim, err));
-    TRY(weft_cloth_untangle(sim->cloth, sim->y, err));
+    TRY(make_state(sim, err));
     TRY(make_forces(sim, err));
     TRY(weft__sim_make_pass(sim, err));
     TRY(weft__structure_init(sim, err));

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
+#include "forces/self/crossing.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
 #include "sim/bands.h"
@@ -111,7 +112,8 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
         }
-        TRY(weft__crossings_error(sim->cloth, sim->t, sim->start, SIZE_MAX, "", err));
+        TRY(weft__crossings_error(sim->cloth, sim->t, sim->start, &(weft__search){ 0 },
+                                  err));
     }
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);
@@ -199,7 +201,7 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double positio
     const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
     place(sim, i, position);
-    if (weft__crossings_error(sim->cloth, sim->t, sim->y, SIZE_MAX, "", err)
+    if (weft__crossings_error(sim->cloth, sim->t, sim->y, &(weft__search){ 0 }, err)
         != WEFT_OK) {
         place(sim, i, before);
         return WEFT_INVALID;
@@ -218,7 +220,8 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "is", err);
         }
-        TRY(weft__crossings_error(sim->cloth, sim->t, sim->y, i, "", err));
+        TRY(weft__crossings_error(sim->cloth, sim->t, sim->y,
+                                  &(weft__search){ .loose = i + 1 }, err));
         weft__sim_change_begins(sim);
         weft__set_hold(&sim->cloth->mesh, i, WEFT__FREE);
         weft__pins_changed(&sim->cloth->mesh, sim->y);
@@ -262,9 +265,9 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
     const weft__breach breach = weft__state_breach(cloth, sim->t, sim->y);
     const weft_status crosses
         = breach.found ? weft__breach_error(cloth, &breach, "would be", err)
-          : shape->def.body != NULL
-              ? weft__bodies_error(&cloth->bodies, sim->t, sim->y, SIZE_MAX, "", err)
-              : WEFT_OK;
+          : shape->def.body != NULL ? weft__bodies_error(&cloth->bodies, sim->t, sim->y,
+                                                         &(weft__search){ 0 }, err)
+                                    : WEFT_OK;
     if (crosses != WEFT_OK) {
         cloth->contact.shapes[k] = before;
         cloth->contact.shape_count = count;

@@ -3,7 +3,7 @@
 #include <inttypes.h>
 
 #include "base/log.h"
-#include "forces/self/self.h"
+#include "forces/self/crossing.h"
 #include "sim/simulation.h"
 
 static void warn_of_limit(const weft_sim *sim)
@@ -61,8 +61,8 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
         return weft__sim_fail(sim, &why, err);
     }
     if (jumped) {
-        (void)weft__crossings_error(sim->cloth, sim->t, sim->y, SIZE_MAX,
-                                    "after the correction ", &why);
+        const weft__search of = { .where = "after the correction " };
+        (void)weft__crossings_error(sim->cloth, sim->t, sim->y, &of, &why);
     }
     return why.status == WEFT_OK ? WEFT_OK : weft__sim_fail(sim, &why, err);
 }

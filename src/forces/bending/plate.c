@@ -129,12 +129,11 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 {
     weft__plate *of = own;
     const weft__mesh *mesh = of->mesh;
-    (void)def;
     if (mesh->triangles == NULL || mesh->triangles->count == 0) {
         return true;
     }
     if (!weft__plate_matrix_create(&of->matrix, mesh->triangles, mesh->particles,
-                                   mesh->pin, memory)) {
+                                   mesh->pin, def->stop_ctx, memory)) {
         return false;
     }
     if (!present(of)) {

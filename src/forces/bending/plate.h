@@ -5,6 +5,7 @@
  * and each of them at once to its other end. On a grid it is nothing. */
 #pragma once
 
+#include "base/stop.h"
 #include "forces/force.h"
 #include "mesh/triangles.h"
 
@@ -28,9 +29,9 @@ typedef struct weft__plate_matrix {
 } weft__plate_matrix;
 
 /* `pin` is not 0 of pinned particles. All NULL where no triangle resists bending.
- * False: no memory. */
+ * False: no memory, or it was stopped. */
 bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *of,
-                               size_t particles, const uint32_t *pin,
+                               size_t particles, const uint32_t *pin, weft__stop *stop,
                                const weft_allocator *memory);
 void weft__plate_matrix_free(weft__plate_matrix *of, const weft_allocator *memory);
 
@@ -131,8 +132,9 @@ bool *weft__held_triangles(const weft__triangles *of, const uint32_t *pin,
  * the slope of that one; a rim has none. Each side of a seam has its own. `curved`:
  * instead h of all edges, L^2 / sqrt(12) times the second derivative along them, L
  * their length, with shares in [1]; those of held triangles, and those without a good
- * fit of few points, have none. False: no memory. Free them in either case. */
+ * fit of few points, have none. False: no memory, or it was stopped. Free them in
+ * either case. */
 enum { WEFT__CURVE_PARTS = 40 };
 bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         bool curved, const weft_allocator *memory);
+                         bool curved, weft__stop *stop, const weft_allocator *memory);
 void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);

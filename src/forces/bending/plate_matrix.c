@@ -13,6 +13,7 @@
 typedef struct stencils {
     const weft__triangles *mesh;
     const weft_allocator *memory;
+    weft__stop *stop;
     weft__slopes slopes;
     bool *held;     /* triangles whose corners are all pinned */
     uint32_t *slot; /* of particles: 1 + their place in a list; 0 between two lists */
@@ -197,9 +198,10 @@ static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
     of->slot = weft__zeroed(of->memory, particles, sizeof *of->slot);
     of->first = weft__zeroed(of->memory, mesh->count + 1, sizeof *of->first);
     bool made = of->held != NULL && of->slot != NULL && of->first != NULL
-                && weft__slopes_create(&of->slopes, mesh, of->held, false, of->memory);
+                && weft__slopes_create(&of->slopes, mesh, of->held, false, of->stop,
+                                       of->memory);
     for (uint32_t t = 0; made && t < mesh->count; ++t) {
-        made = of->held[t] || stencil(of, t);
+        made = !weft__stops(of->stop) && (of->held[t] || stencil(of, t));
         of->first[t + 1] = of->count;
     }
     weft__slopes_free(&of->slopes, of->memory);
@@ -409,7 +411,7 @@ static bool add_rows(const stencils *of, growth *to)
         to->own = n - first < WEFT__MESH_BLOCK ? n - first : WEFT__MESH_BLOCK;
         to->count = 0;
         for (size_t i = first; i < first + to->own; ++i) {
-            if (!add_row(of, to, i)) {
+            if (weft__stops(of->stop) || !add_row(of, to, i)) {
                 return false;
             }
         }
@@ -441,10 +443,10 @@ static bool resists(weft__plate_matrix *to, const weft__triangles *mesh)
 }
 
 bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *of,
-                               size_t particles, const uint32_t *pin,
+                               size_t particles, const uint32_t *pin, weft__stop *stop,
                                const weft_allocator *memory)
 {
-    stencils all = { .mesh = of, .memory = memory };
+    stencils all = { .mesh = of, .memory = memory, .stop = stop };
     growth grown = { .out = out };
     const size_t groups = (particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t blocks = (particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;

@@ -479,7 +479,7 @@ static bool needed(const search *s, const weft__edge *edge)
 }
 
 bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         bool curved, const weft_allocator *memory)
+                         bool curved, weft__stop *stop, const weft_allocator *memory)
 {
     search s = { .mesh = of, .held = held, .memory = memory, .out = out };
     *out = (weft__slopes){ .first
@@ -489,7 +489,9 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
         join(&s);
     }
     for (size_t e = 0; made && e < of->edges; ++e) {
-        if (curved) {
+        if (weft__stops(stop)) {
+            made = false;
+        } else if (curved) {
             made = curve(&s, e);
         } else if (needed(&s, &of->edge_list[e])) {
             made = slope(&s, e);

@@ -77,13 +77,14 @@ void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
                       const weft__state *at, size_t than, weft_measures *least);
 
 /* As weft__crossing_error, at a time; also of cloth that is inside a closed body. */
+struct weft__search; /* crossing.h */
 weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
-                               size_t loose, const char *where, weft_error *err);
+                               const struct weft__search *of, weft_error *err);
 
 /* WEFT_SOLVER if a pinned particle beside a free one is inside a closed body: no state
  * of the free ones is without a crossing then. */
 weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
-                                    const char *where, weft_error *err);
+                                    const struct weft__search *of, weft_error *err);
 
 /* A weft__name_fn; ctx: a weft__bodies. */
 void weft__bodies_name(const void *ctx, const weft_primitive *of, char *text,

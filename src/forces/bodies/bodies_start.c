@@ -137,7 +137,7 @@ static void connect(const weft__mesh *mesh, const weft__skin *skin, uint32_t *la
 
 /* Of the particles that are their own label. */
 static weft_status inside_error(const weft__bodies *own, const double *y,
-                                const uint32_t *label, const char *where,
+                                const uint32_t *label, const weft__search *how,
                                 const char *what, weft_error *err)
 {
     const weft__mesh *mesh = own->pairs.mesh;
@@ -152,12 +152,15 @@ static weft_status inside_error(const weft__bodies *own, const double *y,
         const bool closed = is_closed(own, body);
         first += body->vertices;
         for (size_t i = 0; closed && i < mesh->particles; ++i) {
+            if (weft__stops(how->stop)) {
+                return weft__stopped(err);
+            }
             const double x[3] = { y[i], y[points + i], y[2 * points + i] };
             if (label[i] == i && is_inside(&of, x)) {
                 char text[64];
                 return weft_error_set(
                     err, WEFT_INVALID, "%s%s is inside shapes[%zu], a closed mesh%s",
-                    where,
+                    how->where != NULL ? how->where : "",
                     weft__particle_name(mesh, weft__vertex_of(mesh, i), text,
                                         sizeof text),
                     k, what);
@@ -170,8 +173,8 @@ static weft_status inside_error(const weft__bodies *own, const double *y,
 typedef void label_fn(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label);
 
 static weft_status named_inside(const weft__bodies *own, const double *y,
-                                label_fn *find, const char *where, const char *what,
-                                weft_error *err)
+                                label_fn *find, const weft__search *how,
+                                const char *what, weft_error *err)
 {
     const size_t n = own->pairs.mesh->particles;
     uint32_t *label = weft__alloc(&own->memory, n, sizeof *label);
@@ -179,25 +182,25 @@ static weft_status named_inside(const weft__bodies *own, const double *y,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
     find(own->pairs.mesh, own->pairs.skin, label);
-    const weft_status status = inside_error(own, y, label, where, what, err);
+    const weft_status status = inside_error(own, y, label, how, what, err);
     weft__free(&own->memory, label);
     return status;
 }
 
 weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
-                               size_t loose, const char *where, weft_error *err)
+                               const weft__search *of, weft_error *err)
 {
     if (!own->pairs.law.self) {
         return WEFT_OK;
     }
     double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
     weft_status status
-        = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
-                      : weft__named_crossing(&own->pairs, all, loose, where,
-                                             weft__bodies_name, own, err);
+        = all == NULL
+              ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
+              : weft__named_crossing(&own->pairs, all, of, weft__bodies_name, own, err);
     if (status == WEFT_OK) { /* of each connected part one particle */
-        status = named_inside(own, all, connect, where,
-                              ", with all that is joined to it", err);
+        status = named_inside(own, all, connect, of, ", with all that is joined to it",
+                              err);
     }
     weft__free(&own->memory, all);
     return status;
@@ -218,7 +221,7 @@ static void label_pins(const weft__mesh *mesh, const weft__skin *skin, uint32_t 
 }
 
 weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
-                                    const char *where, weft_error *err)
+                                    const weft__search *of, weft_error *err)
 {
     if (!own->pairs.law.self) {
         return WEFT_OK;
@@ -226,7 +229,7 @@ weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const dou
     double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
     weft_status status
         = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
-                      : named_inside(own, all, label_pins, where,
+                      : named_inside(own, all, label_pins, of,
                                      ", and a pin holds it there", err);
     weft__free(&own->memory, all);
     if (status == WEFT_INVALID && err != NULL) {

@@ -247,7 +247,8 @@ static inline double weft__geometric(const weft__rest *of, const double s[3], si
  */
 
 /* membrane_arc_init.c. False: no memory; free it in either case. */
-bool weft__arc_create(weft__membrane *own, const weft_allocator *memory);
+bool weft__arc_create(weft__membrane *own, weft__stop *stop,
+                      const weft_allocator *memory);
 void weft__arc_free(weft__arc *of, const weft_allocator *memory);
 size_t weft__arc_bytes(const weft__membrane *own);
 

@@ -234,7 +234,8 @@ static bool reach(arc_maker *by)
     return arc->reach != NULL;
 }
 
-bool weft__arc_create(weft__membrane *own, const weft_allocator *memory)
+bool weft__arc_create(weft__membrane *own, weft__stop *stop,
+                      const weft_allocator *memory)
 {
     const weft__triangles *of = own->mesh->triangles;
     arc_maker by = { .own = own, .of = of, .memory = memory };
@@ -245,10 +246,10 @@ bool weft__arc_create(weft__membrane *own, const weft_allocator *memory)
     by.edge = weft__zeroed(memory, of->edges, sizeof *by.edge);
     by.triangle = weft__zeroed(memory, of->count, sizeof *by.triangle);
     by.near = weft__zeroed(memory, own->mesh->particles, sizeof *by.near);
-    const bool made = held != NULL && by.edge != NULL && by.triangle != NULL
-                      && by.near != NULL
-                      && weft__slopes_create(&own->arc.rows, of, held, true, memory)
-                      && list_parts(&by) && reach(&by) && make_groups(&by);
+    const bool made
+        = held != NULL && by.edge != NULL && by.triangle != NULL && by.near != NULL
+          && weft__slopes_create(&own->arc.rows, of, held, true, stop, memory)
+          && list_parts(&by) && reach(&by) && make_groups(&by);
     WEFT__FREE_ALL(memory, held, by.edge, by.triangle, by.near);
     return made;
 }

@@ -177,7 +177,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     by.list = weft__alloc(memory, triangles->count, sizeof *by.list);
     by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
     const bool made = make(&by) && weft__membrane_weigh(of, memory)
-                      && weft__arc_create(of, memory)
+                      && weft__arc_create(of, def->stop_ctx, memory)
                       && weft__membrane_number_links(of, memory);
     WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);
     return made;

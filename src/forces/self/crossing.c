@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "forces/self/crossing.h"
 
+#include "base/finite.h"
 #include "mesh/surface.h"
 
 typedef struct counting {
     const weft__quadtree *tree;
-    size_t loose;
+    size_t loose; /* SIZE_MAX: none */
+    weft__stop *stop;
     weft__crossing_fn *visit;
     void *ctx;
 } counting;
@@ -181,14 +183,15 @@ static bool compare_all(void *ctx, size_t i, size_t j)
     } else {
         keep_points(of, i);
     }
-    return true;
+    return !weft__stops(of->stop);
 }
 
-void weft__each_crossing(const weft__quadtree *tree, size_t loose,
+bool weft__each_crossing(const weft__quadtree *tree, const weft__search *of,
                          weft__crossing_fn *visit, void *ctx)
 {
-    counting of = { tree, loose, visit, ctx };
-    (void)weft__tree_pairs(tree, 0.0, compare_all, &of);
+    const size_t loose = of->loose == 0 ? SIZE_MAX : of->loose - 1;
+    counting all = { tree, loose, of->stop, visit, ctx };
+    return weft__tree_pairs(tree, 0.0, compare_all, &all);
 }
 
 static void count(void *ctx, const weft__crossing *one)
@@ -201,10 +204,10 @@ static void count(void *ctx, const weft__crossing *one)
     ++found->count;
 }
 
-weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose)
+weft__crossings weft__crossings_of(const weft__quadtree *tree, const weft__search *of)
 {
     weft__crossings found = { .count = 0 };
-    weft__each_crossing(tree, loose, count, &found);
+    (void)weft__each_crossing(tree, of, count, &found);
     return found;
 }
 
@@ -215,10 +218,10 @@ void weft__self_name(const void *ctx, const weft_primitive *of, char *text, size
     (void)weft__primitive_text(own->mesh, &named, text, size);
 }
 
-weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft_error *err)
+weft_status weft__crossing_error(const weft__self *own, const double *y,
+                                 const weft__search *of, weft_error *err)
 {
-    return weft__named_crossing(own, y, loose, where, weft__self_name, own, err);
+    return weft__named_crossing(own, y, of, weft__self_name, own, err);
 }
 
 void weft__crossing_names(const weft__crossing *one, weft__name_fn *by, const void *ctx,
@@ -263,7 +266,7 @@ static void count_held(void *ctx, const weft__crossing *one)
 
 /* "; pins hold (3, 4) and (3, 5), and corners of 12 pairs" of pairs whose first is
  * *one; "" without pins. */
-static void held_text(const weft__quadtree *tree, size_t loose,
+static void held_text(const weft__quadtree *tree, const weft__search *of,
                       const weft__crossings *found, char *text, size_t size)
 {
     const weft__self *own = tree->own;
@@ -271,7 +274,7 @@ static void held_text(const weft__quadtree *tree, size_t loose,
     size_t held[6];
     char names[2][WEFT__NAME_TEXT] = { "", "" };
     const size_t count = held_in(own, &found->first, held);
-    weft__each_crossing(tree, loose, count_held, &all);
+    (void)weft__each_crossing(tree, of, count_held, &all);
     for (size_t k = 0; k < count && k < 2; ++k) {
         weft__name_text(
             own->mesh,
@@ -291,16 +294,23 @@ static void held_text(const weft__quadtree *tree, size_t loose,
     }
 }
 
-weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft__name_fn *by, const void *ctx,
-                                 weft_error *err)
+weft_status weft__named_crossing(const weft__self *own, const double *y,
+                                 const weft__search *of, weft__name_fn *by,
+                                 const void *ctx, weft_error *err)
 {
     char text[WEFT__CROSSING_TEXT], more[48] = "", pins[160];
     if (!own->law.self) {
         return WEFT_OK;
     }
+    if (!weft__all_finite(y, 3 * own->points)) { /* no comparison finds a NaN */
+        return weft_error_set(err, WEFT_NOT_FINITE, "%sthe state is not finite",
+                              of->where != NULL ? of->where : "");
+    }
     const weft__quadtree tree = weft__tree_of(own, y);
-    const weft__crossings found = weft__crossings_of(&tree, loose);
+    const weft__crossings found = weft__crossings_of(&tree, of);
+    if (of->stop != NULL && of->stop->came) {
+        return weft__stopped(err);
+    }
     if (found.count == 0) {
         return WEFT_OK;
     }
@@ -308,6 +318,7 @@ weft_status weft__named_crossing(const weft__self *own, const double *y, size_t 
         (void)snprintf(more, sizeof more, "; %zu such pairs", found.count);
     }
     weft__crossing_names(&found.first, by, ctx, text);
-    held_text(&tree, loose, &found, pins, sizeof pins);
-    return weft_error_set(err, WEFT_INVALID, "%s%s%s%s", where, text, more, pins);
+    held_text(&tree, of, &found, pins, sizeof pins);
+    return weft_error_set(err, WEFT_INVALID, "%s%s%s%s",
+                          of->where != NULL ? of->where : "", text, more, pins);
 }

@@ -2,6 +2,7 @@
 /* crossing.h -- where a cloth passes through itself or a body. */
 #pragma once
 
+#include "base/stop.h"
 #include "forces/self/self.h"
 
 /* An edge and a triangle; of a chain two edges. Or two neighbours at the same place. */
@@ -12,18 +13,24 @@ typedef struct weft__crossing {
     weft__meeting how;
 } weft__crossing;
 
-/* Visits all, in an order that depends on the cloth alone. Particle `loose` counts as
- * free; SIZE_MAX: none does. The own of the tree must have a skin unless it is of a
- * grid. */
+/* How they are looked for. */
+typedef struct weft__search {
+    const char *where; /* before the message; NULL: nothing */
+    size_t loose;      /* 1 + a particle that counts as free; 0: none does */
+    weft__stop *stop;  /* asked now and then; NULL: never */
+} weft__search;
+
+/* Visits all, in an order that depends on the cloth alone; false: it was stopped. The
+ * own of the tree must have a skin unless it is of a grid. */
 typedef void weft__crossing_fn(void *ctx, const weft__crossing *one);
-void weft__each_crossing(const weft__quadtree *tree, size_t loose,
+bool weft__each_crossing(const weft__quadtree *tree, const weft__search *of,
                          weft__crossing_fn *visit, void *ctx);
 
 typedef struct weft__crossings {
     size_t count;         /* of weft_cloth_crossings */
     weft__crossing first; /* by its keys */
 } weft__crossings;
-weft__crossings weft__crossings_of(const weft__quadtree *tree, size_t loose);
+weft__crossings weft__crossings_of(const weft__quadtree *tree, const weft__search *of);
 
 /* What an own has of a kind at node i: edges of 2 points, or triangles of 3; their keys
  * follow each other. */
@@ -36,9 +43,9 @@ void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *t
 
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs; pins
- * hold (3, 4), and corners of 2 pairs". */
-weft_status weft__crossing_error(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft_error *err);
+ * hold (3, 4), and corners of 2 pairs". Or WEFT_STOPPED. */
+weft_status weft__crossing_error(const weft__self *own, const double *y,
+                                 const weft__search *of, weft_error *err);
 
 /* The same, with names of one's own for primitives. */
 typedef void weft__name_fn(const void *ctx, const weft_primitive *of, char *text,
@@ -47,6 +54,6 @@ weft__name_fn weft__self_name; /* ctx: a weft__self */
 enum { WEFT__CROSSING_TEXT = sizeof((weft_crossing *)0)->text };
 void weft__crossing_names(const weft__crossing *one, weft__name_fn *by, const void *ctx,
                           char text[WEFT__CROSSING_TEXT]);
-weft_status weft__named_crossing(const weft__self *own, const double *y, size_t loose,
-                                 const char *where, weft__name_fn *by, const void *ctx,
-                                 weft_error *err);
+weft_status weft__named_crossing(const weft__self *own, const double *y,
+                                 const weft__search *of, weft__name_fn *by,
+                                 const void *ctx, weft_error *err);
