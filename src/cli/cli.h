@@ -202,10 +202,23 @@ weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_si
  * prints why not at the place of the method. */
 int scene_accepted(const weft_scene *scene);
 
-/* A simulation of a scene, or of its band of that comm: cloth and sim, or NULL both. */
-weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              const weft_sensitivity_def *sensitivity, weft_log log,
+/* A simulation of a scene: cloth and sim, or NULL both. */
+weft_status simulation_create(const weft_scene *scene,
+                              const weft_sensitivity_def *sensitivity,
                               weft_cloth **cloth, weft_sim **sim, weft_error *err);
+
+/* The same in steps: the cloth of the scene, or its band of that comm; the first state
+ * of a scene with contact.untangle, relaxed or as it is (NULL of others), which the
+ * caller frees also where it fails: then it is what is left; the simulation, with the
+ * first state or NULL. */
+weft_status band_create(const weft_scene *scene, const weft_comm *comm,
+                        weft_cloth **cloth, weft_error *err);
+weft_status start_create(const weft_scene *scene, const weft_cloth *cloth, bool relax,
+                         double **y, weft_error *err);
+weft_status band_sim_create(const weft_scene *scene, const weft_comm *comm,
+                            const weft_sensitivity_def *sensitivity, weft_log log,
+                            const weft_cloth *cloth, const double *start,
+                            weft_sim **sim, weft_error *err);
 
 /* The cloths of its sensitivities, which must outlive a simulation; none: NULL. */
 weft_status twins_create(const arguments *given, const weft_scene *scene,

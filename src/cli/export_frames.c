@@ -361,8 +361,7 @@ static int open_anew(const arguments *given, export_job *job)
         return code;
     }
     if (record_series_rows(job->directory, &job->series, &job->count, &err) != WEFT_OK
-        || simulation_create(job->scene, NULL, NULL, (weft_log){ NULL, NULL },
-                             &job->cloth, &job->sim, &err)
+        || simulation_create(job->scene, NULL, &job->cloth, &job->sim, &err)
                != WEFT_OK) {
         return report_error(&err);
     }

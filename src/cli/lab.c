@@ -266,8 +266,7 @@ static weft_status measure(const weft_scene *scene, size_t test, const char *pic
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
     double *places = NULL;
-    const weft_log log = { 0 };
-    weft_status status = simulation_create(scene, NULL, NULL, log, &cloth, &sim, err);
+    weft_status status = simulation_create(scene, NULL, &cloth, &sim, err);
     const size_t n = status == WEFT_OK ? weft_cloth_particles(cloth) : 0;
     if (status == WEFT_OK && (places = malloc(6 * n * sizeof *places)) == NULL) {
         status = weft_error_set(err, WEFT_NO_MEMORY, "no memory for the cloth");

@@ -18,6 +18,7 @@
 #include "cli/run/interrupt.h"
 #include "cut/cut.h"
 #include "record/child_process.h"
+#include "record/yaml_out.h"
 
 /* The build tree has its plugins beside libweft; "" if it is none. */
 static void tree_plugins(char *directory, size_t size)
@@ -147,6 +148,29 @@ static void print_found(const weft_diagnostics *found)
     }
 }
 
+/* Progress before a run has begun, once a second; ctx: the mode. */
+static void write_progress(void *ctx, weft_log_level level, const char *text)
+{
+    const progress_mode *mode = ctx;
+    yaml_out out;
+    if (level == WEFT_LOG_INFO && *mode == PROGRESS_YAML) {
+        yaml_out_begin_event(&out, "prepare");
+        yaml_out_write(&out, "message: \"%s\"", text);
+        yaml_out_end_event(&out);
+    } else if (level == WEFT_LOG_INFO) {
+        fprintf(stderr, "%s\n", text);
+    }
+}
+
+/* The scene outlives the command line that it was read by. */
+static weft_log progress_log(progress_mode mode)
+{
+    static const progress_mode modes[]
+        = { PROGRESS_NONE, PROGRESS_LINES, PROGRESS_TERMINAL, PROGRESS_YAML };
+    return mode == PROGRESS_NONE ? (weft_log){ NULL, NULL }
+                                 : (weft_log){ write_progress, (void *)&modes[mode] };
+}
+
 /* What is loaded by the options. */
 static weft_scene_def scene_def(const arguments *given)
 {
@@ -154,6 +178,8 @@ static weft_scene_def scene_def(const arguments *given)
     def.find_plugin = find_plugin;
     def.find_ctx = given->registry;
     def.refine = given->finer;
+    def.log = progress_log(given->mode);
+    def.stop = given->comm == NULL ? interrupt_pending : NULL;
 #ifdef WEFT_QHULL
     def.mesh_cut = cut_mesh;
 #endif
@@ -332,11 +358,11 @@ weft_status sim_create(const weft_scene *scene, const weft_cloth *cloth, weft_si
     return weft_sim_create(&def, sim, err);
 }
 
-/* The band of this process. */
-static weft_status band_create(const weft_scene *scene, const weft_comm *comm,
-                               weft_cloth **cloth, weft_error *err)
+weft_status band_create(const weft_scene *scene, const weft_comm *comm,
+                        weft_cloth **cloth, weft_error *err)
 {
     weft_cloth_def band = *weft_scene_cloth(scene);
+    *cloth = NULL;
     if (comm != NULL) { /* the scene was checked for bands */
         (void)weft_comm_band(weft_cloth_def_blocks(&band), (size_t)comm->rank,
                              (size_t)comm->size, &band.band_first, &band.band_rows);
@@ -358,22 +384,46 @@ static void define_stop(const weft_run_def *run, weft_sim_def *def)
     }
 }
 
-weft_status simulation_create(const weft_scene *scene, const weft_comm *comm,
-                              const weft_sensitivity_def *sensitivity, weft_log log,
+weft_status start_create(const weft_scene *scene, const weft_cloth *cloth, bool relax,
+                         double **y, weft_error *err)
+{
+    *y = NULL;
+    if (weft_scene_cloth(scene)->untangle == 0.0) {
+        return WEFT_OK;
+    }
+    *y = malloc(weft_cloth_dim(cloth) * sizeof **y);
+    if (*y == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
+    }
+    weft_cloth_start(cloth, *y);
+    return relax ? weft_cloth_untangle(cloth, *y, err) : WEFT_OK;
+}
+
+weft_status band_sim_create(const weft_scene *scene, const weft_comm *comm,
+                            const weft_sensitivity_def *sensitivity, weft_log log,
+                            const weft_cloth *cloth, const double *start,
+                            weft_sim **sim, weft_error *err)
+{
+    weft_sim_def def = define(scene, comm, cloth);
+    const weft_run_def *run = weft_scene_run(scene);
+    def.log = log;
+    def.sensitivity = sensitivity;
+    def.dense = run->interpolate;
+    define_stop(run, &def);
+    def.start = start;
+    return weft_sim_create(&def, sim, err);
+}
+
+weft_status simulation_create(const weft_scene *scene,
+                              const weft_sensitivity_def *sensitivity,
                               weft_cloth **cloth, weft_sim **sim, weft_error *err)
 {
     *sim = NULL;
-    *cloth = NULL;
-    weft_status status
-        = weft_comm_agree(comm, band_create(scene, comm, cloth, err), err);
-    if (status == WEFT_OK) {
-        weft_sim_def def = define(scene, comm, *cloth);
-        def.log = log;
-        def.sensitivity = sensitivity;
-        def.dense = weft_scene_run(scene)->interpolate;
-        define_stop(weft_scene_run(scene), &def);
-        status = weft_sim_create(&def, sim, err);
-    }
+    weft_status status = band_create(scene, NULL, cloth, err);
+    status = status == WEFT_OK
+                 ? band_sim_create(scene, NULL, sensitivity, (weft_log){ NULL, NULL },
+                                   *cloth, NULL, sim, err)
+                 : status;
     if (status != WEFT_OK) {
         weft_cloth_destroy(*cloth);
         *cloth = NULL;
@@ -386,12 +436,18 @@ int scene_accepted(const weft_scene *scene)
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
+    double *start = NULL;
     const weft_stepper_type *type = weft_scene_method_type(scene);
     if (type == NULL || (type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
         return EXIT_DONE;
     }
-    const weft_status status = simulation_create(
-        scene, NULL, NULL, (weft_log){ NULL, NULL }, &cloth, &sim, &err);
+    weft_status status = band_create(scene, NULL, &cloth, &err);
+    status
+        = status == WEFT_OK ? start_create(scene, cloth, false, &start, &err) : status;
+    status = status == WEFT_OK ? band_sim_create(
+                 scene, NULL, NULL, (weft_log){ NULL, NULL }, cloth, start, &sim, &err)
+                               : status;
+    free(start);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     if (status != WEFT_INVALID && status != WEFT_UNSUPPORTED) {

@@ -149,8 +149,9 @@ weft_status weft__start_crossing_error(const weft_cloth *cloth, weft__stop *stop
                                        weft_error *err);
 
 /* untangle.c: weft_cloth_untangle with another question and another log. */
-weft_status weft__relax_start(const weft_cloth *cloth, double *y, const weft__stop *stop,
-                           const weft_log *log, weft_error *err);
+weft_status weft__relax_start(const weft_cloth *cloth, double *y,
+                              const weft__stop *stop, const weft_log *log,
+                              weft_error *err);
 
 /* cloth_contact.c: "edge (0, 14)-(0, 15) passes through shapes[0] at t = 0.5 s, one of
  * 6 edges and triangles: ..." with the cure; particles by their numbers in the whole

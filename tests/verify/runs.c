@@ -118,8 +118,7 @@ weft_status verify_run(weft_registry *registry, const verify_scene *scene,
     *out = (verify_frames){ 0 };
     weft_status status = load(registry, scene, stepper, &loaded, err);
     if (status == WEFT_OK) {
-        status = simulation_create(loaded, NULL, NULL, (weft_log){ NULL, NULL }, &cloth,
-                                   &sim, err);
+        status = simulation_create(loaded, NULL, &cloth, &sim, err);
     }
     if (status == WEFT_OK) {
         status = play_scene(loaded, sim, out, err);

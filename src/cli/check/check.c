@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* check.c -- weft check: validates scenes and describes them; writes no file. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli/batch/batch.h"
@@ -150,16 +151,14 @@ static void print_stepper(const weft_scene *scene, size_t particles)
     }
 }
 
+/* What is known without a simulation, whose start may relax for minutes. */
 static void print_scene(const char *file, const weft_scene *scene,
-                        const weft_cloth *cloth, const weft_sim *sim,
-                        const survey *found, bool all)
+                        const weft_cloth *cloth)
 {
     const weft_run_def *run = weft_scene_run(scene);
     const weft_limit_def *limit = weft_scene_limit(scene);
-    weft_error err;
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
-    print_memory(cloth, sim);
     start_print_stretch(weft_scene_cloth(scene));
     fabric_print(scene, cloth);
     contact_print(weft_scene_cloth(scene));
@@ -174,6 +173,14 @@ static void print_scene(const char *file, const weft_scene *scene,
            weft_run_last_frame(run) + 1);
     print_bytes(" run.vtkhdf", frames_bytes(scene, &(size_t){ 0 }));
     putchar('\n');
+    (void)fflush(stdout);
+}
+
+static void print_survey(const weft_scene *scene, const weft_cloth *cloth,
+                         const weft_sim *sim, const survey *found, bool all)
+{
+    weft_error err;
+    print_memory(cloth, sim);
     stability_print(scene, found, all);
     if (scene_supported(scene, &err) != WEFT_OK) {
         print_item("note", "%s", err.message);
@@ -194,48 +201,73 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     yaml_out_write(out, "}");
 }
 
+/* It may be on purpose. */
+static void warn_without_springs(const char *file, const weft_scene *scene,
+                                 const weft_cloth *cloth)
+{
+    size_t springs = weft_scene_cloth(scene)->mesh != NULL;
+    for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
+        springs += weft_cloth_springs(cloth, (weft_family)i);
+    }
+    if (springs == 0) {
+        print_line(stderr,
+                   "%s: warning: cloth has no springs: nothing holds it together",
+                   file);
+    }
+}
+
+/* The simulation of a cloth and what methods cost on it. */
+typedef struct described {
+    double *start;
+    weft_sim *sim;
+    survey found;
+} described;
+
+static weft_status measure(const weft_scene *scene, const weft_cloth *cloth,
+                           const arguments *given, described *to, weft_error *err)
+{
+    if (weft_scene_method_type(scene) != NULL) {
+        TRY(start_create(scene, cloth, true, &to->start, err));
+        TRY(band_sim_create(scene, NULL, NULL, (weft_log){ NULL, NULL }, cloth,
+                            to->start, &to->sim, err));
+    }
+    return survey_create(scene, cloth, to->sim, to->start, given, &to->found, err);
+}
+
 /* Describes a valid scene, to *out or, if that is NULL, as text. */
 static int describe(const char *file, const weft_scene *scene, const arguments *given,
                     yaml_out *out)
 {
     weft_error err = { 0 };
     weft_cloth *cloth = NULL;
-    weft_sim *sim = NULL;
-    survey found = { 0 };
-    const bool runs = weft_scene_method_type(scene) != NULL;
+    described of = { .start = NULL };
     if (scene_accepted(scene) != EXIT_DONE) {
         return EXIT_SCENE;
     }
     weft_status status = frames_have_room(scene, &err);
     if (status == WEFT_OK) {
-        status = runs ? simulation_create(scene, NULL, NULL, (weft_log){ NULL, NULL },
-                                          &cloth, &sim, &err)
-                      : cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
+        status = cloth_create(scene, weft_scene_cloth(scene), &cloth, &err);
+    }
+    if (status == WEFT_OK && out == NULL) {
+        print_scene(file, scene, cloth);
     }
     if (status == WEFT_OK) {
-        size_t springs = weft_scene_cloth(scene)->mesh != NULL;
-        for (size_t i = 0; i < WEFT_FAMILIES; ++i) {
-            springs += weft_cloth_springs(cloth, (weft_family)i);
-        }
-        if (springs == 0) { /* it may be on purpose */
-            print_line(stderr,
-                       "%s: warning: cloth has no springs: nothing holds it together",
-                       file);
-        }
+        warn_without_springs(file, scene, cloth);
         keys_warn(file, weft_scene_cloth(scene));
-        status = survey_create(scene, cloth, sim, given, &found, &err);
+        status = measure(scene, cloth, given, &of, &err);
     }
     if (status != WEFT_OK) {
         (void)snprintf(err.file, sizeof err.file, "%.200s", file);
         err.line = err.column = 1;
     } else if (out != NULL) {
-        scene_yaml(out, file, scene, cloth, &found);
+        scene_yaml(out, file, scene, cloth, &of.found);
     } else {
-        print_scene(file, scene, cloth, sim, &found, given->all);
+        print_survey(scene, cloth, of.sim, &of.found, given->all);
     }
-    survey_destroy(&found);
-    weft_sim_destroy(sim);
+    survey_destroy(&of.found);
+    weft_sim_destroy(of.sim);
     weft_cloth_destroy(cloth);
+    free(of.start);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 
@@ -244,13 +276,10 @@ static bool is_beyond(const weft_sweep *sweep, size_t run)
     weft_scene *scene = NULL;
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    const bool beyond
-        = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
-          && weft_scene_config(scene)->fixed_step > 0.0
-          && simulation_create(scene, NULL, NULL, (weft_log){ NULL, NULL }, &cloth,
-                               &sim, NULL)
-                 == WEFT_OK
-          && stability_warn(scene, sim, true);
+    const bool beyond = weft_sweep_scene(sweep, run, &scene, NULL) == WEFT_OK
+                        && weft_scene_config(scene)->fixed_step > 0.0
+                        && simulation_create(scene, NULL, &cloth, &sim, NULL) == WEFT_OK
+                        && stability_warn(scene, sim, true);
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     weft_scene_destroy(scene);
@@ -340,8 +369,10 @@ const verb verb_check = {
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "example: weft check scenes/*.yaml\n\n"
-      "exit codes: 0 all scenes are valid, 3 a scene is wrong, 4 a file could not be "
-      "read\n",
+      "exit codes: 0 all scenes are valid, 1 a start crosses and contact.untangle does "
+      "not free it, or there is no memory, 2 wrong command line, 3 a scene is wrong, 4 "
+      "a "
+      "file could not be read, 130 SIGINT, 143 SIGTERM\n",
     .operands = { 1, ANY_NUMBER, "no scene given", NULL },
     .run = check_verb,
 };

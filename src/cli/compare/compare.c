@@ -315,6 +315,7 @@ static weft_status compare_into(compare *self, const char *directory, weft_error
             "no two explicit methods with error control, of which one "
             "would check the other");
     }
+    TRY(start_create(self->scene, self->cloth, true, &self->start, err));
     TRY(record_outdir(directory, self->given->force, err));
     TRY(open_memory(self, err));
     TRY(add_methods(self, err));
@@ -355,6 +356,7 @@ static int compare_scene(const arguments *given, double until, const weft_scene 
     const weft_status status
         = compare_into(&self, out_directory(given, ".compare", text), &err);
     weft_cloth_destroy(self.cloth);
+    free(self.start);
     return status == WEFT_OK ? EXIT_DONE : report_error(&err);
 }
 

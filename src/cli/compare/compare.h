@@ -80,6 +80,7 @@ typedef struct compare {
     const arguments *given;
     const weft_scene *scene;
     weft_cloth *cloth;
+    double *start;    /* of start_create */
     weft_run_def run; /* of the scene, up to --until */
     stepper_method by[2];
     size_t last;          /* frame up to which errors are judged */

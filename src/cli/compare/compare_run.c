@@ -74,6 +74,7 @@ static weft_status create(const compare *self, const stepper_method *by,
     def.method = by->type;
     def.config = *config;
     def.limit = *weft_scene_limit(self->scene);
+    def.start = self->start;
     return weft_sim_create(&def, out, err);
 }
 

@@ -116,8 +116,8 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
     weft_scene_twins *twins = NULL;
     weft_status status = twins_create(self->given, scene, &twins, err);
     if (status == WEFT_OK) {
-        status = simulation_create(scene, NULL, weft_scene_twins_def(twins),
-                                   (weft_log){ NULL, NULL }, &cloth, &sim, err);
+        status
+            = simulation_create(scene, weft_scene_twins_def(twins), &cloth, &sim, err);
     }
     if (status == WEFT_OK) {
         status = follow(self, scene, sim, err);

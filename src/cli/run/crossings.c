@@ -14,23 +14,17 @@ static weft_status claim(const arguments *given, const char *out, int *lock,
     return given->force ? WEFT_OK : record_outdir(out, false, err);
 }
 
-weft_status crossings_write(const arguments *given, const char *out,
-                            const weft_scene *scene, bool claimed, weft_error *err)
+static weft_status write_pairs(const arguments *given, const char *out,
+                               const weft_scene *scene, weft_error *err)
 {
     int lock = -1;
     weft_cloth *cloth = NULL;
+    double *y = NULL;
     TRY(cloth_create(scene, weft_scene_cloth(scene), &cloth, err));
-    double *y = malloc(weft_cloth_dim(cloth) * sizeof *y);
-    weft_status status = y != NULL ? WEFT_OK : WEFT_NO_MEMORY;
-    if (status == WEFT_OK) {
-        weft_cloth_start(cloth, y);
-        if (claimed) {
-            (void)weft_cloth_untangle(cloth, y, NULL);
-        }
-        const bool any = weft_cloth_each_crossing(cloth, y, NULL, NULL) > 0;
-        status = any && !claimed ? claim(given, out, &lock, err) : WEFT_OK;
-        status
-            = any && status == WEFT_OK ? record_crossings(out, cloth, y, err) : status;
+    weft_status status = start_create(scene, cloth, false, &y, err);
+    if (status == WEFT_OK && weft_cloth_each_crossing(cloth, y, NULL, NULL) > 0) {
+        status = claim(given, out, &lock, err);
+        status = status == WEFT_OK ? record_crossings(out, cloth, y, err) : status;
     }
     if (lock >= 0) {
         (void)close(lock);
@@ -57,7 +51,7 @@ void crossings_of_mistake(const arguments *given, const char *out)
     other.sets = sets, other.set_count = given->set_count + 1;
     other.silent = true;
     if (open_scene(given->operands[0], &other, &scene, NULL) == EXIT_DONE
-        && crossings_write(given, out, scene, false, &err) != WEFT_OK) {
+        && write_pairs(given, out, scene, &err) != WEFT_OK) {
         (void)report_error(&err);
     }
     weft_scene_destroy(scene);

@@ -151,12 +151,45 @@ static const char *signal_name(void)
     return interrupt_signal() == SIGINT ? "SIGINT" : "SIGTERM";
 }
 
+/* Stopped before the files of the run were opened. Those of an earlier attempt stay as
+ * they are: a checkpoint goes on from there. Returns the exit code. */
+static int stopped_early(run *self)
+{
+    weft_error err = { 0 };
+    weft_status status = run_in_place(self, &err);
+    say(&self->reason, "%s before the first step", signal_name());
+    self->result.status = "interrupted";
+    self->result.reason = self->reason.text;
+    self->result.wall_time = weft__wall_clock() - self->began;
+    if (status == WEFT_OK && self->from == NULL) {
+        status = record_scene_text(self->out, "scene.yaml", self->scene, &err);
+    }
+    if (status == WEFT_OK
+        && (self->from == NULL || !record_exists(self->out, "result.yaml"))) {
+        status = record_result_write(self->out, &self->result, &err);
+    }
+    if (status != WEFT_OK) {
+        return report_error(&err);
+    }
+    if (self->given->mode == PROGRESS_YAML) {
+        summary_yaml_end(self);
+    } else if (!self->given->quiet) {
+        print_plainly(stderr, "%s: interrupted by %s\n", self->out, self->reason.text);
+    }
+    return interrupt_code(interrupt_signal());
+}
+
 /* The step under way does not end. Nothing is known of the simulation but the frames
  * before: the thread that steps may be changing it. */
 static void give_up(void *ctx)
 {
     run *self = ctx;
     weft_error err = { 0 };
+    if (!self->open) {
+        const int early = stopped_early(self);
+        (void)fflush(stdout);
+        _exit(early);
+    }
     progress_clear(&self->progress);
     weft_status status = run_close(self, WEFT_OK, &err);
     say(&self->reason, "%s within a step", signal_name());
@@ -191,7 +224,6 @@ static weft_status simulate(run *self, weft_error *err)
         summary_yaml_begin(self);
     }
     progress_begin(&self->progress, self->given->mode, self->sim, frames.run);
-    interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
     (void)pthread_mutex_unlock(&self->watch.records);
     weft_status status = weft_sim_play(self->sim, &frames, err);
     (void)pthread_mutex_lock(&self->watch.records);
@@ -296,17 +328,20 @@ static int conclude(run *self, weft_status status, const weft_error *why)
 }
 
 /* Reports that a valid scene cannot be run, in result.yaml too. */
-static int refuse(const run *self, const weft_error *why)
+static int refuse(run *self, const weft_error *why)
 {
     weft_error err = { .status = WEFT_UNSUPPORTED };
     const record_result result = { .status = "failed",
                                    .reason = why->message,
                                    .planned = self->result.planned };
+    if (why->status == WEFT_STOPPED && interrupt_signal() != 0) {
+        return stopped_early(self);
+    }
     (void)report_error(why);
     if (self->from == NULL && ranks_first(self->comm)
         && (record_scene_text(self->out, "scene.yaml", self->scene, &err) != WEFT_OK
-            || (why->status == WEFT_SOLVER
-                && crossings_write(self->given, self->out, self->scene, true, &err)
+            || (why->status == WEFT_SOLVER && self->start != NULL
+                && record_crossings(self->out, self->cloth, self->start, &err)
                        != WEFT_OK)
             || record_result_write(self->out, &result, &err) != WEFT_OK)) {
         return report_error(&err);
@@ -314,6 +349,7 @@ static int refuse(const run *self, const weft_error *why)
     return EXIT_SIMULATION;
 }
 
+/* The watch is ended where the run is over before its first step. */
 static int run_prepared(run *self)
 {
     weft_error err = { 0 };
@@ -324,39 +360,60 @@ static int run_prepared(run *self)
                     &err);
     self->beyond = stability_warn(self->scene, self->sim, self->from != NULL);
     self->result.energy_start = weft_energy_total(weft_sim_measure(self->sim).energy);
+    (void)pthread_mutex_lock(&self->watch.records);
+    self->open = true;
     if (status == WEFT_OK && self->from != NULL) {
         if (run_take_up(self, &err) != WEFT_OK) {
+            interrupt_end(&self->watch);
             return report_error(&err);
         }
     } else if (status == WEFT_OK) {
         status = run_begin(self, &err);
     }
-    status = status == WEFT_OK ? simulate(self, &err) : status;
+    if (status == WEFT_OK) {
+        status = simulate(self, &err);
+    } else {
+        interrupt_end(&self->watch);
+    }
     return conclude(self, status, &err);
+}
+
+/* The cloth, its first state and the simulation. What a checkpoint restores needs no
+ * relaxing. */
+static weft_status create(run *self, weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    if (self->comm != NULL && self->comm->rank == 0) {
+        status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, err);
+    }
+    TRY(run_agree(self, status, err));
+    TRY(twins_create(self->given, self->scene, &self->twins, err));
+    TRY(run_agree(self, band_create(self->scene, self->comm, &self->cloth, err), err));
+    TRY(start_create(self->scene, self->cloth, self->from == NULL, &self->start, err));
+    return band_sim_create(self->scene, self->comm, weft_scene_twins_def(self->twins),
+                           (weft_log){ on_log, self }, self->cloth, self->start,
+                           &self->sim, err);
 }
 
 static int run_simulation(run *self)
 {
     weft_error err = { 0 };
-    weft_status status = WEFT_OK;
+    int code;
     self->began = weft__wall_clock();
-    if (self->comm != NULL && self->comm->rank == 0) {
-        status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, &err);
+    interrupt_begin(&self->watch, self->comm == NULL ? give_up : NULL, self);
+    (void)pthread_mutex_unlock(&self->watch.records);
+    if (create(self, &err) == WEFT_OK) {
+        code = run_prepared(self);
+    } else {
+        (void)pthread_mutex_lock(&self->watch.records);
+        interrupt_end(&self->watch);
+        code = refuse(self, &err);
     }
-    status = run_agree(self, status, &err);
-    status = status == WEFT_OK
-                 ? twins_create(self->given, self->scene, &self->twins, &err)
-                 : status;
-    if (status == WEFT_OK) {
-        status = simulation_create(
-            self->scene, self->comm, weft_scene_twins_def(self->twins),
-            (weft_log){ on_log, self }, &self->cloth, &self->sim, &err);
-    }
-    const int code = status == WEFT_OK ? run_prepared(self) : refuse(self, &err);
     weft_sim_destroy(self->sim);
     weft_scene_twins_destroy(self->twins);
     weft_cloth_destroy(self->cloth);
     weft_cloth_destroy(self->whole);
+    free(self->start);
     return code;
 }
 

@@ -21,6 +21,7 @@ typedef struct run {
     weft_cloth *cloth;       /* of the sim: in bands, this one */
     weft_cloth *whole;       /* in bands, on rank 0; of a grid up to the first frame */
     weft_scene_twins *twins; /* of sensitivities; NULL: none */
+    double *start; /* of contact.untangle: relaxed, or what is left; else NULL */
     weft_sim *sim;
     record_series series;
     record_table shapes;
@@ -34,6 +35,7 @@ typedef struct run {
     uint64_t limit_sweeps; /* up to the last frame */
     bool beyond;           /* fixed_step the stable one, at t = 0 */
     bool warned_held;      /* of the strain limit */
+    bool open;             /* the files may be those of this run */
     sentence reason;
 } run;
 
@@ -62,12 +64,8 @@ weft_status run_in_place(const run *self, weft_error *err);
 int run_scene(const arguments *given, const char *out, const weft_scene *scene,
               bool claimed, record_checkpoint *from);
 
-/* crossings.c: writes start-crossings.obj, unless the start of a scene with
- * contact.untangle crosses nothing. `claimed`: the directory is the run's, and the
- * start is relaxed before. */
-weft_status crossings_write(const arguments *given, const char *out,
-                            const weft_scene *scene, bool claimed, weft_error *err);
-/* The same of a scene with mistakes, if it has no other. */
+/* crossings.c: writes start-crossings.obj of a scene with mistakes, if it has no other
+ * than that its start crosses. */
 void crossings_of_mistake(const arguments *given, const char *out);
 
 /* summary.c: the results of a run, in eight lines or as YAML. */

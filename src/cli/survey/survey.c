@@ -168,7 +168,7 @@ static void trial(const weft_scene *scene, weft_sim *sim, survey *out)
 /* The RHS calls of the adaptive method of the highest order above that of the scene, up
  * to the end of the trial. */
 static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
-                             survey *out, weft_error *err)
+                             const double *start, survey *out, weft_error *err)
 {
     const survey_method *rival = out->own;
     for (size_t i = 0; i < out->count; ++i) {
@@ -187,6 +187,7 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
     def.method = rival->type;
     def.config = *weft_scene_config(scene);
     def.config.butcher = NULL;
+    def.start = start;
     const weft_status status = weft_sim_create(&def, &sim, err);
     const double calls = (double)weft_sim_stats(tried).rhs_calls;
     const double end = weft_sim_time(tried);
@@ -206,8 +207,8 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
 }
 
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, const arguments *given, survey *out,
-                          weft_error *err)
+                          weft_sim *sim, const double *start, const arguments *given,
+                          survey *out, weft_error *err)
 {
     *out = (survey){ 0 };
     (void)load_plugins(given->registry, NULL);
@@ -233,7 +234,7 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
     trial(scene, sim, out);
     const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
     return out->trial_steps > 0 && survey_held(out) < 0.5 && !limited
-               ? try_rival(scene, sim, out, err)
+               ? try_rival(scene, sim, start, out, err)
                : WEFT_OK;
 }
 

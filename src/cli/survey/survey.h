@@ -38,11 +38,11 @@ typedef struct survey {
     double rival_saves;         /* trial's RHS calls / those that it took */
 } survey;
 
-/* sim is of the scene, at t = 0, and is used up by the trial; NULL: no trial,
- * and `now` holds in any state. */
+/* sim is of the scene, at t = 0 with that start (of start_create), and is used up by
+ * the trial; NULL: no trial, and `now` holds in any state. */
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
-                          weft_sim *sim, const arguments *given, survey *out,
-                          weft_error *err);
+                          weft_sim *sim, const double *start, const arguments *given,
+                          survey *out, weft_error *err);
 void survey_destroy(survey *self);
 
 /* Only the methods, by the modes of the survey. */
