@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include "base/clock.h"
+#include "conformance/conformance.h"
 #include "record/child_process.h"
 #include "shell.h"
 #include "support.h"
@@ -82,6 +83,60 @@ START_TEST(a_broken_promise_is_named_with_what_was_seen)
     says(line);
     const char *seen = strstr(strstr(output, line), "seen: ");
     ck_assert_msg(seen != NULL && strstr(seen, broken[_i].seen) != NULL, "%s", output);
+}
+END_TEST
+
+/* Of tests/promises/mutants.c: each method, and the check that finds its fault. */
+static const struct {
+    const char *method, *check;
+} mutants[] = {
+    { "right", NULL },
+    { "last_unchecked", "last step" },
+    { "cut_shrinks", "cut step" },
+    { "velocity_first", "tolerances" },
+    { "position_first", "tolerances" },
+    { "no_rtol", "tolerances" },
+    { "rms_sum", "rms" },
+    { "rms_half", "rms" },
+    { "rms_max", "rms" },
+    { "counts_apart", "quadratures" },
+    { "stale_stage", "edited" },
+    { "reused_stage", "order" },
+    { "stage_times", "order" },
+    { "nan_passes", "failure" },
+    { "writes_rejected", "failure" },
+    { "no_most", "step sizes" },
+    { "no_first", "step sizes" },
+    { "no_least", "failure" },
+    { "adds_up", "landing" },
+    { "counts_attempts", "failure" },
+    { "starts_over", "needless" },
+    { "no_estimate", "tolerance" },
+};
+
+START_TEST(a_fault_of_error_control_is_found)
+{
+    const weft_registry_def def = { .struct_size = sizeof def, .path = "" };
+    weft_registry *registry = NULL;
+    weft_error err = { 0 };
+    ck_assert_int_eq(weft_registry_create(&def, &registry, &err), WEFT_OK);
+    ck_assert_msg(weft_registry_load(registry, PROMISES "mutants.so", &err) == WEFT_OK,
+                  "%s", err.message);
+    const weft_stepper_type *type
+        = weft_plugin_method(weft_registry_at(registry, 0), mutants[_i].method);
+    ck_assert_ptr_nonnull(type);
+    bool found = false;
+    for (size_t i = 0; i < weft_conformance_count(); ++i) {
+        const bool meant = mutants[_i].check == NULL
+                           || strcmp(mutants[_i].check, weft_conformance_name(i)) == 0;
+        if (meant && strcmp(weft_conformance_name(i), "process") != 0) {
+            const weft_conformance seen = weft_conformance_check(type, i);
+            found = found || seen.verdict == WEFT_PROMISE_BROKEN;
+            ck_assert_msg(found == (mutants[_i].check != NULL), "%s: %s",
+                          weft_conformance_name(i), seen.seen);
+        }
+    }
+    weft_registry_destroy(registry);
 }
 END_TEST
 
@@ -187,6 +242,7 @@ TEST_SUITE(conformance)
     tcase_set_timeout(kit, 120.0);
     tcase_add_loop_test(kit, a_broken_promise_is_named_with_what_was_seen, 0,
                         (int)COUNT(broken));
+    tcase_add_loop_test(kit, a_fault_of_error_control_is_found, 0, (int)COUNT(mutants));
     tcase_add_loop_test(kit, a_plugin_that_keeps_all_promises_passes, 0, 2);
     tcase_add_loop_test(kit, an_equal_finding_is_told_once, 0, 2);
     tcase_add_test(kit, a_plugin_that_takes_other_memory_is_noted_only);

@@ -78,8 +78,11 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
     weft__the_heap_does_not_grow, weft__destroy_leaves_nothing,
     weft__refusals_leave_nothing, weft__the_allocator_is_used,
     weft__the_process_is_left_alone, weft__a_structure_leaves_the_solution,
-    weft__parts_agree;
+    weft__a_step_to_the_end_is_checked, weft__a_cut_step_shortens_no_other,
+    weft__each_tolerance_counts, weft__the_rms_norm_is_a_mean,
+    weft__quadratures_change_no_step, weft__parts_agree;
 
 /* The reason why a check means nothing for a method, or NULL. */
 typedef const char *pointless_fn(const weft_stepper_type *type);
-pointless_fn weft__order_not_measured, weft__heap_not_known, weft__agrees_with_nobody;
+pointless_fn weft__order_not_measured, weft__heap_not_known, weft__agrees_with_nobody,
+    weft__no_rms_steps, weft__takes_no_quadratures;
