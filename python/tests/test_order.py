@@ -88,11 +88,11 @@ def test_own_functions_see_positions_and_velocities_in_the_order_of_the_mesh():
         assert np.allclose(seen[name][0][:, :2], mesh.start[:, :2] + [5e-5, 0], atol=1e-3)
 
     def event(t, x, v):
-        seen["event"] = x.copy(), v.copy()
+        seen[t] = x.copy(), v.copy()  # also within steps
         return 1.0
     sim = weft.load(hanging(mesh, **velocity), event=event)
     sim.advance(0.01)
-    assert (seen["event"][0] == sim.positions).all() and (seen["event"][1] == sim.velocities).all()
+    assert (seen[sim.time][0] == sim.positions).all() and (seen[sim.time][1] == sim.velocities).all()
 
 
 def test_pins_of_the_simulation_are_those_that_a_function_sees():
