@@ -320,6 +320,132 @@ START_TEST(what_pins_hold_in_a_shape_does_not_count)
 }
 END_TEST
 
+/* ---- triangles of a shape -------------------------------------------------------- */
+
+/* How often a body has a directed edge. */
+static size_t edges_of(const weft_body *body, uint32_t from, uint32_t to)
+{
+    size_t count = 0;
+    for (size_t j = 0; j < 3 * body->triangles; ++j) {
+        const size_t next = j % 3 == 2 ? j - 2 : j + 1;
+        count += body->corners[j] == from && body->corners[next] == to;
+    }
+    return count;
+}
+
+/* [m^3] */
+static double volume_of(const weft_body *body)
+{
+    double sum = 0.0;
+    for (size_t t = 0; t < body->triangles; ++t) {
+        const double *x[3];
+        double cross[3];
+        for (size_t k = 0; k < 3; ++k) {
+            x[k] = body->places + 3 * (size_t)body->corners[3 * t + k];
+        }
+        weft__cross(x[1], x[2], cross);
+        sum += weft__dot(x[0], cross) / 6.0;
+    }
+    return sum;
+}
+
+/* 0 sphere, 1 capsule, 2 box. */
+START_TEST(triangles_of_a_shape_are_closed_and_lie_on_it)
+{
+    const double thickness = 0.02;
+    const double volumes[] = { 4.0 / 3.0 * (0.5 * WEFT__TWO_PI) * 8e-3,
+                               5.3e-3 /* with fuller ends */, 9.6e-3 };
+    weft_shape shape = shape_of_kind((weft_shape_kind)(WEFT_SPHERE + _i));
+    const weft_shape as_was = shape;
+    weft_body *body;
+    shape.orientation[1] = shape.orientation[3] = 0.5;
+    ck_assert_int_eq(weft_shape_triangulate(&shape, thickness, 0.0, NULL, &body, &err),
+                     WEFT_OK);
+    ck_assert(shape.kind == WEFT_MESH && shape.body == body && body->keys == 1);
+    ck_assert(shape.orientation[1] == (as_was.kind == WEFT_BOX ? 0.5 : 0.0));
+    const double radius = as_was.kind == WEFT_BOX ? as_was.rounding : as_was.radius;
+    const double longest = sqrt(2.0 * radius * thickness);
+    ck_assert_uint_eq(body->vertices, body->triangles / 2 + 2);
+    for (size_t i = 0; i < body->vertices; ++i) {
+        double x[3];
+        for (size_t k = 0; k < 3; ++k) {
+            x[k] = as_was.at[k] + body->places[3 * i + k];
+        }
+        ck_assert_double_eq_tol(gap_of(&as_was, x), 0.0, 1e-15);
+    }
+    for (size_t j = 0; j < 3 * body->triangles; ++j) {
+        const size_t next = j % 3 == 2 ? j - 2 : j + 1;
+        const uint32_t p = body->corners[j], q = body->corners[next];
+        double square = 0.0, x[3];
+        for (size_t k = 0; k < 3; ++k) {
+            const double a = body->places[3 * (size_t)p + k],
+                         b = body->places[3 * (size_t)q + k];
+            square += (b - a) * (b - a);
+            x[k] = as_was.at[k] + 0.5 * (a + b);
+        }
+        ck_assert_double_le(sqrt(square), longest);
+        ck_assert_double_gt(gap_of(&as_was, x), -0.25 * thickness);
+        ck_assert_uint_eq(edges_of(body, p, q), 1);
+        ck_assert_uint_eq(edges_of(body, q, p), 1);
+    }
+    const double volume = volume_of(body), whole = volumes[_i];
+    ck_assert_msg(volume > 0.8 * whole && volume < 1.1 * whole, "%g of %g", volume,
+                  whole);
+    weft_body_destroy(body, NULL);
+}
+END_TEST
+
+START_TEST(what_cannot_become_triangles_is_refused)
+{
+    static const struct {
+        weft_shape_kind kind;
+        double spin, edge;
+        const char *told;
+    } refused[] = {
+        { WEFT_PLANE, 0.0, 0.01, "a sphere, a capsule or a box" },
+        { WEFT_SPHERE, 1.0, 0.01, "cannot spin" },
+        { WEFT_SPHERE, 0.0, 1e-4, "more than 200000: a longer edge makes fewer" },
+        { WEFT_SPHERE, 0.0, (double)NAN, "must be finite and > 0" },
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; ++i) {
+        weft_shape shape = shape_of_kind(refused[i].kind);
+        weft_body *body = (void *)&shape;
+        shape.spin[1] = refused[i].spin;
+        const double thickness = isnan(refused[i].edge) ? (double)NAN : 5e-3;
+        ck_assert_int_eq(weft_shape_triangulate(&shape, thickness, refused[i].edge,
+                                                NULL, &body, &err),
+                         WEFT_INVALID);
+        ck_assert(body == NULL && shape.kind == refused[i].kind);
+        ck_assert_msg(strstr(err.message, refused[i].told) != NULL, "%s", err.message);
+    }
+}
+END_TEST
+
+/* The two particles and the edge between them, on the rod that they fell past. */
+START_TEST(nothing_passes_a_shape_of_triangles)
+{
+    weft_body *body;
+    over_a_line(3e-2);
+    model.strict = true;
+    model.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.5 };
+    ck_assert_int_eq(weft_shape_triangulate(&shapes[0], model.contact.thickness, 0.0,
+                                            NULL, &body, &err),
+                     WEFT_OK);
+    run.method = test_method_named("gsl/rkf45");
+    tolerance(1e-4);
+    model.rows = 2; /* an edge of a cell */
+    model.spacing[0] = 0.05, model.down[1] = 0.0, model.down[2] = 1.0;
+    model.springs[WEFT_SHEAR] = model.springs[WEFT_STRETCH];
+    start();
+    weft_body_destroy(body, NULL); /* copied */
+    go(0.15);
+    ck_assert_double_gt(gap(), 0.0);
+    ck_assert_double_gt(fmin(at(0, 1), at(2, 1)), -0.05);
+    ck_assert(!weft_sim_passed(sim));
+}
+END_TEST
+
 TEST_SUITE(passage)
 {
     Suite *suite = suite_create("passage");
@@ -332,6 +458,9 @@ TEST_SUITE(passage)
     tcase_add_test(tcase, a_restored_simulation_does_not_warn_again);
     tcase_add_test(tcase, a_rod_that_threads_a_cell_touches_none_of_its_edges);
     tcase_add_loop_test(tcase, what_pins_hold_in_a_shape_does_not_count, 0, 2);
+    tcase_add_loop_test(tcase, triangles_of_a_shape_are_closed_and_lie_on_it, 0, 3);
+    tcase_add_test(tcase, what_cannot_become_triangles_is_refused);
+    tcase_add_test(tcase, nothing_passes_a_shape_of_triangles);
     suite_add_tcase(suite, tcase);
     return suite;
 }

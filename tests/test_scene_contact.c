@@ -156,6 +156,65 @@ START_TEST(sweeps_vary_shapes)
 }
 END_TEST
 
+/* ---- triangles of a shape ---------------------------------------------------------
+ */
+
+#define BALL "contact:\n  shapes:\n    - {shape: sphere, at: [0, -1, 0], radius: 0.4"
+
+START_TEST(a_shape_with_triangles_is_a_mesh)
+{
+    size_t triangles[3];
+    static const char *const of[] = { "true", "0.2", "false" };
+    for (size_t i = 0; i < 3; ++i) {
+        char text[600];
+        (void)snprintf(text, sizeof text,
+                       SHEET BALL ", velocity: [0, 1, 0], triangles: %s}\n" END, of[i]);
+        weft_scene *scene = good_text(text);
+        const weft_shape *shape = &weft_scene_cloth(scene)->contact.shapes[0];
+        const bool mesh = strcmp(of[i], "false") != 0;
+        ck_assert_int_eq(shape->kind, mesh ? WEFT_MESH : WEFT_SPHERE);
+        ck_assert_int_eq(weft_scene_shape_made(scene, 0), mesh);
+        ck_assert(shape->velocity[1] == 1.0 && shape->at[1] == -1.0);
+        triangles[i] = mesh ? shape->body->triangles : 0;
+        weft_scene *again = good_text(weft_scene_text(scene));
+        const weft_shape *same = &weft_scene_cloth(again)->contact.shapes[0];
+        ck_assert(!mesh
+                  || memcmp(same->body->places, shape->body->places,
+                            3 * shape->body->vertices * sizeof(double))
+                         == 0);
+        weft_scene_destroy(again);
+        weft_scene_destroy(scene);
+    }
+    ck_assert_uint_gt(triangles[0], triangles[1]);
+    ck_assert_uint_gt(triangles[1], 40);
+}
+END_TEST
+
+START_TEST(triangles_that_cannot_be_are_refused)
+{
+    static const char *const wrong[][2] = {
+        { BALL ", spin: [0, 1, 0], triangles: true}\n", "cannot spin: it turns" },
+        { BALL ", triangles: 0}\n",
+          "must be true, false or a number > 0 [m], not '0'" },
+        { BALL ", triangles: 1.0e-3}\n", "more than 200000: write triangles: 0.0" },
+        { "contact:\n  shapes:\n    - {shape: plane, at: [0, -1, 0], normal: [0, 1, "
+          "0], "
+          "triangles: true}\n",
+          "triangles" },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        char text[600];
+        (void)snprintf(text, sizeof text, SHEET "%s" END, wrong[i][0]);
+        weft_scene_def def = scene_of_text(text);
+        weft_scene *scene = NULL;
+        ck_assert_int_eq(weft_scene_load(&def, &scene, &found, NULL), WEFT_BAD_SCENE);
+        ck_assert_uint_eq(found.errors, 1);
+        ck_assert_msg(strstr(found.items[0].message, wrong[i][1]) != NULL, "%s",
+                      found.items[0].message);
+    }
+}
+END_TEST
+
 /* ---- warnings ------------------------------------------------------------------ */
 
 typedef struct warned {
@@ -171,7 +230,8 @@ static const warned warnings[] = {
       "true" },
     { "contact:\n  shapes:\n    - {shape: sphere, at: [0, -1, 0], radius: 0.2}\n", END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 6.25 mm "
-      "into shapes[0], more than the thickness of 5 mm: the shape shows through" },
+      "into shapes[0], more than the thickness of 5 mm: the shape shows through, "
+      "unless it has triangles: true, or the cloth a finer mesh" },
     { "contact:\n  thickness: 6.26e-3\n  shapes:\n    - {shape: sphere, at: [0, -1, "
       "0], radius: 0.2}\n",
       END, "" },
@@ -179,21 +239,22 @@ static const warned warnings[] = {
       "radius: 0.1}\n",
       END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 12.5 mm "
-      "into shapes[0], more than the thickness of 5 mm: the shape shows through" },
+      "into shapes[0], more than the thickness of 5 mm: the shape shows through, "
+      "unless it has triangles: true, or the cloth a finer mesh" },
     /* sqrt(2) r <= a: a / 2 - (sqrt(2) - 2^(1/4)) r = 41 mm */
     { "contact:\n  shapes:\n    - {shape: box, at: [0, -1, 0], half: [0.1, 0.1, 0.1], "
       "rounding: 0.04}\n",
       END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 41 mm "
       "into the edges of shapes[0], more than the thickness of 5 mm: the shape shows "
-      "through" },
+      "through, unless it has triangles: true, or the cloth a finer mesh" },
     /* along x^4 + y^4 = r^4: 2^(1/4) - sqrt(sqrt(2.5) - 0.75) of r = 0.1 m */
     { "contact:\n  shapes:\n    - {shape: box, at: [0, -1, 0], half: [0.2, 0.2, 0.2], "
       "rounding: 0.1}\n",
       END,
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 27.8 mm "
       "into the edges of shapes[0], more than the thickness of 5 mm: the shape shows "
-      "through" },
+      "through, unless it has triangles: true, or the cloth a finer mesh" },
     { "  pins: [top-left, {at: right, velocity: [0, -1, 0]}]\ncontact:\n  shapes:\n    "
       "- {shape: plane, at: [0, -0.5, 0], normal: [0, 1, 0]}\n",
       END,
@@ -262,6 +323,8 @@ TEST_SUITE(scene_contact)
     tcase_add_test(tcase, sweeps_vary_shapes);
     tcase_add_loop_test(tcase, warnings_have_their_place, 0,
                         (int)(sizeof warnings / sizeof warnings[0]));
+    tcase_add_test(tcase, a_shape_with_triangles_is_a_mesh);
+    tcase_add_test(tcase, triangles_that_cannot_be_are_refused);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -162,6 +162,35 @@ static inline void weft_shape_vertices(const weft_shape *shape, double t, double
     weft_shape_vertices_sized(shape, sizeof *shape, t, xyz);
 }
 
+/* Makes triangles of a sphere, capsule or box: their vertices lie on its surface, their
+ * edges are at most `edge` [m] long, by default (0) sqrt(2 R thickness), R its radius
+ * or rounding, so that they lie at most a quarter of the thickness [m] below it. The
+ * other function does so and makes the shape a mesh of them, which all of the cloth
+ * feels, not its particles alone; *body belongs to the caller, to be freed by
+ * weft_body_destroy after weft_cloth_create. allocator NULL: malloc's. Errors:
+ * WEFT_INVALID (another kind, a spin, more than 200 000 triangles), WEFT_NO_MEMORY. */
+WEFT_API weft_status weft_shape_triangulate_sized(const weft_shape *shape, size_t size,
+                                                  double thickness, double edge,
+                                                  const weft_allocator *allocator,
+                                                  weft_body **body, weft_error *err);
+static inline weft_status weft_shape_triangulate(weft_shape *shape, double thickness,
+                                                 double edge,
+                                                 const weft_allocator *allocator,
+                                                 weft_body **body, weft_error *err)
+{
+    const weft_status status = weft_shape_triangulate_sized(
+        shape, sizeof *shape, thickness, edge, allocator, body, err);
+    for (size_t k = 0; status == WEFT_OK && k < 4 && shape->kind != WEFT_BOX; ++k) {
+        shape->orientation[k] = 0.0; /* which these have none of */
+    }
+    if (status == WEFT_OK) {
+        shape->kind = WEFT_MESH;
+        shape->body = *body;
+    }
+    return status;
+}
+WEFT_API void weft_body_destroy(weft_body *body, const weft_allocator *allocator);
+
 typedef enum weft_friction_law {
     WEFT_FRICTION_SMOOTH, /* analytic, no stiffer than 10 times the contact */
     WEFT_FRICTION_COULOMB /* exactly Coulomb's above `slip` */

@@ -182,6 +182,9 @@ WEFT_API const char *weft_scene_part_text(const weft_scene *scene, size_t k);
 WEFT_API const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
                                           size_t size);
 
+/* Whether weft made the triangles of shape k: it was a sphere, capsule or box. */
+WEFT_API bool weft_scene_shape_made(const weft_scene *scene, size_t k);
+
 /* What weft_sim_create said of the scene's method, at its place in the scene. */
 WEFT_API void weft_scene_refusal(const weft_scene *scene, const weft_error *why,
                                  weft_diagnostic *out);

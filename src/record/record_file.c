@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -187,6 +188,26 @@ weft_status record_mesh(const char *directory, const char *name,
                         : write_text(directory, name, made, err);
 }
 
+/* The triangles that weft made of shape k, from its place, as an OBJ file. */
+static weft_status write_shape(const char *directory, size_t k, const weft_body *body,
+                               weft_error *err)
+{
+    char name[40];
+    record_file file;
+    (void)snprintf(name, sizeof name, "shape-%zu.obj", k);
+    TRY(record_file_open(&file, directory, name, err));
+    for (size_t i = 0; i < body->vertices; ++i) {
+        const double *x = body->places + 3 * i;
+        fprintf(file.stream, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+    }
+    for (size_t t = 0; t < body->triangles; ++t) {
+        const uint32_t *c = body->corners + 3 * t;
+        fprintf(file.stream, "f %" PRIu32 " %" PRIu32 " %" PRIu32 "\n", c[0] + 1,
+                c[1] + 1, c[2] + 1);
+    }
+    return record_file_commit(&file, err);
+}
+
 weft_status record_scene_text(const char *directory, const char *name,
                               const weft_scene *scene, weft_error *err)
 {
@@ -207,6 +228,12 @@ weft_status record_scene_text(const char *directory, const char *name,
     for (size_t i = 0;
          (body = weft_scene_body_file(scene, i, copy, sizeof copy)) != NULL; ++i) {
         TRY(copy_file(directory, copy, body, err));
+    }
+    const weft_contact_def *contact = &weft_scene_cloth(scene)->contact;
+    for (size_t k = 0; k < contact->shape_count; ++k) {
+        TRY(weft_scene_shape_made(scene, k)
+                ? write_shape(directory, k, contact->shapes[k].body, err)
+                : WEFT_OK);
     }
     return write_text(directory, name, weft_scene_text(scene), err);
 }

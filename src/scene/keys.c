@@ -508,6 +508,11 @@ static const weft__key shape_keys[] = {
       .absent = "no key frames", AT(weft__shape_item, fps),
       .meaning = "mesh: key frames a second; in between it follows natural cubic "
                  "splines, after the last it rests" },
+    { "triangles", WEFT__FACETS, .unit = "m", .of = SPHERE | CAPSULE | BOX,
+      .fallback = "false", AT(weft__shape_item, facets),
+      .meaning = "of a sphere, capsule or box: weft makes its triangles, with edges of "
+                 "at most so much, and it is a mesh from then on, which no part of the "
+                 "cloth passes; true: sqrt(2 R thickness), R its radius or rounding" },
     { "friction", WEFT__NUMBER, RANGE(.least = 0.0), .absent = "contact.friction",
       AT(weft_shape, friction), .meaning = "coefficient of friction of this shape" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, velocity),

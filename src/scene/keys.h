@@ -22,6 +22,7 @@
     X(CONDITION, condition,                                                            \
       "'max_strain > NUMBER', 'min_gap < NUMBER' or 'kinetic < NUMBER'")               \
     X(REST, rest, "true, false or a number > 0")          /* weft_stop_def */          \
+    X(FACETS, facets, "true, false or a number > 0")      /* double: 0, -1 for true */ \
     X(PRESET, preset, "a name that 'weft fabrics' lists") /* weft_fabric */            \
     X(SHEET, sheet, "a mapping")                          /* the same */               \
     X(ATOL, atol, "a number")                             /* two doubles */            \

@@ -86,6 +86,7 @@ typedef struct weft__shape_item {
     weft_shape shape;
     char *file;
     double unit, fps; /* [m], [1/s] */
+    double facets;    /* [m] the longest edge of triangles; 0: none, -1: by default */
 } weft__shape_item;
 
 /* The files of a body, for copies. */
@@ -372,6 +373,10 @@ char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy);
  */
 void weft__read_body(weft__reader *reader, const struct weft__match *match,
                      weft__shape_item *item);
+
+/* The triangles of a sphere, capsule or box without faults, which becomes a mesh. */
+void weft__make_facets(weft__reader *reader, const struct weft__match *match,
+                       weft__shape_item *item);
 
 /* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);

@@ -343,6 +343,16 @@ size_t weft_scene_loose(const weft_scene *scene, size_t k, const size_t **number
     return of->loose;
 }
 
+bool weft_scene_shape_made(const weft_scene *scene, size_t k)
+{
+    const weft_contact_def *contact = &scene->cloth.contact;
+    bool made = k < contact->shape_count && contact->shapes[k].kind == WEFT_MESH;
+    for (const weft__body_files *at = scene->body_files; at != NULL; at = at->next) {
+        made = made && at->shape != k;
+    }
+    return made;
+}
+
 const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
                                  size_t size)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_body.c -- the triangles of a mesh in contact.shapes: one OBJ file, or one for
- * each key frame. */
+ * each key frame; or those that weft makes of another shape. */
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +9,7 @@
 #include "base/finite.h"
 #include "base/grow.h"
 #include "forces/contact/mesh_shape.h"
+#include "forces/contact/tessellate.h"
 #include "scene/read.h"
 
 enum { MOST_KEYS = 100000, WIDEST = 9 };
@@ -368,4 +369,76 @@ void weft__read_body(weft__reader *reader, const weft__match *match,
         weft__warn_of_body_size(reader, (unit == NULL ? file : unit)->at, body,
                                 item->unit);
     }
+}
+
+/* ---- triangles of a sphere, capsule or box --------------------------------------- */
+
+void weft__read_facets(weft__reader *reader, const weft__key *key,
+                       const weft__node *node, void *to)
+{
+    const char *text = weft__text_of(node);
+    double edge = 0.0;
+    if (weft__number_of(node, &edge) ? weft__positive(edge)
+        : text != NULL               ? strcmp(text, "false") == 0
+                                     : false) {
+        *(double *)to = edge;
+    } else if (text != NULL && strcmp(text, "true") == 0) {
+        *(double *)to = -1.0;
+    } else {
+        weft__refuse_value(reader, key, node);
+    }
+}
+
+/* An edge with which there are not too many triangles: their number falls at least as
+ * its square, until it is one cell along each rounding. */
+static double edge_that_suits(const weft_shape *shape, double edge)
+{
+    weft__lattice lattice;
+    do {
+        edge *= 1.25;
+        (void)weft__lattice_of(shape, edge, &lattice);
+    } while (lattice.triangles > WEFT__MOST_FACETS);
+    return edge;
+}
+
+void weft__make_facets(weft__reader *reader, const weft__match *match,
+                       weft__shape_item *item)
+{
+    const weft__node *key = weft__value_in(match, "triangles");
+    const double thickness = reader->scene->cloth.contact.thickness;
+    const double edge
+        = item->facets > 0.0 ? item->facets : weft__facet_edge(&item->shape, thickness);
+    weft__lattice lattice;
+    weft_body *body = weft__tree_take(reader->tree, 1, sizeof *body);
+    if (!(edge > 0.0) || body == NULL) { /* the thickness was refused */
+        return;
+    }
+    const char *fault = weft__lattice_of(&item->shape, edge, &lattice);
+    if (fault != NULL || lattice.triangles > WEFT__MOST_FACETS) {
+        if (fault != NULL) {
+            ERROR_AT(reader, key, "%s", fault);
+        } else {
+            ERROR_AT(reader, key,
+                     "edges of %.3g m make %zu triangles, more than %d: write "
+                     "triangles: %.2g, or a larger rounding or thickness",
+                     edge, lattice.triangles, WEFT__MOST_FACETS,
+                     edge_that_suits(&item->shape, edge));
+        }
+        return;
+    }
+    double *places
+        = weft__tree_take(reader->tree, 3 * lattice.vertices, sizeof *places);
+    uint32_t *corners
+        = weft__tree_take(reader->tree, 3 * lattice.triangles, sizeof *corners);
+    if (places == NULL || corners == NULL) {
+        return;
+    }
+    weft__lattice_fill(&lattice, places, corners);
+    *body = (weft_body){ .vertices = lattice.vertices,
+                         .triangles = lattice.triangles,
+                         .keys = 1,
+                         .places = places,
+                         .corners = corners };
+    item->shape.kind = WEFT_MESH;
+    item->shape.body = body;
 }

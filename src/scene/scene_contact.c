@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "cloth/model.h"
 #include "forces/contact/closing.h"
+#include "forces/contact/passage.h"
 #include "mesh/grid_def.h"
 #include "mesh/triangles_work.h"
 #include "scene/read.h"
@@ -33,8 +34,9 @@ void weft__check_shape(weft__reader *reader, const weft__match *match, void *bas
         weft__read_body(reader, match, item);
         wrong = reader->report->mistakes > before || item->shape.body == NULL;
     }
-    if (!wrong) {
-        (void)weft__shape_check(shape, reader->shape, &match->faults);
+    if (!wrong && weft__shape_check(shape, reader->shape, &match->faults)
+        && item->facets != 0.0) {
+        weft__make_facets(reader, match, item);
     }
 }
 
@@ -135,35 +137,44 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
 
 /* ---- warnings ---------------------------------------------------------------- */
 
-/* How far [m] a chord of length a cuts an edge that is rounded by the 4-norm with r, if
- * it lies across: x^4 + y^4 = r^4 at x, y = (s +- a / 2) / sqrt(2), s from the centre
- * along the diagonal, and the flat sides x, y = r beyond. */
-static double edge_cut(double a, double r)
+/* [m] The longest edge of a grid or of triangles, at rest. */
+static double longest_edge(const weft_cloth_def *def)
 {
-    const double u = 0.5 * a, u2 = u * u;
-    const double s = u < sqrt(0.5) * r
-                         ? sqrt(sqrt(8.0 * u2 * u2 + 2.0 * r * r * r * r) - 3.0 * u2)
-                         : sqrt(2.0) * r - u;
-    return sqrt(sqrt(2.0)) * r - s;
+    const weft_mesh_def *mesh = def->mesh;
+    if (mesh == NULL) {
+        return fmax(def->rows > 1 ? def->spacing[0] : 0.0,
+                    def->cols > 1 ? def->spacing[1] : 0.0);
+    }
+    double most = 0.0, square = 0.0;
+    for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
+        most = fmax(most, mesh->grids[k] != NULL ? longest_edge(mesh->grids[k]) : 0.0);
+    }
+    const uint32_t *place
+        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
+        const double *a = mesh->rest + 2 * (size_t)place[j];
+        const double *b = mesh->rest + 2 * (size_t)place[j % 3 == 2 ? j - 2 : j + 1];
+        square = fmax(square,
+                      (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+    }
+    return fmax(most, sqrt(square));
 }
 
 /* Between particles the cloth is flat. */
 static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_t k,
-                          weft__mark at)
+                          double longest, weft__mark at)
 {
     const weft_shape *shape = &def->contact.shapes[k];
-    const double a = fmax(def->rows > 1 ? def->spacing[0] : 0.0,
-                          def->cols > 1 ? def->spacing[1] : 0.0);
-    const bool box = shape->kind == WEFT_BOX;
-    const double sag = shape->kind == WEFT_PLANE || shape->kind == WEFT_MESH ? 0.0
-                       : box ? edge_cut(a, shape->rounding)
-                             : a * a / (8.0 * shape->radius);
-    if (sag > def->contact.thickness) {
+    const double dip = weft__shape_dip(shape, longest);
+    if (dip > def->contact.thickness) {
         weft__report_warning(
             report, at,
             "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
-            "more than the thickness of %.3g mm: the shape shows through",
-            a, 1e3 * sag, box ? "the edges of " : "", k, 1e3 * def->contact.thickness);
+            "more than the thickness of %.3g mm: the shape shows through, unless it "
+            "has "
+            "triangles: true, or the cloth a finer mesh",
+            longest, 1e3 * dip, shape->kind == WEFT_BOX ? "the edges of " : "", k,
+            1e3 * def->contact.thickness);
     }
 }
 
@@ -358,11 +369,12 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
                          weft__value_of(contact, "self")->at);
         warn_of_cells(reader, weft__value_of(contact, "self")->at);
     }
+    const double longest = longest_edge(def);
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;
         char name[32];
         (void)snprintf(name, sizeof name, "shapes[%zu]", k);
-        warn_of_chord(reader->report, def, k, at);
+        warn_of_chord(reader->report, def, k, longest, at);
         warn_of_friction(reader->report, law,
                          weft__friction_of(&law->shapes[k], law->friction), name, at);
     }

@@ -283,6 +283,19 @@ void weft_scene_twins_destroy(weft_scene_twins *twins)
     }
 }
 
+/* Whether two scenes that differ by a number have as many triangles of each shape. */
+static bool same_triangles(const weft_scene *a, const weft_scene *b)
+{
+    const weft_contact_def *of[2] = { &a->cloth.contact, &b->cloth.contact };
+    bool same = of[0]->shape_count == of[1]->shape_count;
+    for (size_t k = 0; same && k < of[0]->shape_count; ++k) {
+        const weft_body *x = of[0]->shapes[k].body, *y = of[1]->shapes[k].body;
+        same
+            = (x == NULL) == (y == NULL) && (x == NULL || x->triangles == y->triangles);
+    }
+    return same;
+}
+
 /* The scene with another value of a key. */
 static weft_status load_twin(const weft_scene *scene, const weft_scene_def *given,
                              size_t i, double value, twin *out, weft_error *err)
@@ -314,6 +327,12 @@ static weft_status load_twin(const weft_scene *scene, const weft_scene_def *give
                              value, found->items[0].message);
     }
     weft__free(&scene->memory, found);
+    if (status == WEFT_OK && !same_triangles(scene, out->scene)) {
+        return weft_error_set(err, WEFT_UNSUPPORTED,
+                              "%s=%.17g makes another number of triangles of a shape: "
+                              "another `triangles` [m] of it avoids that",
+                              key, value);
+    }
     return status == WEFT_OK
                ? weft_cloth_create(weft_scene_cloth(out->scene), &out->cloth, err)
                : status;
