@@ -4,7 +4,7 @@
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include "base/finite.h"
 #include "base/grow.h"
@@ -54,7 +54,8 @@ static char *key_path(weft__reader *reader, const pattern *of, size_t start, siz
 static bool is_there(weft__reader *reader, const pattern *of, size_t start, size_t key)
 {
     const char *path = key_path(reader, of, start, key);
-    return path != NULL && access(path, F_OK) == 0;
+    struct stat at; /* of a link itself: one that leads nowhere is no end of the keys */
+    return path != NULL && lstat(path, &at) == 0;
 }
 
 /* How many files there are, the first with number *start. */
