@@ -591,11 +591,19 @@ FUZZ_HDF := frames vtkhdf
 $(FUZZ_HDF:%=$(BUILD)/tests/fuzz/%.o): INCS += $(HDF5_CFLAGS)
 $(FUZZ_HDF:%=$(BUILD)/fuzz/%): private LINK += -Wl,--wrap=fork,--wrap=waitpid
 
-fuzz:
-	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/fuzz KERNEL=plain CC=clang CFLAGS='-O1 -g1' \
+FUZZ_BUILD = BUILD=build/fuzz KERNEL=plain CC=clang CFLAGS='-O1 -g1' \
 	    SAN='-Wno-pass-failed -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
-	    build/fuzz/weft $(PLUGINS:%=build/fuzz/plugins/weft-%.so) $(FUZZ:%=build/fuzz/fuzz/%)
+	    build/fuzz/weft $(PLUGINS:%=build/fuzz/plugins/weft-%.so)
+
+fuzz:
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(FUZZ_BUILD) $(FUZZ:%=build/fuzz/fuzz/%)
 	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
+
+# 300 meshes as other programs write them and 500 scenes of several files, some damaged, with the sanitizers.
+.PHONY: check-files
+check-files:
+	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(FUZZ_BUILD)
+	@tools/check-files build/fuzz/weft
 
 # The committed inputs alone, of targets that replay.c calls: asan has them.
 REPLAYED := $(notdir $(wildcard tests/fuzz/corpus/*))
@@ -669,6 +677,7 @@ nightly: all
 	$(MAKE) check-docs WHOLE=1
 	$(MAKE) check-view WHOLE=1
 	$(MAKE) fuzz FUZZ_SECONDS=300
+	$(MAKE) check-files
 	$(MAKE) check-self SECONDS=3600
 	TEST_LONG=1 $(MAKE) check-libm
 	$(MAKE) check-aarch64
@@ -698,7 +707,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | check-files | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
