@@ -120,6 +120,42 @@ static bool find_elsewhere(const weft__section *root, const weft__section *from,
     return false;
 }
 
+/* What other programs and textbooks call a key, and its path. */
+static const char *other_name(const char *name)
+{
+    static const struct {
+        const char *names, *path;
+    } keys[] = {
+        { " dt timestep time_step step_size delta_t ", "stepper.fixed_step" },
+        { " substeps sub_steps ", "stepper.fixed_step" },
+        { " tol abstol tolerance epsilon ", "stepper.atol" },
+        { " reltol relative_tolerance ", "stepper.rtol" },
+        { " integrator scheme ", "stepper.method" },
+        { " end_time t_end tend tmax t_max stop_time final_time ", "run.duration" },
+        { " framerate frame_rate output_rate frequency_of_output ", "run.fps" },
+        { " num_threads nthreads cores ", "run.threads" },
+        { " air_drag air_damping air_resistance viscosity ", "forces.damping" },
+        { " g gravitation ", "forces.gravity" },
+        { " rho area_density mass_per_area gsm ", "cloth.density" },
+        { " pinned fixed fixed_points anchors attachments ", "cloth.pins" },
+        { " ks k_stretch spring_constant ", "cloth.springs.stretch.stiffness" },
+        { " kd k_damping ", "cloth.springs.stretch.damping" },
+        { " collision_margin margin collision_thickness ", "contact.thickness" },
+        { " self_collision self_collisions self_contact ", "contact.self" },
+        { " colliders obstacles collision_objects ", "contact.shapes" },
+    };
+    char whole[32];
+    if ((size_t)snprintf(whole, sizeof whole, " %s ", name) >= sizeof whole) {
+        return NULL;
+    }
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        if (strstr(keys[i].names, whole) != NULL) {
+            return keys[i].path;
+        }
+    }
+    return NULL;
+}
+
 const char *weft__unknown_hint(const weft__section *root, const weft__section *section,
                                const char *title, const char *name, char *out,
                                size_t size)
@@ -133,7 +169,10 @@ const char *weft__unknown_hint(const weft__section *root, const weft__section *s
         (void)weft__guess_text(&guess, out, size);
         return guess.name;
     }
-    if (find_elsewhere(root, root, section, name, path, sizeof path)) {
+    if (other_name(name) != NULL) {
+        (void)snprintf(elsewhere, sizeof elsewhere, " (in weft it is %s)",
+                       other_name(name));
+    } else if (find_elsewhere(root, root, section, name, path, sizeof path)) {
         (void)snprintf(elsewhere, sizeof elsewhere, " (it is a key of %s)", path + 1);
     }
     const int used = snprintf(out, size, "%s; %s has %s", elsewhere, title,
