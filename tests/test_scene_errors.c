@@ -142,6 +142,26 @@ static const struct {
       "the scene has none\n"
       "stop: {when: min_gap < 1e-3}\n"
       "^\n" },
+    { "weft: 1\n" CLOTH STEPPER RUN "stop: {at_rest: true}\n",
+      "scene.yaml:7:1: warning: stop.at_rest may never be met: nothing slows a cloth "
+      "that swings, as damping along springs does not; set forces.damping, for example "
+      "1e-3 [kg/s], or forces.wind\n"
+      "stop: {at_rest: true}\n"
+      "^\n" },
+    { "weft: 1\n" CLOTH "forces: {damping: 1e-3}\n" STEPPER RUN
+      "stop: {at_rest: true}\n",
+      "" },
+    { "weft: 1\n" CLOTH
+      "stepper: {plugin: gsl, method: rkf45, fixed_step: 1e-18}\n" RUN,
+      "scene.yaml:5:51: warning: fixed_step 1e-18 s: a second takes 1e+18 steps\n"
+      "stepper: {plugin: gsl, method: rkf45, fixed_step: 1e-18}\n"
+      "                                                  ^\n" },
+    { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, atol: 1e300}\n" RUN,
+      "scene.yaml:5:45: warning: atol 1e+300: errors of 1e+300 m or m/s in each step "
+      "are "
+      "accepted; the default is 1e-6\n"
+      "stepper: {plugin: gsl, method: rkf45, atol: 1e300}\n"
+      "                                            ^\n" },
     { "weft: 1\n" CLOTH "stepper: {plugin: gsl, method: rkf45, fixed_step: 0.05}\n" RUN,
       "scene.yaml:6:6: warning: fixed_step 0.05 s is longer than a frame (0.03333 s): "
       "every step will be 0.03333 s; run.fps=20 makes frames of 0.05 s\n"

@@ -291,7 +291,7 @@ typedef struct weft_cloth_def {
     double right[3];   /* direction of increasing column; create normalises it */
     double down[3];    /* direction of increasing row; perpendicular to right (1e-9) */
     double scale;      /* > 0: initial = origin + scale (rest - origin) */
-    double mass;       /* [kg] > 0 of each particle; 0: density is used */
+    double mass;       /* [kg] > 0 of each particle: set density = 0; 0: by density */
     double density;    /* [kg/m^2] > 0, lumped by area; 0: mass is used */
     double velocity[3];     /* [m/s] initial velocity of particles without a pin */
     const weft_load *loads; /* load_count of them */

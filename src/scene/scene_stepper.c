@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scene_stepper.c -- checks of stepper against the chosen method; scene_method.c finds
  * keys that exclude one another or have no use. */
+#include <math.h>
 #include <string.h>
 
 #include "base/name.h"
@@ -30,6 +31,29 @@ static void check_sizes(weft__reader *reader, const weft__match *match)
                      sizes[i].name, sizes[i].h, a == NULL ? " by default" : "",
                      sizes[j].name, sizes[j].h);
         }
+    }
+}
+
+/* [s], [m] and [m/s]: beyond these a unit or an exponent is likely to be wrong. */
+#define SHORTEST_STEP 1e-9
+#define LARGEST_ATOL  1.0
+
+static void warn_of_sizes(weft__reader *reader, const weft__match *match)
+{
+    const weft_stepper_config *config = &reader->scene->config;
+    const weft__node *step = weft__value_in(match, "fixed_step");
+    const weft__node *atol = weft__value_in(match, "atol");
+    const double most = fmax(config->atol_position, config->atol_velocity);
+    if (step != NULL && config->fixed_step > 0.0
+        && config->fixed_step < SHORTEST_STEP) {
+        WARNING_AT(reader, step, "fixed_step %g s: a second takes %.3g steps",
+                   config->fixed_step, 1.0 / config->fixed_step);
+    }
+    if (atol != NULL && most >= LARGEST_ATOL) {
+        WARNING_AT(reader, atol,
+                   "atol %g: errors of %g m or m/s in each step are accepted; the "
+                   "default is 1e-6",
+                   most, most);
     }
 }
 
@@ -238,6 +262,7 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     weft__report_place(reader->report, (method == NULL ? match->map : method)->at,
                        &reader->scene->refusal);
     check_sizes(reader, match);
+    warn_of_sizes(reader, match);
     if (type == NULL) {
         report_type(reader, match);
     } else {

@@ -61,6 +61,15 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
                  "stop.at_rest compares with the work of gravity, and "
                  "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
     }
+    const weft_cloth_def *cloth = &reader->scene->cloth;
+    if (reader->scene->run.stop.quantity == WEFT_STOP_REST && cloth->drag == 0.0
+        && cloth->wind_drag == 0.0 && cloth->contact.shape_count == 0
+        && !cloth->contact.self) {
+        WARNING_AT(reader, stop,
+                   "stop.at_rest may never be met: nothing slows a cloth that swings, "
+                   "as damping along springs does not; set forces.damping, for "
+                   "example 1e-3 [kg/s], or forces.wind");
+    }
     if (limit != NULL && stop != NULL) {
         weft__report_exclusive(reader->report, limit, stop);
     } else if (limit != NULL && reader->scene->run.interpolate) {
