@@ -213,6 +213,139 @@ START_TEST(more_than_a_gigabyte_needs_consent_and_nothing_is_written_without)
 END_TEST
 #endif
 
+/* ---- signals in every phase -------------------------------------------------------
+ */
+
+/* Two sheets through one another that do not come apart, for minutes. */
+static const char tangled[]
+    = "weft: 1\n"
+      "name: tangled\n"
+      "cloths:\n"
+      "  - {name: a, fabric: {density: 0.2, stretch: 80, shear: 20}, cut: {outline: "
+      "[[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]], spacing: 0.008, origin: "
+      "[0, 0, 0], down: [0, 0, 1]}}\n"
+      "  - {name: b, fabric: {density: 0.2, stretch: 80, shear: 20}, cut: {outline: "
+      "[[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]], spacing: 0.008, origin: "
+      "[0, 0.003, 0], down: [0, -1, 0.05]}}\n"
+      "contact: {thickness: 1.5e-3, self: true, untangle: 1.0e+3}\n"
+      "stepper: {%s}\n"
+      "run: {duration: 0.1}\n";
+
+/* Triangles by the ten thousand, whose mesh alone takes seconds. */
+static const char large[]
+    = "weft: 1\n"
+      "name: large\n"
+      "cloth: {fabric: {preset: royal-target}, cut: {outline: [[0, 0], [1, 0], [1, 1], "
+      "[0, 1]], spacing: 4.0e-3}}\n"
+      "stepper: {plugin: arkode, method: dormand_prince}\n"
+      "run: {duration: 10}\n";
+
+/* Steps by the million. */
+static const char lasting[] = "weft: 1\n"
+                              "name: lasting\n"
+                              "cloth:\n"
+                              "  grid: {rows: 21, cols: 21, spacing: 0.05}\n"
+                              "  density: 0.2\n"
+                              "  springs: {stretch: {stiffness: 500}}\n"
+                              "  pins: [top]\n"
+                              "stepper: {plugin: verlet, method: velocity_verlet, "
+                              "fixed_step: 1.0e-4}\n"
+                              "run: {duration: 3000, fps: 10, checkpoint: 1}\n";
+
+#define RELAXES "grep -q 'crossings after' " OUT "/said"
+#define SOON    "sleep 1"
+
+/* What is long in each, and how it is recognised. */
+static const struct {
+    const char *command, *reached;
+} phases[] = {
+    { "run " OUT "/tangled.yaml --progress lines --out " OUT "/o", RELAXES },
+    { "run " OUT "/tangled.yaml --progress yaml --out " OUT "/o", RELAXES },
+    { "run " OUT "/implicit.yaml --progress lines --out " OUT "/o", RELAXES },
+    { "check " OUT "/tangled.yaml", RELAXES },
+    { "compare " OUT "/tangled.yaml --progress lines --out " OUT "/o", RELAXES },
+    { "batch " OUT "/tangled.yaml --out " OUT "/b", SOON },
+    { "run " OUT "/large.yaml --out " OUT "/o", SOON },
+    { "check " OUT "/large.yaml", SOON },
+    { "run " OUT "/lasting.yaml --out " OUT "/o", FRAMES(OUT "/o", "3") },
+    { "compare " OUT "/lasting.yaml -j 2 --out " OUT "/o", SOON },
+    { "converge " OUT "/lasting.yaml --sizes 11,21 -j 2", SOON },
+};
+
+static void write_phases(void)
+{
+    char text[2048];
+    begin();
+    (void)snprintf(text, sizeof text, tangled,
+                   "plugin: arkode, method: dormand_prince");
+    write_file(OUT "/tangled.yaml", text);
+    (void)snprintf(text, sizeof text, tangled,
+                   "plugin: stiff, method: ros2, rtol: 1.0e-3");
+    write_file(OUT "/implicit.yaml", text);
+    write_file(OUT "/large.yaml", large);
+    write_file(OUT "/lasting.yaml", lasting);
+}
+
+/* The exit code is that of the signal. A directory that is a run's says how it ended,
+ * and no file has its temporary name. */
+static void signal_phase(size_t phase, size_t which, const char *reached)
+{
+    char command[512];
+    (void)snprintf(command, sizeof command, "%s >" OUT "/said 2>&1",
+                   phases[phase].command);
+    expect(shell("rm -rf " OUT "/o " OUT "/b " OUT "/said"), 0);
+    const int code /* a shell ignores SIGINT in what it does not wait for */
+        = shell("env --default-signal=INT " WEFT
+                " %s & pid=$!; until %s; do sleep 0.01; "
+                "done; kill -%s $pid; wait $pid",
+                command, reached, signals[which].name);
+    ck_assert_msg(code == signals[which].code, "%s: %d by SIG%s, after %s",
+                  phases[phase].command, code, signals[which].name, reached);
+    expect(shell("cd " OUT "; for of in o b/*; do if [ -e $of/scene.yaml ]; then "
+                 "grep -q '^status: interrupted$' $of/result.yaml || exit 7; fi; done; "
+                 "! find . -name '*.tmp' | grep ."),
+           0);
+}
+
+START_TEST(a_signal_ends_whatever_is_under_way)
+{
+    write_phases();
+    signal_phase((size_t)_i / 2, (size_t)_i % 2, phases[_i / 2].reached);
+}
+END_TEST
+
+/* From before the first line to long after it; TEST_LONG=1: more often. */
+START_TEST(a_signal_at_any_time_ends_the_program)
+{
+    const int turns = test_rounds(2, 20);
+    uint32_t random = 66 + (uint32_t)_i;
+    write_phases();
+    for (int k = 0; k < turns; ++k) {
+        char later[32];
+        random = 1664525 * random + 1013904223;
+        (void)snprintf(later, sizeof later, "sleep %.3f",
+                       3.0 * (random >> 8) / (double)(1 << 24));
+        signal_phase((size_t)_i, random >> 31, later);
+    }
+}
+END_TEST
+
+/* As weft.run of Python asks for it. */
+START_TEST(a_program_ends_with_its_parent)
+{
+    write_phases();
+    expect(shell("sh -c 'WEFT_PARENT=$$ " WEFT " run " OUT
+                 "/lasting.yaml --quiet --out " OUT
+                 "/o & until %s; do sleep 0.05; done; kill -9 $$' 2>&1",
+                 FRAMES(OUT "/o", "3")),
+           137);
+    expect(shell("until [ -e " OUT "/o/result.yaml ]; do sleep 0.05; done; cat " OUT
+                 "/o/result.yaml"),
+           0);
+    says("status: interrupted\nreason: \"SIGTERM\"\n");
+}
+END_TEST
+
 TEST_SUITE(interrupt)
 {
     Suite *suite = suite_create("interrupt");
@@ -235,5 +368,12 @@ TEST_SUITE(interrupt)
                    more_than_a_gigabyte_needs_consent_and_nothing_is_written_without);
 #endif
     suite_add_tcase(suite, tcase);
+    const int count = (int)(sizeof phases / sizeof phases[0]);
+    TCase *quick = tcase_create("phases"), *slow = test_long(suite, 1200);
+    tcase_set_timeout(quick, 120.0);
+    suite_add_tcase(suite, quick);
+    tcase_add_loop_test(quick, a_signal_ends_whatever_is_under_way, 0, 2 * count);
+    tcase_add_test(quick, a_program_ends_with_its_parent);
+    tcase_add_loop_test(slow, a_signal_at_any_time_ends_the_program, 0, count);
     return suite;
 }

@@ -8,6 +8,7 @@
 
 #include "base/suggest.h"
 #include "cli/cli.h"
+#include "cli/run/interrupt.h"
 
 static const verb *const verbs[] = {
     &verb_new,        &verb_run,      &verb_resume,  &verb_batch,
@@ -112,6 +113,7 @@ int main(int argc, char **argv)
     if (!open_standard_streams()) {
         return EXIT_FILE;
     }
+    interrupt_with_parent();
     /* A plugin may call setlocale: numbers keep their points. */
     (void)uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
     /* Beyond the limit of file sizes a write then fails, and is reported. */

@@ -8,6 +8,8 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -109,19 +111,25 @@ static void *watch(void *ctx)
     return NULL;
 }
 
-/* The new thread blocks all signals: the stepping thread receives them. */
-static bool start(interrupt_watch *self)
+/* A thread that blocks all signals: the stepping thread receives them. */
+static bool start_thread(pthread_t *thread, void *(*body)(void *), void *ctx)
 {
     sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool started = pthread_create(thread, NULL, body, ctx) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return started;
+}
+
+static bool start(interrupt_watch *self)
+{
     if (pipe(self->news) != 0) {
         return false;
     }
     (void)fcntl(self->news[0], F_SETFD, FD_CLOEXEC);
     (void)fcntl(self->news[1], F_SETFD, FD_CLOEXEC);
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    const bool started = pthread_create(&self->thread, NULL, watch, self) == 0;
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const bool started = start_thread(&self->thread, watch, self);
     if (!started) {
         (void)close(self->news[0]);
         (void)close(self->news[1]);
@@ -152,4 +160,33 @@ void interrupt_end(interrupt_watch *self)
         (void)close(self->news[0]);
     }
     (void)pthread_mutex_destroy(&self->records);
+}
+
+/* ---- the parent --------------------------------------------------------------- */
+
+#define PARENT_PERIOD 100000000L /* [ns] */
+
+/* No portable call tells when the parent ends. */
+static void *watch_parent(void *ctx)
+{
+    const pid_t parent = (pid_t)(intptr_t)ctx;
+    const struct timespec pause = { .tv_nsec = PARENT_PERIOD };
+    while (getppid() == parent) {
+        (void)nanosleep(&pause, NULL);
+    }
+    (void)kill(getpid(), SIGTERM);
+    return NULL;
+}
+
+void interrupt_with_parent(void)
+{
+    const char *given = getenv("WEFT_PARENT");
+    size_t parent;
+    pthread_t thread;
+    if (given != NULL && option_count(given, '\0', &parent)) {
+        (void)unsetenv("WEFT_PARENT"); /* of a program that this one starts, another */
+        if (start_thread(&thread, watch_parent, (void *)(intptr_t)parent)) {
+            (void)pthread_detach(thread);
+        }
+    }
 }

@@ -11,6 +11,10 @@
 /* Records signals from now on; false: they end the process again. */
 void interrupt_catch(bool on);
 
+/* If the environment has WEFT_PARENT=PID: a SIGTERM as soon as the parent of this
+ * process is not that one any more. Before any other thread. */
+void interrupt_with_parent(void);
+
 /* SIGUSR1 is SIGTERM from now on: mpirun passes it on to its processes, but kills them
  * soon after a SIGTERM of its own. */
 void interrupt_catch_user(void);
