@@ -50,6 +50,8 @@ extern "Python" int weftpy_force(void *, double, const double *, double *);
 extern "Python" bool weftpy_correct(void *, double, double, double *);
 extern "Python" double weftpy_event(void *, const weft_cloth *, double, const double *);
 extern "Python" int weftpy_objective(void *, size_t, double, const double *, double *, double *);
+extern "Python" bool weftpy_signalled(void);
+bool weftpy_must_stop(void *);
 extern "Python" void weftpy_log(void *, weft_log_level, const char *);
 extern "Python" void weftpy_refused(void *, const weft_error *);
 extern "Python" void weftpy_line(void *, const char *);
@@ -93,6 +95,28 @@ static weft_log weftpy_log_of(void)
     return (weft_log){ weftpy_pass, NULL };
 }
 
+static bool weftpy_signalled(void);
+
+static double weftpy_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* A weft_stop_fn: lets Python handle signals, 20 times per second. */
+static bool weftpy_must_stop(void *ctx)
+{
+    static _Thread_local double last;
+    const double now = weftpy_clock();
+    (void)ctx;
+    if (now - last < 0.05) {
+        return false;
+    }
+    last = now;
+    return weftpy_signalled();
+}
+
 static const weft_plugin *weftpy_find(void *ctx, const char *id, weft_error *err)
 {
     const weft_plugin *plugin = NULL;
@@ -105,6 +129,7 @@ static weft_status weftpy_scene(weft_registry *registry, weft_scene_def *def, we
 {
     def->find_plugin = weftpy_find;
     def->find_ctx = registry;
+    def->stop = weftpy_must_stop;
     return weft_scene_load(def, out, found, err);
 }
 
@@ -114,6 +139,7 @@ static weft_status weftpy_twins(weft_registry *registry, const weft_scene *scene
     weft_scene_def def = weft_scene_def_default();
     def.find_plugin = weftpy_find;
     def.find_ctx = registry;
+    def.stop = weftpy_must_stop;
     return weft_scene_twins_create(scene, &def, out, err);
 }
 
@@ -223,13 +249,6 @@ void weftpy_stop(weft_sim_def *def, const weft_run_def *run, bool own)
         const double frame = fmax(1.0 / run->fps, def->config.min_step);
         def->config.max_step = fmin(def->config.max_step, frame);
     }
-}
-
-static double weftpy_clock(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 /* weft_sim_advance for about `seconds` on the clock, or until a callback has raised: Python handles

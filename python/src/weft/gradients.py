@@ -142,6 +142,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     sim.cloth, sim.method = cloth, lib.weft_scene_method_type(first)
     sim.config, sim.limit = lib.weft_scene_config(first)[0], lib.weft_scene_limit(first)[0]
     lib.weftpy_stop(sim, run, False)
+    sim.stop = ffi.addressof(lib, "weftpy_must_stop")
     numbers = ffi.new("weft_number_of_cloth[]", max(len(over), 1))
     units: list[float] = []
     for read, twins, _ in parts:

@@ -264,10 +264,35 @@ def status_text(status: int) -> str:
     return text(lib.weft_status_text(status))
 
 
+_interrupted = threading.local()  # .error: what a handler of a signal raised while weft computed in this thread
+
+
+def _keep(_type: Any, error: BaseException, _traceback: Any) -> None:
+    _interrupted.error = error
+
+
+@ffi.def_extern(error=True, onerror=_keep)
+def weftpy_signalled() -> bool:
+    """Gives Python the time to call handlers of signals, which may raise: KeyboardInterrupt, for example."""
+    for _ in range(2):
+        pass
+    return False
+
+
+def interruption() -> Optional[BaseException]:
+    """What a handler of a signal raised in the call before, once."""
+    error: Optional[BaseException] = getattr(_interrupted, "error", None)
+    _interrupted.error = None
+    return error
+
+
 def check(status: int, err: Any) -> None:
     """Raises the error of a call that did not return WEFT_OK."""
     if status == lib.WEFT_OK:
         return
+    interrupted = interruption() if status == lib.WEFT_STOPPED else None
+    if interrupted is not None:
+        raise interrupted
     if status == lib.WEFT_NO_MEMORY:
         raise MemoryError(text(err.message))
     place = text(err.file)

@@ -128,6 +128,7 @@ def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[s
     """Runs the program on scenes in a temporary folder, which no message names; its exit code, and what it wrote to
     stdout and stderr. Ctrl-C passes one SIGINT on, which ends the run with its files complete; so does a file `stop`."""
     with served(own) as (environment, server):
+        environment["WEFT_PARENT"] = str(os.getpid())  # the program ends with this process, however that ends
         process = subprocess.Popen([str(program()), *arguments], stdin=subprocess.DEVNULL, text=True, env=environment,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
         if server is not None:

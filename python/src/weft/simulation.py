@@ -14,7 +14,7 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, Seen, as_particles, c_function
 from weft.exclusion import Exclusion
-from weft.library import (POWERS, Array, Error, Failure, Fixed, SceneWarning, Spring, StepError, check, failure, index_of,
+from weft.library import (POWERS, Array, Error, Failure, Fixed, SceneWarning, Spring, StepError, check, failure, index_of, interruption,
                           later, numbers_of, pair, read_scene, real, scene_twins, spring, status_text, text)
 from weft.scenes import Form, Scene, formed
 
@@ -316,6 +316,7 @@ class Sim(Fixed):
         definition.ledger = lib.weft_scene_record(self._scene).ledger
         definition.sensitivity = lib.weft_scene_twins_def(self._twins) if self._twins else ffi.NULL
         definition.log = lib.weftpy_log_of()
+        definition.stop = ffi.addressof(lib, "weftpy_must_stop")
         self._definition = definition
         definition.dense = own["dense"]
         lib.weftpy_stop(definition, lib.weft_scene_run(self._scene), own["event"] is not None)
@@ -486,7 +487,7 @@ class Sim(Fixed):
         return float(lib.weft_sim_time(self._sim))
 
     def _finish(self, status: int, err: Any) -> None:
-        error = self._hooks.take()
+        error = self._hooks.take() or (interruption() if status == lib.WEFT_STOPPED else None)
         if error is not None:
             raise error
         if status in (lib.WEFT_OK, lib.WEFT_NO_MEMORY):
