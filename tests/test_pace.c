@@ -307,6 +307,7 @@ TEST_SUITE(pace)
 {
     Suite *suite = suite_create("pace");
     TCase *tests = tcase_create("runs");
+    tcase_set_timeout(tests, 60.0);
     tcase_add_checked_fixture(tests, setup, teardown);
     tcase_add_test(tests, shapes_that_close_on_a_cloth_are_named_before_they_meet);
     tcase_add_test(tests, the_smallest_step_names_what_holds_it);
