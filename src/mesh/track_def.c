@@ -53,8 +53,8 @@ static void make_natural(double *rows, size_t count)
     enum { WIDTH = WEFT__CURVE_WIDTH, FACTOR = WIDTH - 1 };
     for (size_t i = 0; i < count; ++i) {
         double *b = rows + WIDTH * i;
-        const double *a = b - WIDTH, *c = b + WIDTH;
         const bool first = i == 0, last = i + 1 == count;
+        const double *a = first ? b : b - WIDTH, *c = last ? b : b + WIDTH;
         const double h = first ? 0.0 : last ? 1.0 : b[0] - a[0];
         const double H = last ? 0.0 : first ? 1.0 : c[0] - b[0];
         const double before = last ? 1.0 : H, after = first ? 1.0 : h;
