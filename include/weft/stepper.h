@@ -418,8 +418,8 @@ typedef struct weft_stepper_type {
      * config: everything that a repetition of the run needs. */
     void (*options)(const void *self, weft_option_fn *tell, void *ctx);
 
-    /* The right-hand side itself has changed, y perhaps not: drop everything that was
-     * computed from it. NULL: state_changed is enough. */
+    /* The right-hand side has changed, y perhaps not, or bends at t (a row of a table):
+     * drop everything that was computed from it. NULL: state_changed is enough. */
     void (*ode_changed)(void *self);
 
     /* For a method with WEFT_STEPPER_DENSE: the number of matrices of dim x dim in an
