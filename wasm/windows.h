@@ -11,6 +11,7 @@
 #define O_NONBLOCK  _O_BINARY
 #define O_CLOEXEC   _O_NOINHERIT
 #define LC_ALL_MASK LC_ALL
+#define lstat       stat /* there are no links */
 typedef const char *locale_t;
 
 static inline locale_t newlocale(int mask, const char *name, locale_t base)
