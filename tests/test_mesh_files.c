@@ -601,6 +601,7 @@ TEST_SUITE(mesh_files)
 {
     Suite *suite = suite_create("mesh_files");
     TCase *files = tcase_create("files");
+    tcase_set_timeout(files, 60.0);
     tcase_add_test(files, a_warning_about_a_cloth_names_its_file_beside_bodies);
     tcase_add_test(files, a_fault_of_a_cloth_names_its_file_beside_bodies);
     tcase_add_test(files, mistakes_in_every_file_of_a_scene_stand_in_their_own);

@@ -538,6 +538,7 @@ TEST_SUITE(obj)
 {
     Suite *suite = suite_create("obj");
     TCase *all = tcase_create("all");
+    tcase_set_timeout(all, 60.0);
     tcase_add_test(all, a_triangle_is_read_as_it_is_written);
     tcase_add_test(all, line_ends_continuations_and_blanks_make_no_difference);
     tcase_add_test(all, numbers_are_rounded_correctly);
