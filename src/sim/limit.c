@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "base/memory.h"
 #include "cloth/model.h"
 
@@ -155,7 +156,7 @@ static bool store(const weft__limit *self, double h, double *y)
 
 /* A step that is cut short by a frame must not turn the excess left by earlier steps
  * into a large velocity: it counts as long as the one before. */
-bool weft__limit_apply(weft__limit *limit, double step, double *y)
+static bool apply(weft__limit *limit, double step, double *y)
 {
     const double h = fmax(step, limit->last_step);
     limit->last_step = step;
@@ -172,10 +173,44 @@ bool weft__limit_apply(weft__limit *limit, double step, double *y)
     return store(limit, h, y);
 }
 
-bool weft__limit_met(weft__limit *limit, const double *y)
+/* Counts a state beyond its bounds. */
+static bool is_met(weft__limit *limit, const double *y)
 {
     const bool met
         = weft__limited_excess(&limit->cloth->springs, &limit->def, false, 1, y) == 0;
     limit->stats.unconverged += !met;
     return met;
+}
+
+static void warn_of_limit(const weft_sim *sim)
+{
+    const weft_spring worst = weft_sim_limit_worst(sim);
+    const bool solved = sim->limit.solved;
+    char text[96];
+    weft__log(&sim->def.log, WEFT_LOG_WARNING,
+              "limit: not met %s at t = %.9g s; %s is at %.3g %%; reported once",
+              !solved ? "within its sweeps"
+              : sim->def.limit.method == WEFT_LIMIT_BRIDSON
+                  ? "by bridson, which corrects velocities, after the forces of the "
+                    "step (use provot or a smaller step)"
+                  : "beside contact, which holds its correction back,",
+              sim->t, weft_spring_text(sim->cloth, &worst, text, sizeof text),
+              100.0 * worst.strain);
+}
+
+bool weft__sim_limit(weft_sim *sim, double h)
+{
+    const uint64_t before = sim->limit.stats.unconverged;
+    const bool checks = weft__sim_checks(sim);
+    if (checks) {
+        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
+    }
+    const bool changed = apply(&sim->limit, h, sim->y);
+    if (changed && checks) {
+        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
+    }
+    if (!is_met(&sim->limit, sim->y) && before == 0) {
+        warn_of_limit(sim);
+    }
+    return changed;
 }

@@ -126,7 +126,7 @@ static weft_sim *make_sim(const weft_sim_def *def)
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
         .memory = memory,
         .ledger = { .on = def->ledger },
-        .passage.next = -INFINITY,
+        .passage.next = def->cloth->contact.shape_count > 0 ? -INFINITY : INFINITY,
         .event = NAN,
         .event_since = NAN,
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),

@@ -5,25 +5,6 @@
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
-weft_status weft__sim_outside(const weft_sim *sim, const char *function,
-                              weft_error *err)
-{
-    return sim->callbacks > 0 ? weft_error_set(
-               err, WEFT_INVALID, "%s may not be called from a callback", function)
-                              : WEFT_OK;
-}
-
-weft_status weft__sim_outside_play(const weft_sim *sim, const char *function,
-                                   weft_error *err)
-{
-    const weft_status outside = weft__sim_outside(sim, function, err);
-    return outside == WEFT_OK && sim->playing > 0
-               ? weft_error_set(err, WEFT_INVALID,
-                                "%s may not be called from a callback of weft_sim_play",
-                                function)
-               : outside;
-}
-
 double weft_sim_time(const weft_sim *sim)
 {
     return sim->t;

@@ -6,39 +6,6 @@
 #include "forces/self/crossing.h"
 #include "sim/simulation.h"
 
-static void warn_of_limit(const weft_sim *sim)
-{
-    const weft_spring worst = weft_sim_limit_worst(sim);
-    const bool solved = sim->limit.solved;
-    char text[96];
-    weft__log(&sim->def.log, WEFT_LOG_WARNING,
-              "limit: not met %s at t = %.9g s; %s is at %.3g %%; reported once",
-              !solved ? "within its sweeps"
-              : sim->def.limit.method == WEFT_LIMIT_BRIDSON
-                  ? "by bridson, which corrects velocities, after the forces of the "
-                    "step (use provot or a smaller step)"
-                  : "beside contact, which holds its correction back,",
-              sim->t, weft_spring_text(sim->cloth, &worst, text, sizeof text),
-              100.0 * worst.strain);
-}
-
-static bool limit(weft_sim *sim, double h)
-{
-    const uint64_t before = sim->limit.stats.unconverged;
-    const bool checks = weft__sim_checks(sim);
-    if (checks) {
-        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
-    }
-    const bool changed = weft__limit_apply(&sim->limit, h, sim->y);
-    if (changed && checks) {
-        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
-    }
-    if (!weft__limit_met(&sim->limit, sim->y) && before == 0) {
-        warn_of_limit(sim);
-    }
-    return changed;
-}
-
 static bool correct(weft_sim *sim, double h)
 {
     ++sim->callbacks;
@@ -73,7 +40,7 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     weft__ledger *ledger = &sim->ledger;
     bool changed = false, jumped = false;
     weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
-    if (weft__sim_limits(sim) && limit(sim, h)) {
+    if (weft__sim_limits(sim) && weft__sim_limit(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
         changed = true;
     }
@@ -144,7 +111,9 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
                               weft_text_digits(sim->t), sim->t, weft_text_digits(t_end),
                               t_end);
     }
-    TRY(weft__sim_look(sim, err));
+    if (sim->t >= sim->passage.next) {
+        TRY(weft__sim_passages(sim, err));
+    }
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;

@@ -4,28 +4,11 @@
 
 #include "base/finite.h"
 #include "base/try.h"
+#include "sim/between.h"
 #include "sim/forces.h"
 #include "sim/sensitivity.h"
 #include "sim/wave.h"
 #include "weft/sim.h"
-
-/* between.c: the state within the last step, of any method. */
-enum { WEFT__NODES = 4 };
-
-/* The step behind. */
-typedef struct weft__between {
-    double t0;      /* [s] where it began; INFINITY: it is not known */
-    double *start;  /* the state then, with quadratures; NULL: steps are not kept */
-    unsigned nodes; /* inner ones, of the order of the method */
-    unsigned
-        levels; /* 1 + nodes whose rates are known; 0: not even those of the ends */
-    double *rates[2 + WEFT__NODES]; /* of both ends, then of the inner nodes */
-    double *shown; /* the state that weft__between_show hides, else room */
-    double *kept;  /* room for an event's search: a state to go on from */
-    bool smooth;   /* events see the cubic through positions and velocities */
-    double behind; /* [s] of the hidden state */
-    bool showing;
-} weft__between;
 
 /* limit.c: the strain limit as a correction after an accepted step. */
 typedef struct weft__limit {
@@ -195,12 +178,8 @@ void weft__piece_leave(weft_sim *sim, double end);
 void weft__piece_jump(const weft_sim *sim, double factor, double *v);
 
 /* frame_check.c: weft_sim_check_frame of the state that is shown; and before a step, if
- * it is time. */
+ * passage.next has come. */
 weft_status weft__sim_passages(weft_sim *sim, weft_error *err);
-static inline weft_status weft__sim_look(weft_sim *of, weft_error *why)
-{
-    return of->t >= of->passage.next ? weft__sim_passages(of, why) : WEFT_OK;
-}
 
 /* event.c: before a step, which may go to the end that is returned; and after one that
  * is accepted: if the event function fell to 0 within it, takes it back and ends it
@@ -248,27 +227,6 @@ static inline bool weft__wind_usable(const double velocity[3], double drag)
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);
 
-/* ---- between.c ---------------------------------------------------------------------
- */
-
-/* Room for a definition that asks for it. */
-weft_status weft__between_init(weft_sim *sim, weft_error *err);
-
-/* Before a step. */
-void weft__between_begin(weft_sim *sim);
-/* After a change from outside: no time is behind. */
-void weft__between_forget(weft_sim *sim);
-
-/* For events: after the first the second writes the motion at t within the last step,
- * without quadratures, to room of its own. Error: WEFT_STOPPED. */
-weft_status weft__between_look(weft_sim *sim, weft_error *err);
-double *weft__between_motion(weft_sim *sim, double t);
-
-/* Between the two, the simulation is as it was at t within the last step, and no
- * function may change it. Errors: those of weft_sim_between. */
-weft_status weft__between_show(weft_sim *sim, double t, weft_error *err);
-void weft__between_hide(weft_sim *sim);
-
 /* ---- limit.c -----------------------------------------------------------------------
  */
 
@@ -277,12 +235,9 @@ weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
                              const weft_cloth *cloth, const weft_allocator *memory,
                              weft_error *err);
 
-/* Corrects y[6 N] after a step of size h [s]. Returns whether it changed anything. */
-bool weft__limit_apply(weft__limit *limit, double h, double *y);
-
-/* Whether no limited spring is beyond its bound in y, the state after a step; counts it
- * if one is. */
-bool weft__limit_met(weft__limit *limit, const double *y);
+/* Corrects the state after a step of h [s], reports what is left beyond its bound once;
+ * whether it changed anything. */
+bool weft__sim_limit(weft_sim *sim, double h);
 
 /* ---- ledger.c ----------------------------------------------------------------------
  */
