@@ -283,8 +283,9 @@ END_TEST
 
 START_TEST(progress_is_shown_as_by_run)
 {
-    expect(shell(COMPARE_ONE "--progress lines 2>&1 >/dev/null && " COMPARE_ONE
-                             "--progress none 2>&1 >/dev/null"),
+    /* frames of the references are counted as often as they last */
+    expect(shell("{ " COMPARE_ONE "--progress lines 2>&1 >/dev/null && " COMPARE_ONE
+                 "--progress none 2>&1 >/dev/null; } | grep -v ' of [0-9]* frames$'"),
            0);
     ck_assert_str_eq(output, "1 of 3 methods\n2 of 3 methods\n3 of 3 methods\n");
     expect(shell(COMPARE_ONE "--progress terminal 2>&1 >/dev/null"), 0);
@@ -299,7 +300,7 @@ END_TEST
 
 START_TEST(progress_for_machines_is_a_document_a_line)
 {
-    expect(shell(COMPARE_ONE "--progress yaml 2>&1"), 0);
+    expect(shell(COMPARE_ONE "--progress yaml 2>&1 | grep -v frames:"), 0);
     ck_assert_str_eq(output, "--- {event: begin, name: \"smooth\", directory: \"" OUT
                              "/progress\", rows: 4, cols: 4, methods_planned: 3, "
                              "duration: 0.1}\n"

@@ -177,12 +177,13 @@ int open_run(const char *directory, const arguments *given, weft_scene **scene);
 const char *out_directory(const arguments *given, const char *suffix,
                           char text[RECORD_PATH]);
 
-/* Every job in a child, --jobs of them at a time; WEFT_SOLVER if none can be made. */
+/* Every job in a child, --jobs of them at a time; WEFT_SOLVER if none can be made.
+ * tick: called now and then while they run; NULL: nothing. */
 struct process;
 weft_status jobs_run(const arguments *given, void *ctx, size_t jobs,
                      int (*work)(void *ctx, size_t job),
                      void (*ended)(void *ctx, const struct process *one),
-                     weft_error *err);
+                     void (*tick)(void *ctx), weft_error *err);
 /* The error of a job that did not end by itself; else nothing. */
 void job_error(const struct process *one, weft_error *err);
 

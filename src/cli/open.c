@@ -271,12 +271,14 @@ const char *out_directory(const arguments *given, const char *suffix,
 
 weft_status jobs_run(const arguments *given, void *ctx, size_t jobs,
                      int (*work)(void *ctx, size_t job),
-                     void (*ended)(void *ctx, const process *one), weft_error *err)
+                     void (*ended)(void *ctx, const process *one),
+                     void (*tick)(void *ctx), weft_error *err)
 {
-    process_pool pool = { .def = { .work = work, .ctx = ctx, .end_signal = SIGKILL },
-                          .jobs = jobs,
-                          .at_once = given->jobs > 0 ? given->jobs : 1,
-                          .ended = ended };
+    process_pool pool
+        = { .def = { .work = work, .ctx = ctx, .tick = tick, .end_signal = SIGKILL },
+            .jobs = jobs,
+            .at_once = given->jobs > 0 ? given->jobs : 1,
+            .ended = ended };
     return process_pool_run(&pool)
                ? WEFT_OK
                : weft_error_set(err, WEFT_SOLVER, "no process for a run: %s",

@@ -126,6 +126,20 @@ static void reference_ended(void *ctx, const process *one)
     job_error(one, &self->shared->err[one->job]);
 }
 
+/* The frames that both references have. */
+static void reference_tick(void *ctx)
+{
+    compare *self = ctx;
+    size_t done = 0;
+    while (done < self->planned && self->calls[0][done + 1] > 0
+           && self->calls[1][done + 1] > 0) {
+        ++done;
+    }
+    if (done > 0) {
+        progress_count(&self->progress, "frames", done, self->planned);
+    }
+}
+
 /* The growth of the twin's distance, by least squares of its logarithm over time, and
  * the energy at play. */
 static void find_scales(compare *self)
@@ -189,7 +203,10 @@ static weft_status find_horizon(compare *self, weft_error *err)
 
 static weft_status make_references(compare *self, weft_error *err)
 {
-    TRY(jobs_run(self->given, self, 2, compare_reference, reference_ended, err));
+    TRY(jobs_run(self->given, self, 2, compare_reference, reference_ended,
+                 reference_tick, err));
+    progress_clear(&self->progress);
+    self->progress.tenth = 0; /* the methods are counted anew */
     self->last = atomic_load(&self->shared->last);
     for (size_t i = 0; i < 2; ++i) {
         const weft_error *why = &self->shared->err[i];
@@ -262,7 +279,7 @@ static weft_status take_times(const compare *self, weft_error *err)
 
 static weft_status compare_all(compare *self, weft_error *err)
 {
-    TRY(jobs_run(self->given, self, 1, compare_stiffness, NULL, err));
+    TRY(jobs_run(self->given, self, 1, compare_stiffness, NULL, NULL, err));
     TRY(make_references(self, err));
     /* the calls of the costlier reference up to `last`, at most a share of COMPARE_WORK
      */
@@ -273,7 +290,7 @@ static weft_status compare_all(compare *self, weft_error *err)
         = fmax((double)self->calls[0][self->last], (double)self->calls[1][self->last]);
     self->budget = (uint64_t)fmin(share, dearest);
     const weft_status status = jobs_run(self->given, self, self->count + 1,
-                                        compare_ladder, ladder_ended, err);
+                                        compare_ladder, ladder_ended, NULL, err);
     progress_clear(&self->progress);
     return status == WEFT_OK ? take_times(self, err) : status;
 }

@@ -178,7 +178,7 @@ static int run_sizes(converge *self)
         return report_status(WEFT_NO_MEMORY, "no memory for the results");
     }
     const weft_status status
-        = jobs_run(self->given, self, self->count, run_size, size_ended, &err);
+        = jobs_run(self->given, self, self->count, run_size, size_ended, NULL, &err);
     progress_clear(&self->progress);
     if (status != WEFT_OK) {
         return report_error(&err);
