@@ -11,11 +11,11 @@
 #include "cli/watch/watch.h"
 #include "record/export/export.h"
 
-/* What the simulation warns of, also when quiet. */
+/* What the simulation warns of, in bands all of the same, also when quiet. */
 static void on_log(void *ctx, weft_log_level level, const char *text)
 {
     run *self = ctx;
-    if (level == WEFT_LOG_WARNING) {
+    if (level == WEFT_LOG_WARNING && ranks_first(self->comm)) {
         progress_clear(&self->progress);
         fprintf(stderr, "weft: warning: %s\n", text);
     }
