@@ -397,6 +397,8 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
         force = area[:, None, None] * (slope @ _turn_of(stretch).transpose(0, 2, 1))
         right = np.stack([np.bincount(corner.ravel(), force[..., k].ravel(), len(x)) for k in range(3)], axis=1)
         x = solver.solve(right + hold * x)
+    if not np.isfinite(x).all():
+        raise ValueError("the pattern cannot be relaxed: positions of its vertices are not finite after %d rounds" % rounds)
     return x
 
 
