@@ -42,7 +42,7 @@ typedef struct served {
 
 static served run;
 
-/* 5e9 steps: longer than any test on any machine. */
+/* 5e8 steps: longer than any test on any machine. */
 #define SLOW "--set stepper.fixed_step=1.0e-9 --set run.fps=1e6"
 
 static served start(const char *arguments)
