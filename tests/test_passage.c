@@ -234,6 +234,27 @@ START_TEST(a_passage_is_warned_of_once)
 }
 END_TEST
 
+/* Before and after such a step the edge is outside. */
+START_TEST(a_step_past_a_whole_wire_shows_its_passage)
+{
+    over_a_line(1e-3);
+    run.config.max_step = (double)INFINITY;
+    model.strict = _i == 1;
+    start();
+    weft_status status = WEFT_OK;
+    while (weft_sim_time(sim) < 0.5 && status == WEFT_OK) {
+        status = weft_sim_step(sim, 0.5, &err);
+    }
+    ck_assert_uint_lt(weft_sim_stats(sim).steps, 20);
+    ck_assert_int_eq(status, model.strict ? WEFT_INVALID : WEFT_OK);
+    ck_assert_uint_eq(told.count, !model.strict);
+    ck_assert(weft_sim_passed(sim));
+    const char *text = model.strict ? err.message : told.text;
+    ck_assert_msg(strstr(text, "edge (0, 0)-(0, 1) passes through shapes[0]") != NULL,
+                  "%s", text);
+}
+END_TEST
+
 START_TEST(strict_ends_the_run_at_a_passage)
 {
     over_a_line(1e-3);
@@ -454,6 +475,7 @@ TEST_SUITE(passage)
     tcase_add_loop_test(
         tcase, edges_and_triangles_enter_where_the_least_gap_is_negative, 0, 3);
     tcase_add_loop_test(tcase, a_passage_is_warned_of_once, 0, 2);
+    tcase_add_loop_test(tcase, a_step_past_a_whole_wire_shows_its_passage, 0, 2);
     tcase_add_test(tcase, strict_ends_the_run_at_a_passage);
     tcase_add_test(tcase, a_restored_simulation_does_not_warn_again);
     tcase_add_test(tcase, a_rod_that_threads_a_cell_touches_none_of_its_edges);

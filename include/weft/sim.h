@@ -293,9 +293,9 @@ static inline weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
 
 /* Looks for cloth that passes through a shape (weft_cloth_passages), and logs the first
  * that it finds in a run as a warning. weft_sim_play does so at each frame, and
- * weft_sim_advance at its end; weft_sim_step before a step, as often as the speed of
- * the cloth demands, and takes no step if it fails. With weft_cloth_def.strict a
- * passage is an error of all of these: WEFT_INVALID. */
+ * weft_sim_advance at its end; weft_sim_step before a step and within it, as often as
+ * the speed of the cloth demands. With weft_cloth_def.strict a passage is an error of
+ * all of these, WEFT_INVALID, and the state is that before or after the step. */
 WEFT_API weft_status weft_sim_check_frame(weft_sim *sim, weft_error *err);
 
 /* Why a step failed, and the last good state, or the one that a correction spoiled. */

@@ -19,14 +19,19 @@ enum { WINDOW = 1000 };
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
 {
     if (sim->start == NULL) {
-        sim->start
-            = weft__alloc(&sim->memory, weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES,
-                          sizeof *sim->start);
+        sim->start = weft__alloc(&sim->memory,
+                                 2 * (weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES),
+                                 sizeof *sim->start);
         if (sim->start == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact");
         }
     }
     return WEFT_OK;
+}
+
+double *weft__sim_room(const weft_sim *sim)
+{
+    return sim->start + weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES;
 }
 
 /* As if the step from t0 had not been, but for the counts. */

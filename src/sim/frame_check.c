@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* frame_check.c -- cloth that passes through a shape between its particles, at frames:
- * no step is taken back for it, because only particles feel shapes that are no mesh. */
+/* frame_check.c -- cloth that passes through a shape between its particles, at frames
+ * and within steps: no step is taken back for it, because only particles feel shapes
+ * that are no mesh. */
 #include "forces/contact/passage.h"
 
 #include "base/log.h"
 #include "mesh/triangles.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
+
+/* Within one step, at most: of a shape that is very thin for its speed. */
+enum { LOOKS = 64 };
 
 /* What blocks have found. */
 typedef struct look {
@@ -15,15 +19,14 @@ typedef struct look {
 
 typedef struct look_job {
     const weft_sim *sim;
+    weft__state at;
     double rise; /* [m/s^2] */
     look *blocks;
 } look_job;
 
 static weft__passages of_block(const look_job *job, size_t b)
 {
-    const weft_sim *sim = job->sim;
-    const weft__state at = { .t = sim->t, .y = sim->y };
-    return weft__block_passages(&sim->cloth->contact, &at, b, job->rise);
+    return weft__block_passages(&job->sim->cloth->contact, &job->at, b, job->rise);
 }
 
 static void look_at(void *ctx, size_t first, size_t end)
@@ -76,28 +79,54 @@ static weft_passage find_first(const weft_sim *sim, const look_job *job)
     return (weft_passage){ out.first, out.shape };
 }
 
-weft_status weft__sim_passages(weft_sim *sim, weft_error *err)
+static weft_status check_state(weft_sim *sim, double t, const double *y,
+                               weft_error *err)
 {
     const bool strict = sim->cloth->strict;
     if (sim->cloth->contact.shape_count == 0 || (sim->passage.told && !strict)) {
         sim->passage.next = INFINITY;
         return WEFT_OK;
     }
-    const look_job job = { sim, weft__length(sim->cloth->body.gravity),
+    const look_job job = { sim,
+                           { .t = t, .y = y },
+                           weft__length(sim->cloth->body.gravity),
                            (look *)(void *)sim->forces.measures };
     const look found = look_for(sim, &job);
-    sim->passage.next = sim->t + 1.0 / found.rate;
+    sim->passage.next = t + 1.0 / found.rate;
     if (!(found.count > 0.0)) {
         return WEFT_OK;
     }
     char text[WEFT__PASSAGE_TEXT];
     const weft_passage first = find_first(sim, &job);
-    weft__passage_text(sim->cloth, sim->t, &first, found.count, text);
+    weft__passage_text(sim->cloth, t, &first, found.count, text);
     sim->passage.told = true;
     if (strict) {
         return weft_error_set(err, WEFT_INVALID, "contact.strict: %s", text);
     }
     weft__log(&sim->def.log, WEFT_LOG_WARNING, "%s", text);
+    return WEFT_OK;
+}
+
+weft_status weft__sim_passages(weft_sim *sim, weft_error *err)
+{
+    return check_state(sim, sim->t, sim->y, err);
+}
+
+/* Particles go straight, as those of the check of the step do. */
+weft_status weft__sim_look_within(weft_sim *sim, double t0, weft_error *err)
+{
+    const double *start
+        = sim->between.start != NULL ? sim->between.start : sim->start; /* at t0 */
+    const size_t dim = weft_cloth_dim(sim->cloth);
+    const double h = sim->t - t0;
+    double t = fmax(sim->passage.next, t0);
+    for (; t < sim->t; t = fmax(sim->passage.next, t + h / LOOKS)) {
+        double *const y = weft__sim_room(sim), s = (t - t0) / h;
+        for (size_t i = 0; i < dim; ++i) {
+            y[i] = start[i] + s * (sim->y[i] - start[i]);
+        }
+        TRY(check_state(sim, t, y, err));
+    }
     return WEFT_OK;
 }
 

@@ -128,6 +128,9 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
         why.status = status;
         return weft__sim_fail(sim, &why, err);
     }
+    if (sim->passage.next < sim->t) {
+        TRY(weft__sim_look_within(sim, before, err));
+    }
     const double h = sim->t - before;
     if (sim->def.log.write != NULL) {
         log_rejected(sim, h);

@@ -177,9 +177,10 @@ void weft__piece_leave(weft_sim *sim, double end);
  * state are those after it. */
 void weft__piece_jump(const weft_sim *sim, double factor, double *v);
 
-/* frame_check.c: weft_sim_check_frame of the state that is shown; and before a step, if
- * passage.next has come. */
+/* frame_check.c: weft_sim_check_frame of the state that is shown; and within the step
+ * from t0, with shapes, as often as passage.next comes. */
 weft_status weft__sim_passages(weft_sim *sim, weft_error *err);
+weft_status weft__sim_look_within(weft_sim *sim, double t0, weft_error *err);
 
 /* event.c: before a step, which may go to the end that is returned; and after one that
  * is accepted: if the event function fell to 0 within it, takes it back and ends it
@@ -189,6 +190,8 @@ weft_status weft__sim_find_event(weft_sim *sim, weft_error *why);
 
 /* Room for checked steps. */
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
+/* For a state, behind that. */
+double *weft__sim_room(const weft_sim *sim);
 
 /* pace.c: warns once of shapes that close on the cloth; after WEFT__PACE steps, once of
  * a run that hardly advances. Then what holds a step, from the measures of the present
