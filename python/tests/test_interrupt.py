@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 
 import weft
@@ -14,7 +15,6 @@ import weft
 
 def grid(n, up):
     """A square of n x n vertices as a mesh; `up`: it stands."""
-    import numpy as np
     u, v = np.meshgrid(np.linspace(-0.1, 0.1, n), np.linspace(-0.1, 0.1, n))
     rest = np.c_[u.ravel(), v.ravel()]
     start = np.c_[rest[:, 0], rest[:, 1], 0.003 + 0 * rest[:, 0]] if up else \
@@ -48,6 +48,54 @@ def test_a_signal_ends_a_start_that_relaxes(name):
         timer.join()
         signal.signal(signal.SIGALRM, before)
     assert weft.load(weft.scene("two-corners")).step() > 0  # the next call knows nothing of it
+
+
+def brief(**run):
+    """A grid of few particles, as functions of Python see it."""
+    return {"weft": 1, "cloth": {"grid": {"rows": 4, "cols": 4, "spacing": 0.01}, "density": 0.2,
+                                 "springs": {"stretch": {"stiffness": 50}}},
+            "stepper": {"plugin": "arkode", "method": "rk4", "fixed_step": 1e-4}, "run": {"duration": 1.0, **run}}
+
+
+def advancing(**own):
+    sim = weft.load(brief(), **own)
+    return lambda: sim.advance(sim.time + 0.02)
+
+
+OWN = {
+    "force": lambda: advancing(force=lambda t, x, v, f: None),
+    "correction": lambda: advancing(correct=lambda t, h, x, v: False),
+    "event": lambda: advancing(event=lambda t, x, v: 1.0),
+    "objective": lambda: lambda: weft.gradient(brief(duration=0.01, fps=10000),
+                                               lambda t, x, v: (0.0, np.zeros(x.shape))),
+}
+
+
+@pytest.mark.filterwarnings("ignore::weft.PerformanceWarning")
+@pytest.mark.parametrize("name", OWN)
+def test_no_signal_is_lost_between_weft_and_an_own_function(name):
+    class Signal(Exception):
+        pass
+
+    sent = []
+
+    def handler(*_):
+        sent.append(1)
+        raise Signal
+
+    compute = OWN[name]()
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        for k in range(20):
+            with pytest.raises(Signal):
+                signal.setitimer(signal.ITIMER_REAL, 0.002 + 0.0004 * k, 0.5)
+                while True:
+                    compute()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(sent) == 20  # the timer repeats after one that is lost
+    compute()  # what was interrupted can be used again
 
 
 @pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])

@@ -82,12 +82,22 @@ class Hooks:
         return error
 
 
+def _keep_early(_type: Any, error: BaseException, traceback: Any) -> None:
+    """Keeps what a handler of a signal raised as Python entered a function that C called, before its `try`."""
+    ffi.from_handle(traceback.tb_frame.f_locals["ctx"]).keep(error)
+
+
+def called_by_c(failed: Any) -> Any:
+    """Of a function of C whose first argument, ctx, is a handle of what has keep(error); failed: what it then returns."""
+    return ffi.def_extern(error=failed, onerror=_keep_early)
+
+
 def _none(value: Any, name: str, advice: str) -> None:
     if value is not None:
         raise TypeError("%s returned %s; %s" % (name, type(value).__name__, advice))
 
 
-@ffi.def_extern()
+@called_by_c(-1)
 def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
     hooks = ffi.from_handle(ctx)
     try:
@@ -101,7 +111,7 @@ def weftpy_force(ctx: Any, t: float, y: Any, f: Any) -> int:
     return 0
 
 
-@ffi.def_extern()
+@called_by_c(False)
 def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
     hooks = ffi.from_handle(ctx)
     try:
@@ -119,7 +129,7 @@ def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
     return True
 
 
-@ffi.def_extern()
+@called_by_c(math.nan)
 def weftpy_event(ctx: Any, _cloth: Any, t: float, y: Any) -> float:
     hooks = ffi.from_handle(ctx)
     try:

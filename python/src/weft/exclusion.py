@@ -17,8 +17,7 @@ class Exclusion:
 
     def __init__(self) -> None:
         self._process, self._gate = os.getpid(), threading.RLock()
-        self._changing = threading.Lock()
-        self._thread: Optional[int] = None  # that changes
+        self._change: Optional[list[int]] = None  # one that is under way: its thread
 
     def _entrance(self) -> Any:
         """A lock that reads hold, and changes while they begin."""
@@ -28,19 +27,21 @@ class Exclusion:
 
     @contextmanager
     def change(self) -> Iterator[None]:
-        with self._entrance():
-            if not self._changing.acquire(blocking=False):
-                raise Error("this simulation is in use: by another thread, or because this is one of its callbacks")
-            self._thread = threading.get_ident()
-        try:
+        own = [threading.get_ident()]
+        try:  # what a handler of a signal raises may come between any two calls
+            with self._entrance():
+                if self._change is not None:
+                    raise Error("this simulation is in use: by another thread, or because this is one of its callbacks")
+                self._change = own
             yield
         finally:
-            self._thread = None
-            self._changing.release()
+            if self._change is own:
+                self._change = None
 
     @contextmanager
     def read(self) -> Iterator[None]:
         with self._entrance():
-            if self._changing.locked() and self._thread != threading.get_ident():
+            change = self._change
+            if change is not None and change[0] != threading.get_ident():
                 raise Error("this simulation is in use by another thread")
             yield

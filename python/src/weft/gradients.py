@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 
 from weft._weft import ffi, lib
-from weft.callbacks import Seen
+from weft.callbacks import Seen, called_by_c
 from weft.library import (Array, SceneError, SceneWarning, check, index_of, keys_of, of_over, read_scene, real,
                           scene_twins)
 from weft.scenes import Form, Scene, formed
@@ -45,8 +45,11 @@ class _Call:
         n = int(lib.weft_cloth_particles(cloth))
         self.seen, self.slope = Seen(n, index_of(cloth)), np.zeros((2, 3, n))
 
+    def keep(self, error: BaseException) -> None:
+        self.error = self.error or error
 
-@ffi.def_extern()
+
+@called_by_c(1)
 def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: Any) -> int:
     call = ffi.from_handle(ctx)
     try:
@@ -60,7 +63,7 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
         call.seen.give(call.slope, slope)
         value[0] += float(found)
     except BaseException as error:  # also KeyboardInterrupt: the caller gets it
-        call.error = error
+        call.keep(error)
         return 1
     return 0
 

@@ -276,7 +276,7 @@ def weftpy_signalled() -> bool:
     """Gives Python the time to call handlers of signals, which may raise: KeyboardInterrupt, for example."""
     for _ in range(2):
         pass
-    return False
+    return getattr(_interrupted, "error", None) is not None
 
 
 def interruption() -> Optional[BaseException]:
@@ -375,22 +375,22 @@ def failure(of: Any) -> Failure:
 log = logging.getLogger("weft")
 
 
-@ffi.def_extern()
+@ffi.def_extern(onerror=_keep)
 def weftpy_log(_ctx: Any, level: int, message: Any) -> None:
     log.log(logging.WARNING if level == lib.WEFT_LOG_WARNING else logging.INFO, "%s", text(message))
 
 
-@ffi.def_extern()
+@ffi.def_extern(onerror=_keep)
 def weftpy_refused(_ctx: Any, why: Any) -> None:
     log.warning("%s", text(why.message))
 
 
-@ffi.def_extern()
+@ffi.def_extern(onerror=_keep)
 def weftpy_line(ctx: Any, line: Any) -> None:
     ffi.from_handle(ctx).append(text(line))
 
 
-@ffi.def_extern()
+@ffi.def_extern(onerror=_keep)
 def weftpy_option(ctx: Any, name: Any, value: Any) -> None:
     ffi.from_handle(ctx)[text(name)] = text(value)
 
