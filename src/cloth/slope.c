@@ -281,19 +281,22 @@ void weft__slope_jump(const weft__slope *of, size_t i, double t, const double pi
                       double jump[6])
 {
     const weft_cloth *twins[2] = { of->less, of->more };
+    double rate[6];
     memset(jump, 0, 6 * sizeof *jump);
-    for (size_t j = 0; j < 4 && of->pins; ++j) {
+    if (!of->pins || !weft__pin_meets(&of->less->mesh, i)) {
+        return;
+    }
+    for (size_t j = 0; j < 4; ++j) {
         const weft__mesh *mesh = &twins[j / 2]->mesh;
-        const weft__curve *path = &mesh->motions[mesh->pin[i] - 1].path;
         const double sign = j == 0 || j == 3 ? of->scale : -of->scale;
         double is[3][3];
-        if (path->count > 0) {
-            weft__curve_at(path, t, piece[j % 2], is);
-            for (size_t k = 0; k < 6; ++k) {
-                jump[k] += sign * is[k / 3][k % 3];
-            }
+        weft__curve_at(&mesh->motions[mesh->pin[i] - 1].path, t, piece[j % 2], is);
+        for (size_t k = 0; k < 3; ++k) {
+            jump[k] += sign * is[0][k];
         }
     }
+    weft__slope_pin(of, i, &(weft__state){ .t = t, .piece = &piece[1] }, rate);
+    memcpy(jump + 3, rate, 3 * sizeof *jump);
 }
 
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,

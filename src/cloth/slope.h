@@ -56,7 +56,8 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
 void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
                      double rate[6]);
 
-/* By how much the derivatives of its place and velocity jump at t, where one piece ends
- * and the other begins. */
+/* Where one piece ends at t and the other begins, and the pin is on a table
+ * (weft__pin_meets): by how much the derivative of its place jumps, and the one that
+ * its velocity has then; else 0. */
 void weft__slope_jump(const weft__slope *of, size_t i, double t, const double piece[2],
                       double jump[6]);

@@ -162,6 +162,17 @@ void weft__pin_rate(const weft__mesh *mesh, size_t i, double t, double piece,
 void weft__jump_pins(const weft__mesh *mesh, double t, const double piece[2],
                      double factor, double *v);
 
+/* Whether the velocity of pinned particle i is set where a piece begins. */
+static inline bool weft__pin_meets(const weft__mesh *mesh, size_t i)
+{
+    return mesh->motions[mesh->pin[i] - 1].path.count > 0;
+}
+
+/* Sets the velocities of the pins on tables, in three planes, to those of the piece
+ * that begins at t: methods of order 1 and of several steps have the integral of an
+ * acceleration that jumps with an error, which a rest would keep. */
+void weft__meet_pins(const weft__mesh *mesh, double t, double piece, double *v);
+
 /* Writes x' and v' of the pinned among particles [first, end) to six planes, which are
  * `stride` apart and begin with particle `first`. */
 void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,

@@ -117,6 +117,20 @@ void weft__jump_pins(const weft__mesh *mesh, double t, const double piece[2],
     }
 }
 
+void weft__meet_pins(const weft__mesh *mesh, double t, double piece, double *v)
+{
+    for (size_t j = 0; j < mesh->pinned; ++j) {
+        const size_t i = mesh->pins[j];
+        if (weft__pin_meets(mesh, i)) {
+            double rate[6];
+            weft__pin_rate(mesh, i, t, piece, rate);
+            for (size_t k = 0; k < 3; ++k) {
+                v[k * mesh->stride + i] = rate[k];
+            }
+        }
+    }
+}
+
 enum { KEPT = 8 }; /* motions whose rates a pass keeps */
 
 void weft__move_pins(const weft__mesh *mesh, double t, double piece, double *to,

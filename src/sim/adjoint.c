@@ -361,9 +361,10 @@ static int repeat(adjoint *of, size_t first, size_t end)
             double *next
                 = of->steps[i + 1].keeps ? place_of(of, i + 1, 0) : of->room[i % 2];
             find_state(of, count + 1, h, y, next);
-            weft__jump_pins(mesh, of->steps[i + 1].t,
-                            (double[]){ of->steps[i].piece, next_piece(of, i) }, 1.0,
-                            next + half);
+            if (of->steps[i].piece != next_piece(of, i)) {
+                weft__meet_pins(mesh, of->steps[i + 1].t, next_piece(of, i),
+                                next + half);
+            }
             y = next;
         }
         if (of->table->carries) {
@@ -458,12 +459,13 @@ static void find_start(const adjoint *of, double h, double *to)
     }
 }
 
-/* Adds what depends on the numbers where pins jump after a step, whose state is the
- * sum of what the step leads to and the jump. */
+/* Adds what depends on the numbers where a piece ends after a step: the places of pins
+ * are the sum of what the step leads to and a jump, their velocities are set. */
 static void jump_back(adjoint *of, size_t step)
 {
     const weft__mesh *mesh = &of->sim->cloth->mesh;
-    const double *g = of->by_state[of->table->count + 1];
+    const size_t n = mesh->particles;
+    double *g = of->by_state[of->table->count + 1];
     const double t = step + 1 < of->count ? of->steps[step + 1].t : of->sim->t;
     const double pieces[2] = { of->steps[step].piece, next_piece(of, step) };
     for (size_t j = 0; pieces[0] != pieces[1] && j < of->def->count; ++j) {
@@ -471,8 +473,13 @@ static void jump_back(adjoint *of, size_t step)
             double jump[6];
             weft__slope_jump(&of->slopes[j], mesh->pins[i], t, pieces, jump);
             for (size_t k = 0; k < 6; ++k) {
-                of->by_number[j] += g[k * mesh->particles + mesh->pins[i]] * jump[k];
+                of->by_number[j] += g[k * n + mesh->pins[i]] * jump[k];
             }
+        }
+    }
+    for (size_t i = 0; pieces[0] != pieces[1] && i < mesh->pinned; ++i) {
+        for (size_t k = 3; weft__pin_meets(mesh, mesh->pins[i]) && k < 6; ++k) {
+            g[k * n + mesh->pins[i]] = 0.0;
         }
     }
 }

@@ -55,7 +55,8 @@ void weft__piece_leave(weft_sim *sim, double end)
     if (sim->piece_begins) {
         const weft__piece_bounds next = bounds_of(sim);
         sim->next_piece = middle(&next, sim->t);
-        weft__piece_jump(sim, 1.0, sim->y + weft_cloth_dim(sim->cloth) / 2);
+        weft__meet_pins(&sim->cloth->mesh, sim->t, sim->next_piece,
+                        sim->y + weft_cloth_dim(sim->cloth) / 2);
         weft__sensitivity_jump(sim);
         weft_stepper_ode_changed(sim->def.method, sim->stepper);
     }

@@ -250,8 +250,9 @@ void weft__sensitivity_jump(weft_sim *sim)
             double jump[6];
             weft__slope_jump(&of->of[j], mesh->pins[i], sim->t,
                              (double[]){ sim->piece, sim->next_piece }, jump);
-            for (size_t k = 0; k < 6; ++k) {
-                of->s[(6 * j + k) * n + mesh->pins[i]] += jump[k] / of->factor;
+            for (size_t k = 0; k < 6 && weft__pin_meets(mesh, mesh->pins[i]); ++k) {
+                double *s = &of->s[(6 * j + k) * n + mesh->pins[i]];
+                *s = (k < 3 ? *s : 0.0) + jump[k] / of->factor;
             }
         }
     }
