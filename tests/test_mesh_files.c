@@ -431,6 +431,53 @@ START_TEST(faces_of_a_body_with_many_corners_are_fans)
 }
 END_TEST
 
+/* An arrow head, whose wings are nearer to one another than its tip to its notch, from
+ * each of its corners; and a bow tie, which no line divides. */
+START_TEST(a_concave_quadrilateral_of_a_body_is_divided_inside_of_it)
+{
+    static const char *const faces[] = { "f 1 2 3 4\n", "f 2 3 4 1\n", "f 4 3 2 1\n" };
+    put("cloth.obj", SHEET);
+    for (size_t i = 0; i < 3; ++i) {
+        char text[128];
+        (void)snprintf(text, sizeof text,
+                       "v 0 -1 1\nv -.1 -1 0\nv 0 -1 .2\nv .1 -1 0\n%s", faces[i]);
+        put("body.obj", text);
+        weft_scene *scene = load(CLOTH, BODY);
+        const weft_body *body = body_of(scene);
+        ck_assert_uint_eq(found.count, 0);
+        ck_assert_uint_eq(body->triangles, 2);
+        for (size_t t = 0; t < 2; ++t) { /* none has both wings */
+            const uint32_t *v = &body->corners[3 * t];
+            ck_assert_uint_ne(v[0] % 2 + v[1] % 2 + v[2] % 2, 2);
+        }
+        weft_scene_destroy(scene);
+    }
+    put("body.obj", "v 0 -1 0\nv 1 -1 0\nv 0 -1 1\nv 1 -1 2\nf 1 2 3 4\n");
+    weft_scene *scene = load(CLOTH, BODY);
+    ck_assert_ptr_nonnull(scene);
+    stands(0, "1 face of this body, the first here, is concave", "body.obj", 5,
+           "f 1 2 3 4");
+    weft_scene_destroy(scene);
+}
+END_TEST
+
+/* A square with a notch: the second fan covers it. */
+START_TEST(concave_faces_of_a_body_are_warned_of)
+{
+    put("cloth.obj", SHEET);
+    put("body.obj", "v 0 -1 0\nv 1 -1 0\nv 1 -1 1\nv .5 -1 .1\nv 0 -1 1\n"
+                    "f 4 5 1 2 3\nf 1 2 3 4 5\n");
+    weft_scene *scene = load(CLOTH, BODY);
+    ck_assert_ptr_nonnull(scene);
+    ck_assert_uint_eq(found.count, 1);
+    stands(0,
+           "1 face of this body, the first here, is concave: the triangles that weft "
+           "makes of it go beyond its outline; triangulate the mesh on export",
+           "body.obj", 7, "f 1 2 3 4 5");
+    weft_scene_destroy(scene);
+}
+END_TEST
+
 START_TEST(a_corner_that_a_face_of_a_body_repeats_adds_nothing)
 {
     static const uint32_t corners[] = { 0, 1, 2, 0, 2, 3 };
@@ -483,7 +530,10 @@ START_TEST(a_triangle_that_is_flat_at_one_key_is_left_out_at_all)
     ck_assert_uint_eq(body->triangles, 1);
     ck_assert_uint_eq(body->vertices, 3);
     ck_assert_mem_eq(body->places, places, sizeof places);
-    stands(0, "1 triangle of this body has no area", "flat-1.obj", 6, "f 1 2 4");
+    stands(0,
+           "1 triangle of this body has no area, the first here, and is left out of "
+           "every key frame",
+           "flat-1.obj", 6, "f 1 2 4");
     weft_scene_destroy(scene);
 }
 END_TEST
@@ -623,6 +673,8 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, lines_may_end_with_cr_alone);
     tcase_add_test(files, unknown_statements_are_warned_of_once);
     tcase_add_test(files, faces_of_a_body_with_many_corners_are_fans);
+    tcase_add_test(files, a_concave_quadrilateral_of_a_body_is_divided_inside_of_it);
+    tcase_add_test(files, concave_faces_of_a_body_are_warned_of);
     tcase_add_test(files, a_corner_that_a_face_of_a_body_repeats_adds_nothing);
     tcase_add_test(files,
                    triangles_of_a_body_without_area_are_left_out_with_their_vertices);

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "base/plane.h"
 #include "base/suggest.h"
+#include "mesh/rigid.h"
 #include "weft/elementary.h"
 
 /* Places of one vertex: more are no seam, and take long to compare. */
@@ -52,31 +52,47 @@ static bool shorter_at_1(const uint32_t v[4], double a, double b)
                : (v[1] < v[3] ? v[1] : v[3]) < (v[0] < v[2] ? v[0] : v[2]);
 }
 
+void weft__obj_normal(const double a[3], const double b[3], const double c[3],
+                      double out[3])
+{
+    const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    const double v[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
+    weft__cross(u, v, out);
+}
+
+/* Whether the triangles a, b, c and a, c, d are turned the same way. */
+static bool run_alike(const double a[3], const double b[3], const double c[3],
+                      const double d[3])
+{
+    double one[3], other[3];
+    weft__obj_normal(a, b, c, one);
+    weft__obj_normal(a, c, d, other);
+    return weft__dot(one, other) > 0.0;
+}
+
 /* Whether a quadrilateral is divided from corner 1 to 3 rather than from 0 to 2: by the
  * shorter line, of equal ones that with the lowest vertex, but not outside of it. */
 static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
 {
     const uint32_t *v = face->vertex;
-    const double *x[4];
+    double x[4][3];
     const size_t t = obj->def.triangles;
     if (obj->like != NULL && t < obj->like->triangles) {
         return obj->like->corners[3 * t] == obj->vertex_of[v[1]];
     }
     for (size_t k = 0; k < 4; ++k) {
-        x[k] = obj->body ? obj->vertex[v[k]] : obj->place[face->place[k]];
+        const double *at = obj->body ? obj->vertex[v[k]] : obj->place[face->place[k]];
+        const double of_body = obj->body ? at[2] : 0.0;
+        memcpy(x[k], (double[]){ at[0], at[1], of_body }, sizeof x[k]);
     }
-    if (obj->body) {
-        const double d[2][3]
-            = { { x[2][0] - x[0][0], x[2][1] - x[0][1], x[2][2] - x[0][2] },
-                { x[3][0] - x[1][0], x[3][1] - x[1][1], x[3][2] - x[1][2] } };
-        return shorter_at_1(v, weft__length(d[0]), weft__length(d[1]));
+    const bool in_02 = run_alike(x[0], x[1], x[2], x[3]);
+    const bool in_13 = run_alike(x[1], x[2], x[3], x[0]);
+    double d[2][3];
+    for (size_t k = 0; k < 3; ++k) {
+        d[0][k] = x[2][k] - x[0][k];
+        d[1][k] = x[3][k] - x[1][k];
     }
-    const bool in_02
-        = weft__plane_turn(x[0], x[1], x[2]) * weft__plane_turn(x[0], x[2], x[3]) > 0.0;
-    const bool in_13
-        = weft__plane_turn(x[1], x[2], x[3]) * weft__plane_turn(x[1], x[3], x[0]) > 0.0;
-    const double a = sqrt(weft__squared(x[0], x[2])),
-                 b = sqrt(weft__squared(x[1], x[3]));
+    const double a = weft__length(d[0]), b = weft__length(d[1]);
     return in_02 != in_13 ? in_13 : shorter_at_1(v, a, b);
 }
 

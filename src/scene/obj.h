@@ -92,6 +92,10 @@ void weft__obj_fault(void *ctx, weft__mesh_part part, size_t index,
 /* The place of a statement, for mistakes and warnings. */
 weft__mark weft__obj_mark(weft__obj *obj, uint32_t byte);
 
+/* Twice the area of a triangle, along its normal. */
+void weft__obj_normal(const double a[3], const double b[3], const double c[3],
+                      double out[3]);
+
 /* Marks vertices of the definition that are of faces or points of a group in
  * member[vertices]. false: the file has no such group. */
 bool weft__obj_group(const weft__obj *obj, const char *name, bool *member);

@@ -187,14 +187,58 @@ static bool is_like_first(const making *self, weft__obj *obj)
     return true;
 }
 
-static void warn_of_flat(weft__obj *obj, size_t count, uint32_t first)
+static void warn_of_flat(const making *self, weft__obj *obj, size_t count,
+                         uint32_t first)
 {
     if (count > 0) {
         weft__report_warning(
             obj->report, weft__obj_mark(obj, first),
-            "%zu %s of this body %s no area, the first here, and %s left out", count,
+            "%zu %s of this body %s no area, the first here, and %s left out%s", count,
             count == 1 ? "triangle" : "triangles", count == 1 ? "has" : "have",
-            count == 1 ? "is" : "are");
+            count == 1 ? "is" : "are", self->to->keys > 1 ? " of every key frame" : "");
+    }
+}
+
+static void normal_of(const weft_mesh_def *def, size_t t, double out[3])
+{
+    const uint32_t *v = &def->corners[3 * t];
+    weft__obj_normal(&def->start[3 * (size_t)v[0]], &def->start[3 * (size_t)v[1]],
+                     &def->start[3 * (size_t)v[2]], out);
+}
+
+/* Warns of faces of which a triangle is turned against the largest: those are concave,
+ * and the triangle covers what the face leaves open. */
+static void warn_of_concave(weft__obj *obj)
+{
+    const weft_mesh_def *def = &obj->def;
+    size_t count = 0;
+    uint32_t first = 0;
+    for (size_t t = 0, end; t < def->triangles; t = end) {
+        const uint32_t byte = obj->face[obj->face_of[t]].byte;
+        double largest[3] = { 0.0 }, normal[3];
+        bool turned = false;
+        for (end = t; end < def->triangles && obj->face[obj->face_of[end]].byte == byte;
+             ++end) {
+            normal_of(def, end, normal);
+            if (weft__length(normal) > weft__length(largest)) {
+                memcpy(largest, normal, sizeof largest);
+            }
+        }
+        for (size_t i = t; i < end; ++i) {
+            normal_of(def, i, normal);
+            turned = turned
+                     || weft__dot(normal, largest)
+                            < -1e-9 * weft__length(normal) * weft__length(largest);
+        }
+        first = turned && count++ == 0 ? byte : first;
+    }
+    if (count > 0) {
+        weft__report_warning(
+            obj->report, weft__obj_mark(obj, first),
+            "%zu %s of this body, the first here, %s concave: the triangles that weft "
+            "makes of %s go beyond %s; triangulate the mesh on export",
+            count, count == 1 ? "face" : "faces", count == 1 ? "is" : "are",
+            count == 1 ? "it" : "them", count == 1 ? "its outline" : "their outlines");
     }
 }
 
@@ -228,7 +272,7 @@ static void check_key(making *self, weft__obj *obj, size_t key)
         weft__obj_fault(obj, WEFT__MESH_TRIANGLE, 0,
                         "no face of this body has an area");
     } else {
-        warn_of_flat(obj, count, first);
+        warn_of_flat(self, obj, count, first);
     }
 }
 
@@ -250,6 +294,9 @@ static void read_key_frame(making *self, weft__mark at, const char *path, double
             places[3 * to->vertices * key + i] = unit * obj.def.start[i];
         }
         check_key(self, &obj, key);
+        if (key == 0) {
+            warn_of_concave(&obj);
+        }
     }
     weft__obj_close(&obj, report->memory);
 }
