@@ -167,6 +167,13 @@ START_TEST(v_and_vt_in_different_units_are_warned_of)
     warned(
         "v and vt are likely in different units: write vt as lengths in the unit of v, "
         "here each times 0.01");
+    put_square(500.0, 0.5); /* v in mm */
+    accepted(CLOTH, "", 2);
+    ck_assert_msg(strstr(all_found(), "v and vt are likely in different units: write "
+                                      "vt as lengths in the unit of v, here each times "
+                                      "1000")
+                      != NULL,
+                  "%s", all_found());
 }
 END_TEST
 
@@ -390,6 +397,11 @@ START_TEST(lines_may_end_with_cr_alone)
     }
     put("cloth.obj", text);
     accepted(CLOTH, "", 0);
+    put_bytes("cloth.obj", text, sizeof text); /* with a NUL, which does not count */
+    accepted(CLOTH, "", 0);
+    text[sizeof text - 1] = '\n'; /* as a shell ends them */
+    put_bytes("cloth.obj", text, sizeof text);
+    accepted(CLOTH, "", 0);
 }
 END_TEST
 
@@ -598,6 +610,22 @@ START_TEST(a_triangle_that_is_one_point_at_rest_is_described_without_nan)
         "the triangle of vertices 0, 1, 2 is degenerate at rest: its corners have the "
         "same place in the rest shape",
         "cloth.obj", 5, "f 1/1 2/1 3/1");
+    put("cloth.obj", "v 0 0 0\nv .1 0 0\nv 0 .1 0\nvt 0 0\nvt 1e200 0\nvt 0 1e200\n"
+                     "f 1/1 2/2 3/3\n");
+    refused(CLOTH, "");
+    stands(0, "the triangle of vertices 0, 1, 2 is too large at rest for a double",
+           "cloth.obj", 7, "f 1/1 2/2 3/3");
+}
+END_TEST
+
+START_TEST(a_triangle_that_is_written_twice_is_not_called_flipped)
+{
+    put("cloth.obj", "v 0 0 0\nv .1 0 0\nv 0 .1 0\nvt 0 0\nvt .1 0\nvt 0 .1\n"
+                     "f 1/1 2/2 3/3\nf 2/2 3/3 1/1\n");
+    refused(CLOTH, "");
+    stands(0,
+           "two triangles run along edge 0-1 in the same direction: one is there twice",
+           "cloth.obj", 8, "f 2/2 3/3 1/1");
 }
 END_TEST
 
@@ -681,6 +709,7 @@ TEST_SUITE(mesh_files)
     tcase_add_test(files, a_triangle_that_is_flat_at_one_key_is_left_out_at_all);
     tcase_add_test(files, every_face_of_a_cloth_with_many_corners_is_named);
     tcase_add_test(files, a_cloth_without_vt_is_told_a_way_out);
+    tcase_add_test(files, a_triangle_that_is_written_twice_is_not_called_flipped);
     tcase_add_test(files, a_moebius_band_is_not_called_flipped);
     tcase_add_test(files,
                    a_triangle_that_is_one_point_at_rest_is_described_without_nan);

@@ -101,6 +101,19 @@ static bool same_places(const weft_mesh_def *def, const weft__half_edge *a,
     return true;
 }
 
+/* Why the triangles of two half-edges run the same way. They share two vertices, so
+ * that equal sums mean that they share the third. */
+static const char *advice(weft__work *at, const weft__half_edge of[2])
+{
+    const uint32_t *a = &at->def->corners[3 * (size_t)of[0].triangle];
+    const uint32_t *b = &at->def->corners[3 * (size_t)of[1].triangle];
+    return a[0] + (uint64_t)a[1] + a[2] == b[0] + (uint64_t)b[1] + b[2]
+               ? "one is there twice"
+           : weft__is_one_sided(at, of[1].triangle)
+               ? "the surface has one side alone, as a Moebius band: cut it open"
+               : "one of them is flipped";
+}
+
 /* Edges of the same two vertices: at most two, in opposite directions. */
 static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
                  size_t count)
@@ -114,9 +127,7 @@ static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, from[1].triangle,
             "two triangles run along edge %zu-%zu in the same direction: %s", p, q,
-            weft__is_one_sided(at, from[1].triangle)
-                ? "the surface has one side alone, as a Moebius band: cut it open"
-                : "one of them is flipped");
+            advice(at, from));
     } else if (count == 2 && same_places(at->def, &from[0], &from[1])) {
         const uint32_t a = root(at->piece, from[0].triangle),
                        b = root(at->piece, from[1].triangle);

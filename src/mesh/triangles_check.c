@@ -216,8 +216,15 @@ static bool check_triangle(weft__work *at, size_t t)
             weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c));
         return false;
     }
-    if (!(height >= LEAST_HEIGHT * longest) || !isfinite(area)
-        || !isfinite(1.0 / area)) {
+    if (!isfinite(area)) {
+        weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
+                         "the triangle of vertices %zu, %zu, %zu is too large at rest "
+                         "for a double",
+                         weft__name_of(at, a), weft__name_of(at, b),
+                         weft__name_of(at, c));
+        return false;
+    }
+    if (!(height >= LEAST_HEIGHT * longest) || !isfinite(1.0 / area)) {
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, t,
             "the triangle of vertices %zu, %zu, %zu is %s at rest: its height is "

@@ -440,7 +440,8 @@ static bool is_text(weft__obj *obj)
         MISTAKE(&self, nul, "a NUL byte: this is not the text of an OBJ file%s",
                 wide ? "; it looks like UTF-16, and OBJ files are UTF-8" : "");
     }
-    const bool bare = nul == NULL && memchr(file->text, '\n', file->length) == NULL;
+    const size_t inner = file->length - (file->length > 0); /* an LF may end them all */
+    const bool bare = nul == NULL && memchr(file->text, '\n', inner) == NULL;
     for (char *at = file->text; bare && (at = strchr(at, '\r')) != NULL; ++at) {
         *at = '\n';
     }

@@ -29,6 +29,18 @@ static bool has_textures(const weft__obj *obj)
     return inside;
 }
 
+/* Whether a ratio is that of two units of length in use: then vt are no textures. */
+static bool is_of_units(double ratio)
+{
+    static const double units[] = { 0.1, 0.01, 0.001, 0.0254, 0.254, 0.3048 };
+    bool found = false;
+    for (size_t i = 0; i < sizeof units / sizeof *units; ++i) {
+        found = found || fabs(ratio - units[i]) < 0.01 * units[i]
+                || fabs(ratio * units[i] - 1.0) < 0.01;
+    }
+    return found;
+}
+
 static void warn_of_scale(weft__reader *reader, const weft__node *at,
                           const weft_stretch *of)
 {
@@ -54,9 +66,10 @@ static void warn_of_stretch(weft__reader *reader, weft__mark at, const weft_stre
                          "areas, median of %zu "
                          "triangles); %s: write vt as lengths in the unit of v%s",
                          of->median, of->triangles,
-                         has_textures(obj) ? "vt from 0 to 1 are likely texture "
-                                             "coordinates, which weft takes for lengths"
-                                           : "v and vt are likely in different units",
+                         has_textures(obj) && !is_of_units(of->median)
+                             ? "vt from 0 to 1 are likely texture "
+                               "coordinates, which weft takes for lengths"
+                             : "v and vt are likely in different units",
                          factor);
 }
 

@@ -752,7 +752,8 @@ class Sim(Fixed):
     def _triples(self, values: Any, name: str) -> tuple[Any, Any]:
         if values is None:
             return ffi.NULL, None
-        array = real(values, name, (self.particles, 3), (self.rows, self.cols, 3))
+        grids = [(self.rows, self.cols, 3)] if self.rows > 0 else []
+        array = real(values, name, (self.particles, 3), *grids)
         return ffi.from_buffer("double[]", array), array
 
     def set_state(self, positions: Any = None, velocities: Any = None) -> None:
