@@ -241,6 +241,17 @@ static const warned warnings[] = {
       "scene.yaml:6:7: warning: between particles 0.1 m apart the cloth dips 12.5 mm "
       "into shapes[0], more than the thickness of 5 mm: the shape shows through, "
       "unless it has triangles: true, or the cloth a finer mesh" },
+    { "contact:\n  shapes:\n    - {shape: capsule, from: [0, -1, 0], to: [1, -1, 0], "
+      "radius: 0.002}\n",
+      END,
+      "scene.yaml:6:7: warning: shapes[0] is 4 mm thick and can pass between particles "
+      "0.1 m apart, unless it has triangles: true, or the cloth a finer mesh" },
+    { "contact:\n  shapes:\n    - {shape: box, at: [0, -1, 0], half: [0.1, 0.1, 0.04], "
+      "rounding: 0.03}\n",
+      END,
+      "scene.yaml:6:7: warning: shapes[0] is 80 mm thick and can pass between "
+      "particles "
+      "0.1 m apart, unless it has triangles: true, or the cloth a finer mesh" },
     /* sqrt(2) r <= a: a / 2 - (sqrt(2) - 2^(1/4)) r = 41 mm */
     { "contact:\n  shapes:\n    - {shape: box, at: [0, -1, 0], half: [0.1, 0.1, 0.1], "
       "rounding: 0.04}\n",

@@ -166,13 +166,19 @@ static void warn_of_chord(weft__report *report, const weft_cloth_def *def, size_
 {
     const weft_shape *shape = &def->contact.shapes[k];
     const double dip = weft__shape_dip(shape, longest);
-    if (dip > def->contact.thickness) {
+    const double thick = 2.0 * weft__shape_half(shape);
+    if (dip > def->contact.thickness && thick < longest) {
+        weft__report_warning(report, at,
+                             "shapes[%zu] is %.3g mm thick and can pass between "
+                             "particles %.3g m apart, unless it has triangles: true, "
+                             "or the cloth a finer mesh",
+                             k, 1e3 * thick, longest);
+    } else if (dip > def->contact.thickness) {
         weft__report_warning(
             report, at,
             "between particles %.3g m apart the cloth dips %.3g mm into %sshapes[%zu], "
             "more than the thickness of %.3g mm: the shape shows through, unless it "
-            "has "
-            "triangles: true, or the cloth a finer mesh",
+            "has triangles: true, or the cloth a finer mesh",
             longest, 1e3 * dip, shape->kind == WEFT_BOX ? "the edges of " : "", k,
             1e3 * def->contact.thickness);
     }

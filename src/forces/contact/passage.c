@@ -359,8 +359,7 @@ static void search_block(passing *of, size_t b)
     }
 }
 
-/* [m] Half of how thick the shape is where it is thinnest. */
-static double half_of(const weft_shape *shape)
+double weft__shape_half(const weft_shape *shape)
 {
     const double *h = shape->half;
     return shape->kind == WEFT_BOX ? fmin(h[0], fmin(h[1], h[2])) : shape->radius;
@@ -381,7 +380,7 @@ weft__passages weft__block_passages(const weft__contact *own, const weft__state 
                        .pose = &pose,
                        .y = at->y,
                        .shape = k,
-                       .half = half_of(shape),
+                       .half = weft__shape_half(shape),
                        .way = (double)INFINITY,
                        .found = &found };
         search_block(&of, b);

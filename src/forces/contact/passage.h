@@ -32,6 +32,9 @@ typedef struct weft__passages {
 weft__passages weft__block_passages(const weft__contact *own, const weft__state *at,
                                     size_t b, double rise);
 
+/* [m] Half of how thick a sphere, capsule or box is where it is thinnest. */
+double weft__shape_half(const weft_shape *shape);
+
 /* [m] How far the middle of a chord of length a [m] lies below the surface that both of
  * its ends lie on: a^2 / (8 R) of a sphere or capsule. Of a box across an edge. */
 double weft__shape_dip(const weft_shape *shape, double a);
