@@ -111,6 +111,9 @@ static const struct {
     { "adds_up", "landing" },
     { "counts_attempts", "failure" },
     { "starts_over", "needless" },
+    { "swapped", "numbers" },
+    { "misses_last", "numbers" },
+    { "no_integrals", "quadratures" },
     { "no_estimate", "tolerance" },
 };
 

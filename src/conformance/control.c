@@ -77,16 +77,73 @@ void weft__each_tolerance_counts(trial *self)
 
 enum { STEPS = 1000 };
 
+#define UNCHECKED 1e4
+
+/* Where only this oscillator moves. */
+static trial_run *begin_single(trial *self, weft_stepper_config config, int single,
+                               double start)
+{
+    trial_run *r = weft__begin(self, 0, config);
+    r->model.single = single;
+    memset(r->y, 0, DIM * sizeof *r->y);
+    r->y[single - 1] = start;
+    return r;
+}
+
+/* Of stiffness 1e4, in some five periods. */
+static double steps_of_single(trial *self, weft_stepper_config config, int single,
+                              double start)
+{
+    trial_run *r = begin_single(self, config, single, start);
+    r->model.k = 1e4;
+    weft__go(self, r, 0.2);
+    return (double)weft__stats(r).steps;
+}
+
+/* Where the error of one number counts, it is no matter which number that is, and which
+ * sign it has. Returns the number of steps. */
+static double steps_of_any(trial *self, weft_stepper_config config, const char *of)
+{
+    const double start = weft__model_start[0];
+    const double usual = steps_of_single(self, config, 1, start);
+    for (int i = 1; i < 6; ++i) {
+        const double from = i % 2 == 0 ? start : -start;
+        const double seen = steps_of_single(self, config, 1 + i / 2, from);
+        EXPECT(fabs(seen - usual) <= 0.2 * usual + 2.0,
+               "where only number %d moves, and the error of its %s counts: %g steps "
+               "from %g, and %g where number 1 moves from %g",
+               1 + i / 2, of, seen, from, usual, start);
+    }
+    return usual;
+}
+
+/* Errors of velocities are larger than those of positions, as the frequency is. */
+void weft__each_number_counts(trial *self)
+{
+    const double tolerance = 1e-5;
+    weft_stepper_config config = weft__adaptive(1e-3 * tolerance);
+    config.rtol = tolerance;
+    (void)steps_of_any(self, config, "place and velocity");
+    config = weft__adaptive(tolerance);
+    config.atol_velocity = UNCHECKED * tolerance;
+    const double place = steps_of_any(self, config, "place");
+    config = weft__adaptive(tolerance);
+    config.atol_position = UNCHECKED * tolerance;
+    const double velocity = steps_of_any(self, config, "velocity");
+    EXPECT(velocity > 1.1 * place,
+           "%g steps where only the error of a place counts, and %g where only that of "
+           "a velocity does, which is larger",
+           place, velocity);
+}
+
 /* Only x1 moves, and only its error counts: the mean of six squares is a sixth of it.
  */
-static double time_of_steps(trial *self, weft_norm norm, double tolerance)
+static double time_in_norm(trial *self, weft_norm norm, double tolerance)
 {
     weft_stepper_config config = weft__adaptive(tolerance);
     config.norm = norm;
-    config.atol_velocity = 1e4 * tolerance;
-    trial_run *r = weft__begin(self, 0, config);
-    r->model.single = true;
-    memset(r->y + 1, 0, (DIM - 1) * sizeof *r->y);
+    config.atol_velocity = UNCHECKED * tolerance;
+    trial_run *r = begin_single(self, config, 1, weft__model_start[0]);
     for (int i = 0; i < STEPS; ++i) {
         weft__good_step(self, r, 1e6);
     }
@@ -96,12 +153,30 @@ static double time_of_steps(trial *self, weft_norm norm, double tolerance)
 void weft__the_rms_norm_is_a_mean(trial *self)
 {
     const double tolerance = 1e-6;
-    const double rms = time_of_steps(self, WEFT_NORM_RMS, tolerance);
-    const double max = time_of_steps(self, WEFT_NORM_MAX, sqrt(6.0) * tolerance);
+    const double rms = time_in_norm(self, WEFT_NORM_RMS, tolerance);
+    const double max = time_in_norm(self, WEFT_NORM_MAX, sqrt(6.0) * tolerance);
     EXPECT(fabs(rms - max) <= 0.05 * max,
            "where one of six numbers has an error, %d steps take %.4g s at a tolerance "
            "of %g in the rms norm, and %.4g s at %.3g in the max norm",
            STEPS, rms, tolerance, max, sqrt(6.0) * tolerance);
+}
+
+/* The model's: the time, what x1 has gone, and the integral of v1 v2. */
+static void quadratures_are_integrals(trial *self, const trial_run *r)
+{
+    const double h = 0x1p-13, allowed = weft__allowed(self->type);
+    double y[DIM + APART] = { 0.0 };
+    model m = { .k = 1.0, .apart = APART };
+    const weft_ode ode = { .dim = DIM + APART, .rhs = weft__model_rhs, .ctx = &m };
+    memcpy(y, weft__model_start, sizeof weft__model_start);
+    for (int i = 0; i * h < r->t; ++i) {
+        weft__runge_kutta(&ode, i * h, h, y);
+    }
+    for (size_t i = DIM; i < DIM + APART; ++i) {
+        EXPECT(fabs(r->y[i] - y[i]) <= allowed,
+               "quadrature %zu is %.9g at %.3g s, not %.9g", i - DIM, r->y[i], r->t,
+               y[i]);
+    }
 }
 
 void weft__quadratures_change_no_step(trial *self)
@@ -118,6 +193,7 @@ void weft__quadratures_change_no_step(trial *self)
            " steps instead of %" PRIu64,
            weft__model_distance(without->y, with->y), weft__stats(with).steps,
            weft__stats(without).steps);
+    quadratures_are_integrals(self, with);
 }
 
 /* A method of several steps chooses its order too. */

@@ -45,9 +45,9 @@ int weft__model_rhs(double t, const double *y, double *dydt, void *ctx)
     dydt[4]
         = -1.618 * y[1] * y[1] * y[1] + 0.713 * (y[0] - y[1]) + 0.257 * cos(1.37 * t);
     dydt[5] = -0.941 * y[2] + 0.318 * (y[1] - y[2]);
-    if (m->single) {
-        dydt[3] = -m->k * sin(2.385 * y[0]);
-        dydt[4] = dydt[5] = 0.0;
+    if (m->single > 0) {
+        memset(dydt + 3, 0, 3 * sizeof *dydt);
+        dydt[2 + m->single] = -m->k * sin(2.385 * y[m->single - 1]);
     }
     if (m->baton != NULL) {
         pass(m->baton, m->side);
@@ -83,9 +83,9 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
     (void)t, (void)planes;
     memcpy(blocks, k, sizeof k);
     memcpy(blocks + 9, c, sizeof c);
-    if (m->single) {
+    if (m->single > 0) {
         memset(blocks, 0, sizeof k + sizeof c);
-        blocks[0] = 2.385 * m->k * cos(2.385 * y[0]);
+        blocks[4 * (m->single - 1)] = 2.385 * m->k * cos(2.385 * y[m->single - 1]);
     }
     return 0;
 }

@@ -29,7 +29,7 @@ typedef struct model {
     double k;     /* [1/s^2] stiffness of the first oscillator */
     double edge;  /* [m] states beyond it are refused; 0: none */
     double last;  /* [s] later times are refused; 0: none */
-    bool single;  /* only the first oscillator, undamped, and the others rest */
+    int single;   /* 1 to 3: only this oscillator, undamped, and the others rest */
     size_t apart; /* quadratures: t, x1 less its start, and the integral of v1 v2 */
     baton *baton; /* NULL: no turns are taken */
     int side;     /* 0 or 1 */

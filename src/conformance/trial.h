@@ -79,7 +79,7 @@ check_fn weft__table_is_sane, weft__create_calls_no_rhs, weft__mistakes_are_refu
     weft__refusals_leave_nothing, weft__the_allocator_is_used,
     weft__the_process_is_left_alone, weft__a_structure_leaves_the_solution,
     weft__a_step_to_the_end_is_checked, weft__a_cut_step_shortens_no_other,
-    weft__each_tolerance_counts, weft__the_rms_norm_is_a_mean,
+    weft__each_tolerance_counts, weft__each_number_counts, weft__the_rms_norm_is_a_mean,
     weft__quadratures_change_no_step, weft__parts_agree;
 
 /* The reason why a check means nothing for a method, or NULL. */

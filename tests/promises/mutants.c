@@ -40,6 +40,9 @@ static const double safety = 0.9, max_growth = 5.0, min_reduction = 0.2;
     X(adds_up)         /* t + h where t_end was meant */                               \
     X(counts_attempts) /* as steps */                                                  \
     X(starts_over)     /* from first_step, after every change */                       \
+    X(swapped)         /* each tolerance for the other half */                         \
+    X(misses_last)     /* number of the error */                                       \
+    X(no_integrals)    /* quadratures stay as they are */                              \
     X(no_estimate)     /* every step is good */
 
 #define NAME(name) name,
@@ -71,10 +74,13 @@ static int evaluate(stepper *self, double t, const double *y, double *f)
 static double error_of(const stepper *self, double h, const double *y)
 {
     double most = 0.0, squares = 0.0;
-    const size_t count = self->fault == counts_apart ? self->ode.dim : 2 * self->half;
+    const size_t count = self->fault == counts_apart  ? self->ode.dim
+                         : self->fault == misses_last ? 2 * self->half - 1
+                                                      : 2 * self->half;
     for (size_t i = 0; i < count; ++i) {
         const bool position = self->fault == position_first
-                              || (i < self->half && self->fault != velocity_first);
+                              || ((i < self->half) != (self->fault == swapped)
+                                  && self->fault != velocity_first);
         const double absolute
             = position ? self->config.atol_position : self->config.atol_velocity;
         const double size = fmax(fabs(y[i]), fabs(self->end[i]));
@@ -147,7 +153,8 @@ static double change(double error)
 static void accept(stepper *self, double t_new, double h, double *t, double *y)
 {
     double *last = self->k[self->fault == reused_stage ? 1 : STAGES - 1];
-    memcpy(y, self->end, self->ode.dim * sizeof *y);
+    memcpy(y, self->end,
+           (self->fault == no_integrals ? 2 * self->half : self->ode.dim) * sizeof *y);
     *t = t_new;
     self->k[self->fault == reused_stage ? 1 : STAGES - 1] = self->k[0];
     self->k[0] = last; /* fresh: evaluated at t_new and `end`, bit for bit */
