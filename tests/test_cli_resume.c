@@ -65,7 +65,7 @@ static bool kill_once(const char *sets, int i, uint64_t *seed)
     const bool had = exists(OUT "/k/checkpoint.weft");
     if (!exists(OUT "/k/scene.yaml")) {
         expect(shell(WEFT " resume " OUT "/k 2>&1"), 4);
-        says("no scene.yaml");
+        says(exists(OUT "/k") ? "no scene.yaml" : "No such file or directory");
         return false;
     }
     if (i % 2 == 0) {
