@@ -15,7 +15,7 @@ typedef struct loose_surface {
 } loose_surface;
 
 /* scene NULL: not known, and nothing is added. Free it, also after an error. */
-weft_status loose_create(const weft_scene *scene, const record_faces *faces,
+weft_status loose_create(const weft_scene *scene, const record_faces *cloth,
                          loose_surface *out, weft_error *err);
 void loose_free(loose_surface *of);
 

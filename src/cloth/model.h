@@ -185,8 +185,7 @@ typedef struct weft__stiffest {
     size_t particle;
 } weft__stiffest;
 weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double *y);
-void weft__stiffest_text(const weft_cloth *cloth, size_t particle, char *text,
-                         size_t size);
+void weft__stiffest_text(const weft_cloth *cloth, size_t i, char *text, size_t size);
 
 /* linearise.c: fills what weft_structure lists: the runs of all forces, bending's last,
  * and with `links` the links and ties. Returns the memory of the lists, NULL: none. */

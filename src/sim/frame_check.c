@@ -120,12 +120,13 @@ weft_status weft__sim_look_within(weft_sim *sim, double t0, weft_error *err)
     const size_t dim = weft_cloth_dim(sim->cloth);
     const double h = sim->t - t0;
     double t = fmax(sim->passage.next, t0);
-    for (; t < sim->t; t = fmax(sim->passage.next, t + h / LOOKS)) {
+    while (t < sim->t) {
         double *const y = weft__sim_room(sim), s = (t - t0) / h;
         for (size_t i = 0; i < dim; ++i) {
             y[i] = start[i] + s * (sim->y[i] - start[i]);
         }
         TRY(check_state(sim, t, y, err));
+        t = fmax(sim->passage.next, t + h / LOOKS);
     }
     return WEFT_OK;
 }

@@ -169,7 +169,7 @@ void interrupt_end(interrupt_watch *self)
 /* No portable call tells when the parent ends. */
 static void *watch_parent(void *ctx)
 {
-    const pid_t parent = (pid_t)(intptr_t)ctx;
+    const pid_t parent = (pid_t) * (const size_t *)ctx;
     const struct timespec pause = { .tv_nsec = PARENT_PERIOD };
     while (getppid() == parent) {
         (void)nanosleep(&pause, NULL);
@@ -181,11 +181,11 @@ static void *watch_parent(void *ctx)
 void interrupt_with_parent(void)
 {
     const char *given = getenv("WEFT_PARENT");
-    size_t parent;
+    static size_t parent; /* which the thread reads as long as the program runs */
     pthread_t thread;
     if (given != NULL && option_count(given, '\0', &parent)) {
         (void)unsetenv("WEFT_PARENT"); /* of a program that this one starts, another */
-        if (start_thread(&thread, watch_parent, (void *)(intptr_t)parent)) {
+        if (start_thread(&thread, watch_parent, &parent)) {
             (void)pthread_detach(thread);
         }
     }
