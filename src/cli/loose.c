@@ -63,7 +63,7 @@ weft_status loose_create(const weft_scene *scene, const record_faces *cloth,
         return WEFT_OK;
     }
     const size_t all = out->faces.particles = cloth->particles + out->count;
-    out->from = malloc(all * sizeof *out->from);
+    out->from = calloc(all, sizeof *out->from);
     out->places = malloc(3 * out->count * sizeof *out->places);
     out->position = malloc(3 * all * sizeof *out->position);
     out->faces.parts = calloc(parts, sizeof *out->faces.parts);

@@ -36,7 +36,7 @@ const { names, texts, files } = json('scenes');
 const state = {
     scene: names[0], text: '', method: OWN, other: 'euler', two: false, h: 0, k: 0, d: 0, rate: 1, plain: false,
 };
-let [playing, time, before, captioned] = [true, 0, 0, 0];
+let [playing, time, before, captioned, stale] = [true, 0, 0, 0, false];
 let base = null; // the scene as its text has it
 let runs = [];
 let page = null;
@@ -173,7 +173,9 @@ async function startOnce() {
     write();
     plot.start(runs);
     captioned = 0;
+    stale = true;
     show();
+    writeCaptions();
 }
 
 function makePage() {
@@ -320,10 +322,15 @@ function show() {
     page.times[0] = runs[0].numbers.time;
     const shown = stage?.show(0, state.plain ? null : STRAIN);
     $('scale').textContent = stage ? `floor: ${Number((stage.cell * (shown || 1)).toPrecision(3))} m a square` : '';
-    if (performance.now() - captioned < CAPTIONS) {
+}
+
+/** Not with each picture; what is skipped is written later, also where no picture follows. */
+function writeCaptions() {
+    if (!stale || performance.now() - captioned < CAPTIONS) {
         return;
     }
     captioned = performance.now();
+    stale = false;
     $('labels').className = stage?.stacked ? 'stacked' : '';
     $('labels').replaceChildren(...runs.map(caption));
     const { frame, hash, time: now } = runs[0].numbers;
@@ -373,7 +380,9 @@ function tick(now) {
         runs.forEach((run) => { run.fresh = false; });
         show();
         writePace(now);
+        stale = true;
     }
+    writeCaptions();
     plot.draw(now);
 }
 

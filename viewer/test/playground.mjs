@@ -135,7 +135,7 @@ test('the link has the scene and its numbers', async () => {
     assert.equal(await text(again.page, 'k-text'), await text(page, 'k-text'));
     const own = readFileSync('scenes/chain.yaml', 'utf8').replace(/^name: .*/m, 'name: my own');
     const mine = await see(link({ scene: '', text: own }));
-    assert.match(await text(mine.page, 'about'), /^my own · 1 × 11 particles/);
+    assert.match(await text(mine.page, 'about'), /^my own\s· 1 × 11 particles/);
     assert.match(await text((await see('e30x')).page, 'mistake'), /^The link holds no scene/);
 });
 
