@@ -420,7 +420,7 @@ core:
 # Where what measures writes its pages; RENEW=1: into docs/, to be committed.
 PAGES := $(if $(RENEW),docs,$(BUILD)/pages)
 
-# Those of the page: all of them measured anew write speed.md to PAGES. The others follow.
+# Those of the page: all of them measured anew write project/speed.md to PAGES. The others follow.
 BENCH_PAGE := force mesh steps vectors growth memory
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(filter $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
@@ -428,12 +428,12 @@ bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(filter-out peers $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
 	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) PAGES=$(PAGES) tools/bench-peers)
 
-# Exact and published results, computed by the program; writes validation.md to PAGES. CASE='elastica-grid capstan': of these alone.
+# Exact and published results, computed by the program; writes theory/validation.md to PAGES. CASE='elastica-grid capstan': of these alone.
 .PHONY: validate check-validation
 validate: all
 	@BUILD=$(BUILD) PAGES=$(PAGES) python3 validation/validate.py $(CASE)
 
-# The quick half, 5 minutes on two cores, or with WHOLE=1 all: docs/validation.md has these numbers.
+# The quick half, 5 minutes on two cores, or with WHOLE=1 all: docs/theory/validation.md has these numbers.
 check-validation: all
 	@BUILD=$(BUILD) python3 validation/validate.py --check $(if $(WHOLE),,--quick)
 

@@ -48,7 +48,7 @@ $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/we
 	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
 
 # Documentation, in the folders that its links use.
-DOCS = README.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS CITATION.cff $(wildcard docs/*.md docs/pictures/*.* docs/pictures/validation/* examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
+DOCS = README.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS CITATION.cff $(wildcard docs/*.md docs/*/*.md docs/pictures/*.* docs/pictures/validation/* examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
 
 # Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
@@ -84,7 +84,7 @@ bundle: $(BUNDLED)
 check-install: all $(EXAMPLES)
 	@WHOLE=$(WHOLE) tools/check-install $(BUILD)
 
-# What a release consists of, in $(BUILD)/dist (docs/installation.md); DIST=TARGET...: of these targets alone.
+# What a release consists of, in $(BUILD)/dist (docs/start/installation.md); DIST=TARGET...: of these targets alone.
 .PHONY: dist check-dist
 dist: all
 	@tools/dist $(BUILD) $(BUILD)/dist $(BUILD)/dist-work $(DIST)
@@ -93,7 +93,7 @@ check-dist: dist hashes $(BUILD)/examples/minimal
 
 # Runs the commands of the pages, on scenes of a tenth of a second; WHOLE=1: on those that are shipped.
 check-docs: all $(EXAMPLES)
-	@WHOLE=$(WHOLE) tools/check-docs $(BUILD) README.md docs/*.md CONTRIBUTING.md
+	@WHOLE=$(WHOLE) tools/check-docs $(BUILD) README.md docs/*.md docs/*/*.md CONTRIBUTING.md
 
 # The pages of docs/ as a site that needs no network; the check makes it with short runs and follows its links.
 site: all

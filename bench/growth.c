@@ -2,8 +2,8 @@
 /* growth.c -- how a step of Dormand and Prince's grows with the cloth, in simulations
  * that have been running for a while: the grid P(n) and a jittered sheet of n x n
  * vertices, on one thread and on two, and of verlet's methods on the grid; of a grid
- * also stage by stage, where the simulation has a pass (docs/speed.md), to the same
- * state. Beside it what memory alone would take: the bytes that a step moves where
+ * also stage by stage, where the simulation has a pass (docs/project/speed.md), to the
+ * same state. Beside it what memory alone would take: the bytes that a step moves where
  * nothing stays in the caches, by the bandwidth of a triad a = b + s c measured before
  * each size. Arguments: sides instead of all. */
 #include "bench.h"
@@ -31,7 +31,7 @@ enum {
 };
 
 /* [bytes] a vector of 6 numbers a particle, read, and read before it is written; what
- * an evaluation of a mesh reads and writes of its own, docs/speed.md */
+ * an evaluation of a mesh reads and writes of its own, docs/project/speed.md */
 enum { VECTOR = 48, OF_MESH = 683 };
 
 /* Vectors read and written in a step beyond the forces, and in its evaluations. */

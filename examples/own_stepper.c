@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* own_stepper.c -- a user's own time stepper, linked in: classical Runge-Kutta of order
- * 4 in fixed steps. docs/plugins.md shows how to make a plugin file of it. */
+ * 4 in fixed steps. docs/guides/write-an-integrator.md shows how to make a plugin file
+ * of it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

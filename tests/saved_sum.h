@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* saved_sum.h -- the checksums of forged bytes, as docs/output.md describes them. */
+/* saved_sum.h -- the checksums of forged bytes, as docs/reference/output.md describes
+ * them. */
 #pragma once
 
 #include <stdbool.h>

@@ -187,7 +187,7 @@ START_TEST(a_method_that_refuses_a_cloth_is_told_at_its_place)
 }
 END_TEST
 
-/* The lesson of docs/tutorial.md: h > 2/k. */
+/* The lesson of docs/start/tutorial.md: h > 2/k. */
 START_TEST(one_sweep_shows_where_a_decay_begins_to_grow)
 {
     static const double steps[] = { 0.5, 0.99, 1.01, 1.5, 1.99, 2.01, 2.2 };

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* test_closed_forms.c -- simulations whose result is known on paper (docs/physics.md).
- * Where a method has an error, its bound is derived in a comment. Equilibria need no
- * order: what drag brings to rest is where the forces vanish, with any method. */
+/* test_closed_forms.c -- simulations whose result is known on paper
+ * (docs/theory/model.md). Where a method has an error, its bound is derived in a
+ * comment. Equilibria need no order: what drag brings to rest is where the forces
+ * vanish, with any method. */
 #include "support.h"
 
 #include <complex.h>
@@ -420,7 +421,7 @@ START_TEST(hanging_sheet_extends_alike_at_any_resolution)
 END_TEST
 
 /* `count` springs, 1.2 m, 0.1 kg, 120 N, hung up 1 m apart: the nodes for a horizontal
- * pull h, as docs/physics.md has them; returns the distance that they span. */
+ * pull h, as docs/theory/model.md has them; returns the distance that they span. */
 static double catenary(double count, double h, double *node)
 {
     memset(node, 0, 3 * MOST * sizeof *node);

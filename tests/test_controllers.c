@@ -158,8 +158,8 @@ static double gustafsson(double k1, double k2, double e1, double e2)
     return pow(e1, -k1) * pow(e1 / e2, -k2);
 }
 
-/* The table of docs/steppers.md for p = 1, with e of the last step first; h[1] and the
- * e before are those of no step at the start. */
+/* The table of docs/reference/integrators.md for p = 1, with e of the last step first;
+ * h[1] and the e before are those of no step at the start. */
 static double next_by_law(weft_controller_type type, const double h[2],
                           const double e[3])
 {

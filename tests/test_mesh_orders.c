@@ -159,11 +159,11 @@ START_TEST(every_method_has_its_order_on_a_flag_of_triangles)
 }
 END_TEST
 
-/* docs/steppers.md lists them, and no other. */
+/* docs/reference/integrators.md lists them, and no other. */
 START_TEST(methods_with_stages_outside_of_their_step_are_those_of_the_page)
 {
     char page[1 << 16], line[160];
-    FILE *file = fopen("docs/steppers.md", "r");
+    FILE *file = fopen("docs/reference/integrators.md", "r");
     ck_assert_ptr_nonnull(file);
     page[fread(page, 1, sizeof page - 1, file)] = '\0';
     ck_assert_int_eq(fclose(file), 0);

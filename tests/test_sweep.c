@@ -376,7 +376,8 @@ START_TEST(a_sample_hits_each_part_of_each_range_once)
 }
 END_TEST
 
-/* They were computed from the definition in docs/batch.md by another program. */
+/* They were computed from the definition in docs/guides/sweep-parameters.md by another
+ * program. */
 START_TEST(a_sample_has_the_same_values_everywhere)
 {
     static const char *const values[2][5]

@@ -97,7 +97,7 @@ def outlines(result):
 HEAD = ("fabric", "c [mm]", *("DC [%%], %g mm" % (1e3 * h) for h in SPACINGS), "scatter of seeds", "nodes")
 METHOD = ("The cloth is clamped inside 9 cm (pinned triangles; no contact with the support, no contact with itself) and comes to rest "
           "from the plane. Meshes are random (`cloth.cut`), with edges of 10 and 7.5 mm and three seeds each. These edges are "
-          "longer than a quarter of c, which [meshes.md](meshes.md) asks for: the difference of the two columns shows a part of that error. Nodes are maxima of the rim's radius.")
+          "longer than a quarter of c, which [cut-and-sew.md](../guides/cut-and-sew.md) asks for: the difference of the two columns shows a part of that error. Nodes are maxima of the rim's radius.")
 
 
 def line(name, length, result):

@@ -114,7 +114,7 @@ def elastica_mesh():
         "rows": rows, "tables": [(("error of", "8", "16", "24", "order 8 to 16", "order 16 to 24"), orders)],
         "figure": plot(curves, "triangles along the strip", "error of H / L", True, True),
         "caption": "error of the drop against the number of triangles",
-        "text": "Membranes are `chord`. Oblique meshes lock a little, as [meshes.md](meshes.md) explains, with the other sign "
+        "text": "Membranes are `chord`. Oblique meshes lock a little, as [cut-and-sew.md](../guides/cut-and-sew.md) explains, with the other sign "
                 "than the error of bending: their errors are smaller, and their orders scatter where the two cancel.",
     }
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares weft with exact and published results: validation.md with a picture per case, in the folder PAGES.
+"""Compares weft with exact and published results: theory/validation.md with a picture per case, in the folder PAGES.
 
-validate.py                       every case; writes the page and names the cases whose numbers docs/validation.md has not
+validate.py                       every case; writes the page and names the cases whose numbers docs/theory/validation.md has not
 validate.py --quick               the quick half
-validate.py --check [--quick]     fails where docs/validation.md has other numbers; writes nothing
+validate.py --check [--quick]     fails where docs/theory/validation.md has other numbers; writes nothing
 validate.py NAME...               these cases alone; writes their parts of the page
 
 BUILD names the folder of the program, as in make; PAGES is BUILD/pages, unless it is docs. The numbers of a run are the
@@ -24,7 +24,7 @@ import drape  # noqa: E402
 import sheets  # noqa: E402
 import static  # noqa: E402
 
-DOCS = Path("docs")
+DOCS, PAGE = Path("docs"), "theory/validation.md"
 PAGES = Path(os.environ.get("PAGES") or Path(os.environ.get("BUILD", "build")) / "pages")
 CASES = {case.__name__.replace("_", "-"): case
          for module in (static, dynamic, sheets, drape) for case in module.CASES}
@@ -43,10 +43,10 @@ finest mesh, the step). It is stated with the case. A case that disagrees stays 
 Numbers that are expected come from programs of the folder validation (exact.py computes elastica, plates and buckling) or from
 formulas that stand with the case. Of the sources, those of the bands and coefficients of drapes, of the plate with nu = 0.3
 and the abstract on twisted ribbons were read when this page was written; Provot's paper is followed in
-[physics.md](physics.md). The others are cited from memory, for who came first: no number is taken from them.
+[model.md](model.md). The others are cited from memory, for who came first: no number is taken from them.
 
 What this page does not show: stick and slip, and the wrinkles of a twisted ribbon. The drapes are clamped at the rim of the
-support, without contact; [contact.md](contact.md#the-drape-test-on-a-support) has the disc that lies on one. Other simulators on the same work are in
+support, without contact; [drape-on-a-body.md](../guides/drape-on-a-body.md#the-drape-test-on-a-support) has the disc that lies on one. Other simulators on the same work are in
 [peers.md](peers.md). And no drape of a fabric is compared here with the measured drape of that same fabric. That needs a
 table with bending, shear and drape of each fabric; none could be read in full when this page was written (ARS 72-17 of the
 USDA, 1963, would be the first to take): **this comparison is owed**. Until then the Cusick cases compare with published
@@ -94,7 +94,7 @@ def compute(name):
     part.append(table(("quantity", "expected", "weft", "tolerance", "agrees"), rows))
     for head, more in case.get("tables", ()):
         part.append(table(head, more))
-    part.append("![%s](pictures/validation/%s.svg)\n" % (case["caption"], name))
+    part.append("![%s](../pictures/validation/%s.svg)\n" % (case["caption"], name))
     if case.get("text"):
         part.append(case["text"].strip() + "\n")
     return line, "\n".join(part), case["figure"]
@@ -102,7 +102,7 @@ def compute(name):
 
 def read(folder):
     """Lines of the table and parts of the page of a folder."""
-    text = (folder / "validation.md").read_text()
+    text = (folder / PAGE).read_text()
     lines = {m[1]: m[0] for m in re.finditer(r"^\| \[([\w-]+)\]\(#.*$", text, re.M)}
     parts = {m[1]: m[0] for m in re.finditer(r"^## ([\w-]+)\n.*?(?=^## |\Z)", text, re.M | re.S)}
     return lines, {name: part.rstrip("\n") + "\n" for name, part in parts.items()}
@@ -112,7 +112,8 @@ def write(lines, parts):
     names = [name for name in CASES if name in lines]
     text = HEAD + "| case | its first quantity, or the first that disagrees | expected | weft | result | time [s] |\n"
     text += "|---|---|---|---|---|---|\n" + "\n".join(lines[name] for name in names)
-    (PAGES / "validation.md").write_text(text + "\n\n" + "\n".join(parts[name] for name in names))
+    (PAGES / PAGE).parent.mkdir(parents=True, exist_ok=True)
+    (PAGES / PAGE).write_text(text + "\n\n" + "\n".join(parts[name] for name in names))
 
 
 def untimed(line):
@@ -133,7 +134,7 @@ def is_told(name, line, part, figure):
 
 def keep(name, line, part, figure):
     """Puts a case into the page of PAGES, which begins as that of docs/."""
-    lines, parts = read(PAGES if (PAGES / "validation.md").exists() else DOCS)
+    lines, parts = read(PAGES if (PAGES / PAGE).exists() else DOCS)
     picture(PAGES, name).parent.mkdir(parents=True, exist_ok=True)
     picture(PAGES, name).write_text(figure)
     lines[name], parts[name] = line, part
@@ -157,11 +158,11 @@ def main(*words):
             keep(name, line, part, figure)
         elif name in others:
             print(part)
-    other = "docs/validation.md has other numbers or pictures of: " + ", ".join(others)
+    other = "docs/theory/validation.md has other numbers or pictures of: " + ", ".join(others)
     if check and others:
         sys.exit(other)
     if not check:
-        print("written: %s%s" % (PAGES / "validation.md", "; " + other if others and PAGES != DOCS else ""))
+        print("written: %s%s" % (PAGES / PAGE, "; " + other if others and PAGES != DOCS else ""))
 
 
 if __name__ == "__main__":

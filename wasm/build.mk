@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # libweft for WebAssembly, with the plugins arkode, stiff and verlet linked in, and libyaml and
-# SUNDIALS from Debian's source packages: `make wasm`. docs/playground.md
+# SUNDIALS from Debian's source packages: `make wasm`. docs/start/playground.md
 
 WASM := $(BUILD)/wasm
 WASM_CC ?= clang-14

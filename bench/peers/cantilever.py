@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A cantilever and a spinning strip by weft and others, as a page: make bench BENCH=peers writes build/pages/peers.md.
+"""A cantilever and a spinning strip by weft and others, as a page: make bench BENCH=peers writes build/pages/theory/peers.md.
 
 Each simulator has a class: its constructor is the whole set-up, whose lines are counted; advance() computes 0.05 s;
 drop() is that of the tip; energy() the kinetic energy. Simulators that cannot be imported are skipped with the reason.
@@ -289,7 +289,7 @@ def main():
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), platform.machine())
     machine = "%s, %d processors, Python %s, load %.1f" % (cpu, os.cpu_count(), platform.python_version(), os.getloadavg()[0])
     table = "\n".join(rows + ([""] + notes if notes else []))
-    page = Path(os.environ["PAGES"], "peers.md")
+    page = Path(os.environ["PAGES"], "theory/peers.md")
     page.parent.mkdir(parents=True, exist_ok=True)
     page.write_text(text.format(table=table, want="%.4f" % want, machine=machine, most="%g" % MOST, date=time.strftime("%Y-%m-%d")))
     print("written:", page)

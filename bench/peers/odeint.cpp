@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// odeint.cpp -- P(n) of docs/speed.md for t seconds under boost::odeint's dopri5
+// odeint.cpp -- P(n) of docs/project/speed.md for t seconds under boost::odeint's dopri5
 // at a tolerance of 1e-6, its right-hand side a loop over a list of springs: n t file.
 // Prints the seconds that it took; positions at the end go to the file, x y z of
 // particle after particle.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sheets P(32) and P(100) of docs/speed.md by others, on this machine:
+"""The sheets P(32) and P(100) of docs/project/speed.md by others, on this machine:
 
 SciPy's solve_ivp (RK45) with NumPy slices and with Numba's loop over a list of springs,
 boost::odeint's dopri5 with that loop in C++ (odeint.cpp, Debian's libboost-dev), all at

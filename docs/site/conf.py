@@ -69,17 +69,17 @@ html_extra_path = [str(STAGE.parent / "extra")]
 def as_page(app, name, source):
     """Links that lead to files on a Git host lead to their pages on the site."""
     text = source[0]
-    text = re.sub(r"\]\(((?:\.\./)?)README\.md", r"](\1index.md", text)
-    text = re.sub(r"\]\(((?:\.\./)?scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
-    text = re.sub(r"\]\((?:\.\./)?include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
-    text = re.sub(r"\]\((?:\.\./)?include/weft/(\w+\.hpp)\)", r"](/reference/\1.md)", text)
-    text = re.sub(r"\]\((?:\.\./)?include/weft\)", "](/reference/c.md)", text)
-    text = re.sub(r"\]\((\.\./)?((?:examples|plugins)/[\w./-]+)\)", r"](/files/\2.md)", text)
+    text = re.sub(r"\]\(((?:\.\./)*)README\.md", r"](\1index.md", text)
+    text = re.sub(r"\]\(((?:\.\./)*scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)*include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)*include/weft/(\w+\.hpp)\)", r"](/reference/\1.md)", text)
+    text = re.sub(r"\]\((?:\.\./)*include/weft\)", "](/reference/c.md)", text)
+    text = re.sub(r"\]\((?:\.\./)*((?:examples|plugins)/[\w./-]+)\)", r"](/files/\1.md)", text)
     if name == "index":
         text = text.replace("| [flag]", "{.films}\n| [flag]", 1)
-    if name == "docs/gallery":
+    if name == "docs/start/gallery":
         text = text.replace("| scene | what", "{.gallery}\n| scene | what")
-        text = re.sub(r"(\[([\w-]+)\]\(\.\./scenes/[\w-]+\.md\)):", r'\1 (<a href="../players/\2.html">player</a>):', text)
+        text = re.sub(r"(\[([\w-]+)\]\(\.\./\.\./scenes/[\w-]+\.md\)):", r'\1 (<a href="../../players/\2.html">player</a>):', text)
     source[0] = text
 
 

@@ -9,7 +9,7 @@
  *
  * of N particles. Particle (r, c) of a grid of N = rows * cols has index
  * i = r * cols + c; on triangles, states have an order of their own
- * (weft_cloth_index). SI units. The formulas are in docs/physics.md. */
+ * (weft_cloth_index). SI units. The formulas are in docs/theory/model.md. */
 #ifndef WEFT_CLOTH_H
 #define WEFT_CLOTH_H
 
@@ -46,8 +46,8 @@ typedef struct weft_spring_def {
     double damping;   /* [kg/s], >= 0, along the spring only */
 } weft_spring_def;
 
-/* Bending rigidity of a plate, instead of bend springs; docs/physics.md. None if all
- * three moduli are 0. Fixed for ever. */
+/* Bending rigidity of a plate, instead of bend springs; docs/theory/model.md. None if
+ * all three moduli are 0. Fixed for ever. */
 typedef struct weft_bending_def {
     double rigidity[2]; /* [N m] >= 0, along a column (warp), along a row (weft) */
     double twist;       /* [N m] >= 0; negative: sqrt(rigidity[0] rigidity[1]) */
@@ -72,9 +72,9 @@ typedef struct weft_load {
  * values, and equal rows are a rest: a cubic Hermite polynomial with the slopes of
  * Fritsch and Butland (SciPy's PchipInterpolator), 0 at the first and the last row. It
  * has one continuous derivative, is constant before the first row and after the last,
- * and no step passes the time of a row (docs/physics.md). Where a struct says so, it is
- * a natural cubic spline instead: with two continuous derivatives between its ends,
- * where its velocity jumps, and beyond the range of its rows. Fixed for ever. */
+ * and no step passes the time of a row (docs/theory/model.md). Where a struct says so,
+ * it is a natural cubic spline instead: with two continuous derivatives between its
+ * ends, where its velocity jumps, and beyond the range of its rows. Fixed for ever. */
 typedef struct weft_track {
     const double *rows; /* 4 count numbers; count 0: none */
     size_t count;
@@ -116,10 +116,10 @@ typedef struct weft_turn {
     double frequency; /* [Hz] >= 0 */
 } weft_turn;
 
-/* Triangles of a shape, open or closed, in any orientation; docs/contact.md. With
- * several keys its vertices move: key i has their places at time i / fps, in between
- * they follow natural cubic splines, after the last they rest. Arrays are copied by
- * weft_cloth_create. Fixed for ever. */
+/* Triangles of a shape, open or closed, in any orientation;
+ * docs/guides/drape-on-a-body.md. With several keys its vertices move: key i has their
+ * places at time i / fps, in between they follow natural cubic splines, after the last
+ * they rest. Arrays are copied by weft_cloth_create. Fixed for ever. */
 typedef struct weft_body {
     size_t vertices, triangles, keys; /* >= 3, >= 1, >= 1 */
     const double *places;             /* [m] from `at`: x y z of each vertex, by keys */
@@ -196,7 +196,7 @@ typedef enum weft_friction_law {
     WEFT_FRICTION_COULOMB /* exactly Coulomb's above `slip` */
 } weft_friction_law;
 
-/* Contact of free particles with shapes; docs/physics.md. Fixed for ever. */
+/* Contact of free particles with shapes; docs/theory/model.md. Fixed for ever. */
 typedef struct weft_contact_def {
     double thickness;      /* [m] > 0: forces begin at this gap */
     double stopping_speed; /* [m/s] > 0: stops a particle where s^p / (1 - s) = 1 */
@@ -212,7 +212,7 @@ typedef struct weft_contact_def {
 } weft_contact_def;
 
 /* A measured fabric, independent of the grid: moduli of the whole sheet, per width;
- * docs/fabrics.md. Fixed for ever. */
+ * docs/guides/measured-fabric.md. Fixed for ever. */
 typedef struct weft_fabric {
     const char *name;  /* of a preset; may be NULL */
     double density;    /* [kg/m^2] > 0 */
@@ -239,11 +239,11 @@ typedef struct weft_cloth_part {
     double velocity[3];  /* [m/s] initial, instead of that of the definition */
 } weft_cloth_part;
 
-/* Triangles of fabric instead of a grid of springs; docs/meshes.md. The rest shape lies
- * in the plane (u, v), u along the weft, v along the warp. A vertex may have several
- * places there: its triangles are sewn then. A piece is a set of triangles joined
- * through edges whose two ends have the same places on both sides; another edge of two
- * triangles is a seam. Arrays are copied by weft_cloth_create. */
+/* Triangles of fabric instead of a grid of springs; docs/guides/cut-and-sew.md. The
+ * rest shape lies in the plane (u, v), u along the weft, v along the warp. A vertex may
+ * have several places there: its triangles are sewn then. A piece is a set of triangles
+ * joined through edges whose two ends have the same places on both sides; another edge
+ * of two triangles is a seam. Arrays are copied by weft_cloth_create. */
 typedef struct weft_mesh_def {
     uint32_t struct_size, fabric_size; /* [bytes]; of an element of `fabrics` */
     size_t vertices;                   /* N, each a corner of a triangle */
@@ -423,7 +423,7 @@ typedef enum weft_limit_solver {
 } weft_limit_solver;
 
 /* The strain limit: no limited spring is longer than (1 + strain) rest lengths;
- * docs/physics.md. Fixed for ever. */
+ * docs/theory/model.md. Fixed for ever. */
 typedef struct weft_limit_def {
     weft_limit_method method;
     double strain;                /* >= 0 */
@@ -662,11 +662,11 @@ typedef struct weft_stiffness {
  * are less sharp; on triangles while no stretch is above 1.1 and no triangle has less
  * than 0.6 of its area, as a stretched membrane stiffens without end, and with `arc`
  * while no edge turns by more than 0.25 rad; with shapes, for particles that touch one
- * at a time and arrive at no more than stopping_speed (docs/physics.md). Where friction
- * makes w2 and c complex, their real parts are bounded. With contact of the cloth with
- * itself the bounds are estimates: the slopes of the weights are left out, and with y
- * NULL layers meet at no more than stopping_speed. One pass over the springs, without
- * allocation; not finite if y is not. */
+ * at a time and arrive at no more than stopping_speed (docs/theory/model.md). Where
+ * friction makes w2 and c complex, their real parts are bounded. With contact of the
+ * cloth with itself the bounds are estimates: the slopes of the weights are left out,
+ * and with y NULL layers meet at no more than stopping_speed. One pass over the
+ * springs, without allocation; not finite if y is not. */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
                                              const double *y);
 

@@ -7,8 +7,8 @@
  * that forces on its own depend on: what is said of rows here then holds for blocks.
  * The ghosts are part of the state and are integrated as the own rows are; only their
  * accelerations come from the neighbour, once per right-hand side. So all bands have
- * the bits of the whole cloth in one process, on any number of bands. docs/cluster.md
- * describes this.
+ * the bits of the whole cloth in one process, on any number of bands.
+ * docs/guides/cluster.md describes this.
  *
  * A weft_comm joins the bands. weft calls it and knows nothing of what is behind: MPI
  * (weft-mpi.so), threads, or the embedder's own. All calls are collective: every band

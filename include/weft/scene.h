@@ -2,8 +2,8 @@
 /* weft/scene.h -- reads a scene file into definition structs for cloth, stepper and
  * run.
  *
- * docs/scene.md lists every key. A scene that loads without errors is complete: all
- * values are present and in range. */
+ * docs/reference/scene.md lists every key. A scene that loads without errors is
+ * complete: all values are present and in range. */
 #ifndef WEFT_SCENE_H
 #define WEFT_SCENE_H
 

@@ -42,16 +42,16 @@ typedef bool weft_correct_fn(void *ctx, double t, double h, double *y);
  * rejected attempts, in the thread that steps. It must be a function of (t, y) alone,
  * so that a run gives the same bits again, and smooth where the order of a method
  * matters. Some methods call it up to 0.7 steps before the step or 0.3 steps after it:
- * docs/steppers.md, "Stages outside of the step". */
+ * docs/reference/integrators.md, "Stages outside of the step". */
 typedef int weft_force_fn(void *ctx, double t, const double *y, double *f);
 
 /* A function of a state y[6 N] at t [s] alone whose fall from > 0 to <= 0 is an event;
  * `cloth` is the one of weft_sim_cloth. Called after every accepted step and for states
- * at 8 points within it, or more (docs/physics.md), so that a fall and a rise within
- * one step count, in the thread that steps; NaN is no event. In bands it
- * is called on all of them alike, each with its own cloth and state, ghosts included,
- * and the smallest number that they return counts; NaN counts if it is all there is. So
- * a minimum over particles needs nothing more. A sum is one over own rows
+ * at 8 points within it, or more (docs/theory/model.md), so that a fall and a rise
+ * within one step count, in the thread that steps; NaN is no event. In bands it is
+ * called on all of them alike, each with its own cloth and state, ghosts included, and
+ * the smallest number that they return counts; NaN counts if it is all there is. So a
+ * minimum over particles needs nothing more. A sum is one over own rows
  * (weft_cloth_band), then over all bands through their comm, which it may call. */
 typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
                              const double *y);
@@ -126,10 +126,10 @@ typedef struct weft_sim_def {
                             simulation that you restore. Not with a sensitivity */
 } weft_sim_def;
 
-/* One cloth in bands (weft/comm.h, docs/embedding.md): each band has a simulation, with
- * the same definition but for its cloth (weft_cloth_def.band_first, band_rows, from
- * weft_comm_band) and its comm. The bits are those of the whole cloth on any number of
- * bands.
+/* One cloth in bands (weft/comm.h, docs/guides/embed.md): each band has a simulation,
+ * with the same definition but for its cloth (weft_cloth_def.band_first, band_rows,
+ * from weft_comm_band) and its comm. The bits are those of the whole cloth on any
+ * number of bands.
  *
  * These functions are collective -- all bands call them in the same order with the same
  * arguments -- and return the same to all, about the whole cloth, with its indices:
@@ -203,9 +203,9 @@ WEFT_API weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *e
 WEFT_API bool weft_sim_event(const weft_sim *sim);
 
 /* Writes the state at t [s], within the last step or at its end, to y[6 N], with an
- * order of at least that of the method less one, up to 7: see docs/physics.md. Costs
- * evaluations of the right-hand side once a step: 2, and up to 10 for methods of high
- * order; weft_sim_stats counts them. Errors: WEFT_INVALID (without `dense`; t is
+ * order of at least that of the method less one, up to 7: see docs/theory/model.md.
+ * Costs evaluations of the right-hand side once a step: 2, and up to 10 for methods of
+ * high order; weft_sim_stats counts them. Errors: WEFT_INVALID (without `dense`; t is
  * elsewhere; the state was changed since), WEFT_STOPPED, WEFT_NOT_FINITE. */
 WEFT_API weft_status weft_sim_between(weft_sim *sim, double t, double *y,
                                       weft_error *err);

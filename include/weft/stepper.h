@@ -130,9 +130,9 @@ enum {
  *     dF = u [(k - q) u.dd + z.dd + c u.dw] + q dd,    q = T / L,   z = (c / L) P w
  *
  * where dd, dw are the differences of dx, dv. Source: D. Baraff, A. Witkin, Large steps
- * in cloth simulation, SIGGRAPH 1998; derived in docs/physics.md. A symmetric matrix
- * that is never negative follows without z and with q from [0, k] (K.-J. Choi, H.-S.
- * Ko, Stable but responsive cloth, SIGGRAPH 2002).
+ * in cloth simulation, SIGGRAPH 1998; derived in docs/theory/model.md. A symmetric
+ * matrix that is never negative follows without z and with q from [0, k] (K.-J. Choi,
+ * H.-S. Ko, Stable but responsive cloth, SIGGRAPH 2002).
  *
  * Bending rigidity adds pairs without u (bend_runs below). J is not complete: it lacks
  * the wind and a force of the embedder's own. weft_cloth_jacobian_product has the wind.
@@ -384,8 +384,9 @@ typedef struct weft_stepper_type {
 
     /* Creates an instance for *ode, which must outlive it. Checks every name and number
      * before the solver uses it. Calls no RHS, prints nothing and leaves the process as
-     * it is (docs/plugin-test.md, "process"). On failure *self is NULL, nothing leaks
-     * and *err gives the reason; on success *err stays as it is, here and in step. */
+     * it is (docs/guides/test-an-integrator.md, "process"). On failure *self is NULL,
+     * nothing leaks and *err gives the reason; on success *err stays as it is, here and
+     * in step. */
     weft_status (*create)(const struct weft_stepper_type *type, const weft_ode *ode,
                           const weft_stepper_config *config, void **self,
                           weft_error *err);

@@ -57,7 +57,7 @@ const char *weft__linear_mistake(const weft_stepper_config *config);
 /* The default of `krylov` where no test of the method sees what a linear solution
  * leaves: a stage that is accepted after one iteration keeps that part of its
  * predictor's error, which enters the solution and the error estimate. 1e-3, 1e-4 where
- * the smallest tolerance is below 1e-5: docs/steppers.md. */
+ * the smallest tolerance is below 1e-5: docs/reference/integrators.md. */
 double weft__linear_residual(const weft_stepper_config *config);
 
 /* config->linear with defaults for what is not set, of which `krylov` is one; max_order

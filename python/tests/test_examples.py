@@ -37,7 +37,7 @@ def blocks(page):
 
 
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning", "ignore::weft.SceneWarning")
-@pytest.mark.parametrize("page, least", [("python.md", 5), ("meshes.md", 2)])
+@pytest.mark.parametrize("page, least", [("guides/python.md", 5), ("guides/cut-and-sew.md", 2)])
 def test_the_page_runs(in_a_tree, page, least):
     code = blocks(TREE / "docs" / page)
     assert len(code) >= least

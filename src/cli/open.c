@@ -374,7 +374,7 @@ weft_status band_create(const weft_scene *scene, const weft_comm *comm,
 }
 
 /* The end of a run by its stop. What happens within long steps of implicit methods is
- * seen less well (docs/physics.md): none is longer than a frame then. */
+ * seen less well (docs/theory/model.md): none is longer than a frame then. */
 static void define_stop(const weft_run_def *run, weft_sim_def *def)
 {
     def->event = run->stop.quantity != WEFT_STOP_NEVER ? weft_stop_event : NULL;

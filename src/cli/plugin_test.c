@@ -320,7 +320,7 @@ const verb verb_plugin_test = {
       "Loads a stepper plugin and checks every promise of weft/stepper.h with every "
       "method: the order, the ends of steps, the state after a failure, edited "
       "states, statistics, threads, memory. Each check runs in its own process. "
-      "Documentation: docs/plugin-test.md\n\n"
+      "Documentation: docs/guides/test-an-integrator.md\n\n"
       "  --all   every verdict; default: one line per method, and the broken "
       "promises\n\n"
       "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"

@@ -33,7 +33,7 @@ const verb verb_scene_help = {
     = "usage: weft scene-help [KEY... | --markdown]\n\n"
       "Prints type, unit, default and meaning of keys, and of the keys below them; "
       "without KEY, of every key of a scene.\n\n"
-      "  --markdown           as the table of docs/scene.md\n\n"
+      "  --markdown           as the table of docs/reference/scene.md\n\n"
       "example: weft scene-help stepper.rtol cloth.pins\n",
     .operands = { .most = ANY_NUMBER },
     .run = scene_help_verb,

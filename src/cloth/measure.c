@@ -4,7 +4,7 @@
  * A sum over particles or springs is one over blocks, in their order, of sums over each
  * block: the same on every machine and on any number of threads. Kinetic and
  * gravitational energy and both momenta are those of the free particles. The powers of
- * forces, of moved pins and of shapes change the energy E (docs/physics.md). */
+ * forces, of moved pins and of shapes change the energy E (docs/theory/model.md). */
 #include "base/hash.h"
 #include "cloth/grids.h"
 #include "mesh/triangles.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* track.h -- the law of a weft_track (docs/physics.md): between two rows each component
- * is a polynomial of degree 3, with one continuous derivative everywhere; at rest
- * before the first row and after the last.
+/* track.h -- the law of a weft_track (docs/theory/model.md): between two rows each
+ * component is a polynomial of degree 3, with one continuous derivative everywhere; at
+ * rest before the first row and after the last.
  *
  * The second derivative jumps at a row. So a step ends there, and all that a method
  * evaluates for a step, also at its ends and outside of it, takes the polynomial of the

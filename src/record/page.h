@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* page.h -- HTML pages: data inside them, JSON that cannot end its element and numbers
  * as base64; and the part of a run, or of two side by side, that a page plays: frames
- * and particles that fit a number of bytes. docs/player.md documents the data. */
+ * and particles that fit a number of bytes. docs/guides/view-and-export.md documents
+ * the data. */
 #pragma once
 
 #include "record/frames.h"

@@ -5,8 +5,8 @@
 #include "record/series.h"
 
 /* vtkhdf.c: run.vtkhdf, VTKHDF 2.0, temporal. It appears with its first frame; after a
- * kill at any moment it holds every frame that was added. docs/output.md describes its
- * layout. */
+ * kill at any moment it holds every frame that was added. docs/reference/output.md
+ * describes its layout. */
 typedef struct record_vtkhdf record_vtkhdf;
 
 typedef struct record_vtkhdf_def {

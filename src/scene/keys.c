@@ -858,12 +858,13 @@ static const weft__key root_keys[] = {
     { "sensitivity", WEFT__MAPPING, CHECKED(sensitivity), .absent = "none",
       AT(weft_scene, sensitivity),
       .meaning = "derivatives of the state by numbers of the scene, integrated with it "
-                 "(docs/gradients.md)" },
+                 "(docs/guides/gradients.md)" },
     { "sweep", WEFT__SWEEP, .absent = "one run",
       .meaning
       = "weft batch runs every combination of the values, or, with zip: "
         "true, the first value of each list, then the second, ...; with sample: "
-        "N, N values drawn from the range of each list (docs/batch.md)" },
+        "N, N values drawn from the range of each list "
+        "(docs/guides/sweep-parameters.md)" },
 };
 
 const weft__section weft__root = { .title = "the scene",

@@ -283,7 +283,8 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     }
 }
 
-/* Nearly parallel edges push each other apart weakly (docs/contact.md, Limits). */
+/* Nearly parallel edges push each other apart weakly (docs/guides/drape-on-a-body.md,
+ * Limits). */
 static void warn_of_cells(weft__reader *reader, weft__mark at)
 {
     const weft_cloth_def *def = &reader->scene->cloth;

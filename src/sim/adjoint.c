@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* adjoint.c -- the gradient of an objective, backwards through the steps of a run
- * (docs/gradients.md). A run forwards records its steps and leaves checkpoints; from
- * each of these, the last one first, the states of the stages up to the next are
+ * (docs/guides/gradients.md). A run forwards records its steps and leaves checkpoints;
+ * from each of these, the last one first, the states of the stages up to the next are
  * computed again, kept, and gone through from their end. Both levels have as much
  * memory.
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* between.c -- the state within the last step, as a polynomial in s = (t - t0) / h:
  * Hermite's for x, v, a at both ends and a at inner nodes, v(s) = x'(s) / h; derived in
- * docs/physics.md, "States within a step". */
+ * docs/theory/model.md, "States within a step". */
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* limit.c -- shortens springs that have become too long in a step: sweeps of
- * projections that `fast` extrapolates, as derived in docs/physics.md, "Strain limits".
+ * projections that `fast` extrapolates, as derived in docs/theory/model.md, "Strain
+ * limits".
  */
 #include "sim/simulation.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sensitivity.c -- the derivatives s = u dy/dp of the state by numbers p, which the
- * stepper integrates with it (docs/gradients.md):
+ * stepper integrates with it (docs/guides/gradients.md):
  *
  *     s' = J s + u df/dp
  *

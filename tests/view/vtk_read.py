@@ -235,7 +235,7 @@ def check_reading_while_it_grows():
             time.sleep(0.01)
         for _ in range(20):
             # VTK looks at NSteps and at the times one after the other, and overruns its memory when a frame
-            # comes between (docs/output.md): the file is one that a writer has stopped at, at any moment.
+            # comes between (docs/reference/output.md): the file is one that a writer has stopped at, at any moment.
             process.send_signal(signal.SIGSTOP)
             os.waitid(os.P_PID, process.pid, os.WSTOPPED)
             frames = Frames(directory)

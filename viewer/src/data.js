@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// data.js -- what weft put into the page (docs/player.md): a description as JSON and a
+// data.js -- what weft put into the page (docs/guides/view-and-export.md): a description as JSON and a
 // block of numbers for each frame of each run.
 
 import { shapeBoxes } from './shapes.js';

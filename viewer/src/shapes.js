@@ -32,7 +32,7 @@ const KEYS_BESIDE = 16;
 
 /**
  * The shares that keys have in a place at x, their number counted in keys: those of the natural cubic spline through
- * them (docs/contact.md), as src/forces/contact/mesh_shape.c computes them.
+ * them (docs/guides/drape-on-a-body.md), as src/forces/contact/mesh_shape.c computes them.
  */
 function keyShares(count, x) {
     if (!(x >= 0 && x < count - 1)) {
@@ -74,7 +74,7 @@ function moveVertices(geometry, { keys, fps }, t) {
 /** How far x is beyond the range from lo to hi. */
 const beyond = (x, lo, hi) => Math.max(x - hi, 0) + Math.min(x - lo, 0);
 
-/** The gap of a point r from `at`: the formulas of docs/physics.md. */
+/** The gap of a point r from `at`: the formulas of docs/theory/model.md. */
 const GAPS = {
     plane: (shape) => {
         const normal = unit(shape.normal);

@@ -5,7 +5,7 @@ import { pathToFileURL } from 'node:url';
 import { launch } from './browser.mjs';
 
 const [site, folder, ...named] = process.argv.slice(2);
-const PAGES = ['index', 'docs/gallery', 'scenes/ball', 'docs/steppers', 'reference/sim', 'reference/python'];
+const PAGES = ['index', 'docs/start/gallery', 'scenes/ball', 'docs/reference/integrators', 'reference/sim', 'reference/python'];
 const browser = await launch();
 const faults = [];
 
@@ -31,7 +31,7 @@ for (const [width, height] of [[1280, 800], [390, 844]]) {
             }
             if (folder) {
                 await page.waitForTimeout(500);
-                await page.screenshot({ path: `${folder}/${name.replace('/', '-')}-${width}-${colorScheme}.png` });
+                await page.screenshot({ path: `${folder}/${name.replaceAll('/', '-')}-${width}-${colorScheme}.png` });
             }
             await page.context().close();
         }

@@ -17,7 +17,7 @@
 >>> sim.energy.kinetic > 0
 True
 
-SI units. docs/python.md is a tour, docs/scene.md lists the keys of a scene. The log of logging.getLogger("weft") has
+SI units. docs/guides/python.md is a tour, docs/reference/scene.md lists the keys of a scene. The log of logging.getLogger("weft") has
 loaded plugins and warnings of the simulation.
 """
 from weft import garment

@@ -82,7 +82,7 @@ def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any, list[str]]:
 
 def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
              overrides: Optional[Mapping[str, Any]] = None, *, times: Optional[Sequence[float]] = None) -> Gradient:
-    """The derivative of an objective by numbers of a scene and by its first state (docs/gradients.md).
+    """The derivative of an objective by numbers of a scene and by its first state (docs/guides/gradients.md).
 
     It costs some four runs in all, and for each number other than those of springs, gravity and drag up to two more.
     The method is an explicit one-step method; the scene has neither a strain limit nor a stop.

@@ -211,7 +211,7 @@ class StepError(Error):
 
 
 class Method(NamedTuple):
-    """A method of a plugin; weft's docs/steppers.md describes the orders and flags.
+    """A method of a plugin; weft's docs/reference/integrators.md describes the orders and flags.
 
     Attributes
     ----------

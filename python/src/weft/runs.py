@@ -317,7 +317,7 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
     Returns
     -------
     pandas.DataFrame
-        compare.csv: one row per run, with error [m], rhs_calls, time [s] (docs/choosing-a-stepper.md).
+        compare.csv: one row per run, with error [m], rhs_calls, time [s] (docs/guides/pick-an-integrator.md).
 
     Raises
     ------
@@ -671,7 +671,7 @@ def _directory_of(run: RunLike) -> str:
 
 
 class Run(Fixed):
-    """The files of one run (docs/output.md); make it with weft.open(). Works while the run writes them, too.
+    """The files of one run (docs/reference/output.md); make it with weft.open(). Works while the run writes them, too.
 
     Parameters
     ----------

@@ -197,7 +197,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     ----------
     scene : path, str or dict
         The path of a file; or the text of a scene, a string of more than one line; or a dict of the same keys
-        (docs/scene.md), whose values may be NumPy's. In a dict `cloth.mesh`, or that of one of `cloths`, may be a
+        (docs/reference/scene.md), whose values may be NumPy's. In a dict `cloth.mesh`, or that of one of `cloths`, may be a
         weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of {"file": ...}, and the `file` of a mesh in
         contact.shapes a trimesh.Trimesh or (vertices, triangles), with vertices (keys, n, 3) for key frames.
     overrides : dict, optional
@@ -710,7 +710,7 @@ class Sim(Fixed):
 
     @property
     def sensitivity(self) -> dict[str, Array]:
-        """The derivatives of positions and velocities by the numbers of the scene's `sensitivity` (docs/gradients.md): by
+        """The derivatives of positions and velocities by the numbers of the scene's `sensitivity` (docs/guides/gradients.md): by
         key, as its `scale` says, an array (2, N, 3), a copy.
 
         >>> sim = weft.load(scene, {"sensitivity": {"of": ["forces.gravity.1"], "scale": "none"}})

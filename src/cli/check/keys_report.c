@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* keys_report.c -- weft check: bodies whose vertices swing beyond their key frames, as
- * natural splines do between keys that are far apart (docs/contact.md). */
+ * natural splines do between keys that are far apart (docs/guides/drape-on-a-body.md).
+ */
 #include <math.h>
 #include <stdlib.h>
 

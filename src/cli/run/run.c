@@ -525,7 +525,7 @@ const verb verb_run = {
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --frames obj         also write frames/frame-000000.obj ...\n"
       "  --bands N            one cloth in N bands, a process each: mpirun -n "
-      "N weft run SCENE.yaml --bands N (docs/cluster.md)\n"
+      "N weft run SCENE.yaml --bands N (docs/guides/cluster.md)\n"
       "  --view               also write run.html, a page that plays the run, and "
       "print its URL\n"
       "  --watch              the same, and serve the page with its growing frames on "

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* stiff_methods.c -- estimates the gain of stabilised and implicit methods, and says
- * which kind a cloth needs. docs/choosing-a-stepper.md has the measurements behind it.
+ * which kind a cloth needs. docs/guides/pick-an-integrator.md has the measurements
+ * behind it.
  *
  * Explicit steps are bound by the stiffest mode, of frequency omega and damping ratio
  * zeta = tau omega / 2. A stabilised method needs evaluations like sqrt(radius / h):
@@ -35,7 +36,7 @@ static const double accuracies[STIFF_ACCURACIES] = { 1e-2, 1e-3 }; /* [m] */
 
 /* The time of stiff ros2 at rtol 1e-3 on triangles, linear iterations included, in
  * evaluations per simulated second: measured on the shipped scenes of triangles, within
- * a factor of 2 (docs/choosing-a-stepper.md). In contact its steps are ten times
+ * a factor of 2 (docs/guides/pick-an-integrator.md). In contact its steps are ten times
  * shorter. A gain below LEAST_GAIN is within that uncertainty. */
 #define ROS2_FREE    5e4
 #define ROS2_CONTACT 5e5

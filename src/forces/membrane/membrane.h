@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* membrane.h -- the membrane of a mesh of triangles: orthotropic St. Venant-Kirchhoff
  * elasticity with constant strain in each triangle, damping in proportion, and a
- * barrier against its collapse (docs/physics.md). With the edge vectors d_i, opposite
- * corner i, and their squares q_i less those at rest, the strain is linear in q, and
+ * barrier against its collapse (docs/theory/model.md). With the edge vectors d_i,
+ * opposite corner i, and their squares q_i less those at rest, the strain is linear in
+ * q, and
  *
  *     U = q.K q / 4,   s = K (q + damping dq/dt),   edge i pulls at its ends with s_i
  * d_i
@@ -48,9 +49,9 @@ typedef struct weft__membrane_block {
     size_t batch, halo;
 } weft__membrane_block;
 
-/* membrane_arc.c: edges measured along the cloth's arc (docs/physics.md): the square
- * of each has |h|^2 more, where h = sum of share x is L^2 / sqrt(12) times the second
- * derivative along it (forces/bending/plate.h). With z = |h|^2 + damping
+/* membrane_arc.c: edges measured along the cloth's arc (docs/theory/model.md): the
+ * square of each has |h|^2 more, where h = sum of share x is L^2 / sqrt(12) times the
+ * second derivative along it (forces/bending/plate.h). With z = |h|^2 + damping
  * d|h|^2/dt and sums over the triangles of an edge d,
  *
  *     F = -share (S h) on its parts,           S = sum of K (q + damping dq/dt + z)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self.c -- the forces of self-contact, by the law of contact.h for the mass M, e W, of
- * a grid e W / 4, for e and v = sum b_i v_i (docs/physics.md, "Self-contact"). The feet
- * satisfy e_k.r = 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i, the
- * weight changes by dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
+ * a grid e W / 4, for e and v = sum b_i v_i (docs/theory/model.md, "Self-contact"). The
+ * feet satisfy e_k.r = 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i,
+ * the weight changes by dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
 #include "forces/self/self_list.h"
 
 #include <stdio.h>
@@ -13,7 +13,8 @@
 #include "mesh/surface.h"
 #include "mesh/triangles_work.h"
 
-/* Of what two layers have by reduced areas, edges share this; facts of docs/physics.md
+/* Of what two layers have by reduced areas, edges share this; facts of
+ * docs/theory/model.md
  */
 #define EDGES_SHARE 0.125
 

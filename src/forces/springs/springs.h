@@ -6,7 +6,7 @@
  *
  *     T = k (L - s) + c w.u,   d = x_q - x_p,  L = |d|,  u = d / L,  w = v_q - v_p
  *
- * and has no force where L = 0; k = K / s under the strain law (docs/physics.md).
+ * and has no force where L = 0; k = K / s under the strain law (docs/theory/model.md).
  *
  * Springs are implicit: a family has two groups, one for each direction, and the
  * springs of a group differ only in their first particle. Nothing is stored per spring.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* export.h -- frames as files that other programs read. Layouts are in docs/output.md.
+/* export.h -- frames as files that other programs read. Layouts are in
+ * docs/reference/output.md.
  */
 #pragma once
 
