@@ -11,6 +11,7 @@ enum { FRAMES = 20, HALF = FRAMES / 2 };
 static weft_status print_stable_step(weft_registry *registry, const weft_cloth *cloth,
                                      weft_error *err)
 {
+    //! [stable step]
     const weft_stiffness modes
         = weft_cloth_stiffness(cloth, 0.0, NULL); /* in any state */
     const weft_stepper_type *verlet = NULL;
@@ -24,6 +25,7 @@ static weft_status print_stable_step(weft_registry *registry, const weft_cloth *
     if (status == WEFT_OK) {
         status = weft_stability_step(&stability, &modes, 0.0, &h, err);
     }
+    //! [stable step]
     if (status == WEFT_OK) {
         printf("velocity_verlet is stable up to %.6f s\n", h);
     }
@@ -53,13 +55,17 @@ static weft_status play_twice(const weft_sim_def *run, weft_error *err)
     weft_status status = weft_sim_create(run, &sim, err);
     status = status == WEFT_OK ? play(sim, 0, HALF, err) : status;
     if (status == WEFT_OK) {
+        //! [save]
         size = weft_sim_save_size(sim);
         bytes = malloc(size);
         status = bytes != NULL ? weft_sim_save(sim, bytes, size, err) : WEFT_NO_MEMORY;
+        //! [save]
     }
     status = status == WEFT_OK ? play(sim, HALF, FRAMES, err) : status;
+    //! [restore]
     status = status == WEFT_OK ? weft_sim_create(run, &other, err) : status;
     status = status == WEFT_OK ? weft_sim_restore(other, bytes, size, err) : status;
+    //! [restore]
     status = status == WEFT_OK ? play(other, HALF, FRAMES, err) : status;
     weft_sim_destroy(sim);
     weft_sim_destroy(other);
@@ -87,7 +93,9 @@ int main(int argc, char **argv)
     run.config.rtol = 1e-5;
     run.config.atol_position = 1e-5; /* [m] */
     run.config.atol_velocity = 1e-4; /* [m/s] */
+    //! [registry]
     weft_status status = weft_registry_create(&plugins, &registry, &err);
+    //! [registry]
     status = status == WEFT_OK ? weft_cloth_create(&def, &cloth, &err) : status;
     run.cloth = cloth;
     status = status == WEFT_OK ? print_stable_step(registry, cloth, &err) : status;

@@ -33,15 +33,20 @@ static void *work(void *ctx)
     def.velocity[2] = 0.5;
     def.pins = &top;
     def.pin_count = 1;
+    //! [band]
     (void)weft_comm_band(ROWS, (size_t)self->comm.rank, (size_t)self->comm.size,
                          &def.band_first,
                          &def.band_rows); /* and the rows of this band */
+    //! [band]
+    //! [agree]
     self->status = weft_cloth_create(&def, &cloth, &self->err);
+    self->status = weft_comm_agree(&self->comm, self->status, &self->err);
+    //! [agree]
     run.cloth = cloth;
     run.comm = &self->comm;
     run.method = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
     run.config.fixed_step = 1e-3; /* [s] */
-    if (self->comm.max(self->comm.self, self->status == WEFT_OK ? 0.0 : 1.0) == 0.0) {
+    if (self->status == WEFT_OK) {
         self->status = weft_sim_create(&run, &sim, &self->err);
     }
     if (sim != NULL) {

@@ -14,6 +14,7 @@ static void hand(double t, double place[3])
     place[2] = -0.6 + 0.8 * t;
 }
 
+//! [drag]
 /* Called once per frame: the sphere reaches its place when the frame ends. To jump
  * there would pass through the cloth. */
 static weft_status drag(weft_sim *sim, size_t sphere, double t_end, weft_error *err)
@@ -27,14 +28,17 @@ static weft_status drag(weft_sim *sim, size_t sphere, double t_end, weft_error *
     }
     return weft_sim_move_shape(sim, sphere, NULL, velocity, err);
 }
+//! [drag]
 
 static weft_status play(weft_sim *sim, weft_error *err)
 {
+    //! [add]
     weft_shape ball = weft_shape_default(WEFT_SPHERE);
     size_t sphere = 0;
     ball.radius = 0.15;
     hand(0.0, ball.at);
     weft_status status = weft_sim_add_shape(sim, &ball, &sphere, err);
+    //! [add]
     for (int frame = 1; status == WEFT_OK && frame <= 90; ++frame) {
         const double t = frame / 60.0; /* computed, never summed */
         status = drag(sim, sphere, t, err);
@@ -43,13 +47,17 @@ static weft_status play(weft_sim *sim, weft_error *err)
         }
         if (status == WEFT_OK && frame % 10 == 0) {
             const weft_cloth *cloth = weft_sim_cloth(sim);
+            //! [load]
             double force[3], torque[3]; /* of the cloth on the sphere */
             weft_sim_shape_load(sim, sphere, force, torque);
             printf("%.3f s gap %.6f m force %+.4f N\n", t,
                    weft_cloth_gap(cloth, t, weft_sim_state(sim), NULL, NULL), force[2]);
+            //! [load]
         }
     }
+    //! [remove]
     return status == WEFT_OK ? weft_sim_remove_shape(sim, sphere, err) : status;
+    //! [remove]
 }
 
 int main(void)

@@ -17,6 +17,7 @@ static bool hand(double t, double place[3])
     return t >= 0.5 && t <= 1.5;
 }
 
+//! [drag]
 /* Called once per frame: the hand reaches its place when the frame ends. */
 static weft_status drag(weft_sim *sim, double t_end, weft_error *err)
 {
@@ -30,6 +31,7 @@ static weft_status drag(weft_sim *sim, double t_end, weft_error *err)
     }
     return weft_sim_pin(sim, GRABBED, velocity, err);
 }
+//! [drag]
 
 static weft_status play(weft_sim *sim, weft_error *err)
 {

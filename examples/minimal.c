@@ -7,6 +7,7 @@ enum { SIDE = 20, LAST = SIDE * SIDE - 1 };
 
 int main(void)
 {
+    //! [define]
     const weft_pin corner = { .rows = { 0, 0 }, .cols = { 0, 0 } };
     weft_cloth_def def = weft_cloth_def_default(); /* SI units throughout */
     def.rows = def.cols = SIDE;
@@ -15,7 +16,9 @@ int main(void)
         = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.02 };
     def.pins = &corner;
     def.pin_count = 1;
+    //! [define]
 
+    //! [create]
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
     weft_error err;
@@ -26,6 +29,8 @@ int main(void)
     bool ok = weft_cloth_create(&def, &cloth, &err) == WEFT_OK;
     run.cloth = cloth;
     ok = ok && weft_sim_create(&run, &sim, &err) == WEFT_OK;
+    //! [create]
+    //! [advance]
     for (int frame = 1; ok && frame <= 30; ++frame) {
         ok = weft_sim_advance(sim, frame / 30.0, &err) == WEFT_OK;
         double xyz[SIDE * SIDE][3]; /* [m] */
@@ -33,6 +38,7 @@ int main(void)
         printf("%.3f s: last corner at height %+.4f m\n", weft_sim_time(sim),
                xyz[LAST][1]);
     }
+    //! [advance]
     if (!ok) {
         fprintf(stderr, "%s\n", err.message);
     }

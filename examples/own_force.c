@@ -13,6 +13,7 @@ typedef struct world {
     double floor;     /* [m] height */
 } world;
 
+//! [force]
 /* F = -k (x - post), horizontal: adds to planes fx[N] fy[N] fz[N]. A function of (t, y)
  * alone, so that the same run gives the same bits. */
 static int pull(void *ctx, double t, const double *y, double *f)
@@ -26,7 +27,9 @@ static int pull(void *ctx, double t, const double *y, double *f)
     }
     return 0;
 }
+//! [force]
 
+//! [correct]
 /* Called after each accepted step: puts particles below the floor onto it, at rest. It
  * comes after the strain limit, if there is one, and works against it: a cloth that a
  * collider stretches beyond the limit takes all sweeps in every step. */
@@ -46,6 +49,7 @@ static bool land(void *ctx, double t, double h, double *y)
     }
     return changed;
 }
+//! [correct]
 
 static void tell(weft_log_level level, const char *text)
 {
@@ -64,12 +68,14 @@ static weft_status play(weft_sim *sim, weft_error *err)
     weft_status status = WEFT_OK;
     for (int frame = 0; status == WEFT_OK && frame <= 10; ++frame) {
         status = weft_sim_advance(sim, frame / 10.0, err);
+        //! [balance]
         const weft_ledger ledger = weft_sim_ledger(sim);
         const double *y = weft_sim_state(sim);
         printf("%.1f s height %+.4f m, force did %+.6f J, floor %+.6f J, residual "
                "%+.1e J\n",
                weft_sim_time(sim), y[weft_cloth_particles(weft_sim_cloth(sim))],
                ledger.force_work, ledger.outside_work, ledger.residual);
+        //! [balance]
     }
     return status;
 }
@@ -94,11 +100,13 @@ int main(void)
     weft_sim_def run = weft_sim_def_default();
     run.method = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
     run.config.fixed_step = 5e-4;
+    //! [define]
     run.force = pull;
     run.force_ctx = &around;
     run.correct = land;
     run.correct_ctx = &around;
     run.ledger = true;
+    //! [define]
     run.log.write = log_line;
 
     weft_cloth *cloth = NULL;

@@ -24,9 +24,11 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         return weft_error_set(err, WEFT_INVALID, "%s: needs a fixed_step", type->name);
     }
     kutta *self = (kutta *)malloc(sizeof *self + 3 * ode->dim * sizeof(double));
+    //! [create]
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
+    //! [create]
     *self = (kutta){ .ode = *ode, .h = config->fixed_step };
     self->y = (double *)(self + 1);
     self->k = self->y + ode->dim;
@@ -93,6 +95,7 @@ static void stats(const void *instance, weft_stepper_stats *out)
     weft_stepper_stats_copy(&self->stats, out);
 }
 
+//! [type]
 static const weft_stepper_type kutta_type = {
     .abi = WEFT_STEPPER_ABI,
     .struct_size = sizeof(weft_stepper_type),
@@ -109,6 +112,7 @@ static const weft_stepper_type kutta_type = {
     .stats = stats,
     .destroy = free,
 };
+//! [type]
 
 /* Height [m] of the last corner after 1 s in steps of h [s]; NAN on failure. */
 static double corner_after(const weft_cloth *cloth, double h)

@@ -129,6 +129,7 @@ int main(void)
     inside.pressure = 20.0;
     add_square(0, vertex_of, &next);
     add_square(1, vertex_of, &next);
+    //! [mesh]
     mesh.vertices = ALL;
     mesh.start = start[0];
     mesh.places = 2 * TOP;
@@ -138,6 +139,7 @@ int main(void)
     mesh.corner_places = places[0];
     mesh.fabrics = &fabric;
     mesh.fabric_count = 1;
+    //! [mesh]
     def.mesh = &mesh;
     def.gravity[1] = 0.0;
     def.drag = 1e-4; /* [kg/s] */
@@ -150,9 +152,11 @@ int main(void)
     weft_sim *sim = NULL;
     weft_error err;
     bool ok = weft_cloth_create(&def, &cloth, &err) == WEFT_OK;
+    //! [index]
     for (size_t v = 0; ok && v < ALL; ++v) {
         inside.place[v] = weft_cloth_index(cloth, v);
     }
+    //! [index]
     run.cloth = cloth;
     ok = ok && weft_sim_create(&run, &sim, &err) == WEFT_OK;
     for (int frame = 0; ok && frame <= 10; ++frame) {

@@ -15,13 +15,16 @@ static const char built_in[]
       "stepper: {plugin: verlet, method: velocity_verlet, fixed_step: 5.0e-4}\n"
       "run: {duration: 1.0, fps: 10}\n";
 
+//! [find]
 static const weft_plugin *find_plugin(void *ctx, const char *id, weft_error *err)
 {
     const weft_plugin *plugin = NULL;
     (void)weft_registry_find((weft_registry *)ctx, id, &plugin, err);
     return plugin;
 }
+//! [find]
 
+//! [load]
 static weft_status load(const char *file, weft_registry *registry, weft_scene **scene,
                         weft_error *err)
 {
@@ -40,11 +43,13 @@ static weft_status load(const char *file, weft_registry *registry, weft_scene **
     }
     return status;
 }
+//! [load]
 
 static weft_status play(const weft_scene *scene, weft_error *err)
 {
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
+    //! [play]
     weft_sim_def run = weft_sim_def_default();
     weft_status status = weft_cloth_create(weft_scene_cloth(scene), &cloth, err);
     run.cloth = cloth;
@@ -52,12 +57,15 @@ static weft_status play(const weft_scene *scene, weft_error *err)
     run.config = *weft_scene_config(scene);
     run.limit = *weft_scene_limit(scene);
     status = status == WEFT_OK ? weft_sim_create(&run, &sim, err) : status;
+    //! [play]
     const weft_run_def *frames = weft_scene_run(scene);
     for (int i = 1; status == WEFT_OK && i <= frames->duration * frames->fps; ++i) {
         status = weft_sim_advance(sim, i / frames->fps, err);
+        //! [energy]
         const weft_energy energy
             = weft_cloth_energy(cloth, weft_sim_time(sim), weft_sim_state(sim));
         printf("%.3f s: kinetic %.6f J\n", weft_sim_time(sim), energy.kinetic);
+        //! [energy]
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);

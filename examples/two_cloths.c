@@ -33,8 +33,10 @@ static void add_square(size_t k, double z)
 
 int main(void)
 {
+    //! [fabric]
     const weft_fabric fabrics[2]
         = { *weft_fabric_find("royal-target"), *weft_fabric_find("11oz-black-denim") };
+    //! [fabric]
     const weft_cloth_part parts[2]
         = { { "flag", 0, ONE, { 0.0, 0.0, 0.0 } }, /* [m/s] */
             { "leaf", ONE, ONE, { 1.0, 2.0, 0.0 } } };

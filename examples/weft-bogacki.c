@@ -183,18 +183,22 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                           const weft_stepper_config *config, void **out,
                           weft_error *err)
 {
+    //! [check]
     const char *wrong = weft_stepper_mistake(type, ode, config);
     wrong = wrong == NULL && ode->dim > SIZE_MAX / 64 ? "dim is too large" : wrong;
     *out = NULL;
     if (wrong != NULL) {
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
+    //! [check]
+    //! [memory]
     const weft_allocator memory = weft_stepper_memory(config);
     const size_t arrays = (STAGES + 1) * ode->dim * sizeof(double);
     stepper *self = (stepper *)memory.resize(memory.ctx, NULL, sizeof *self + arrays);
     if (self == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "%s: no memory", type->name);
     }
+    //! [memory]
     const bool adapts = !(config->fixed_step > 0.0);
     *self = (stepper){ .ode = *ode, .memory = memory };
     memcpy(&self->config, config, WEFT_STEPPER_CONFIG_LEAST); /* older ones end there */
@@ -208,6 +212,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
     return WEFT_OK;
 }
 
+//! [stats]
 static void stats(const void *instance, weft_stepper_stats *out)
 {
     const stepper *self = (const stepper *)instance;
@@ -215,6 +220,7 @@ static void stats(const void *instance, weft_stepper_stats *out)
     all.next_step = self->h;
     weft_stepper_stats_copy(&all, out);
 }
+//! [stats]
 
 /* Choices beyond the config, for the manifest of a run. */
 static void options(const void *instance, weft_option_fn *tell, void *ctx)
@@ -254,6 +260,7 @@ static const weft_stepper_type bs32 = {
 
 const weft_plugin *weft_plugin_bogacki(void);
 
+//! [plugin]
 WEFT_API const weft_plugin *weft_plugin_bogacki(void)
 {
     static const weft_stepper_type *const types[] = { &bs32, NULL };
@@ -267,3 +274,4 @@ WEFT_API const weft_plugin *weft_plugin_bogacki(void)
     };
     return &plugin;
 }
+//! [plugin]

@@ -136,15 +136,24 @@ typedef struct weft_log {
  * return a flag that another thread or a handler sets. */
 typedef bool weft_stop_fn(void *ctx);
 
-/* A short text for a status, never NULL. */
+/** Returns the text of a status.
+ * @param status any value, also one that only a later version has
+ * @return static text, such as "invalid argument"; never NULL */
 WEFT_API const char *weft_status_text(weft_status status);
 
-/* The version of the running library, as WEFT_VERSION. */
+/** Returns the version of the running library, which may be later than the headers'
+ * WEFT_VERSION.
+ * @return static text, such as "0.2.0" */
 WEFT_API const char *weft_version(void);
 
-/* vsnprintf and snprintf with points in numbers, whatever the program's locale is. For
- * this <locale.h> must have uselocale, as that of POSIX has, also where this header is
- * compiled; else the locale decides. Header-only, for plugins. */
+/** Formats as vsnprintf does, with points in numbers, whatever the program's locale is.
+ * Header-only, for plugins. For the point, <locale.h> must have uselocale, as POSIX
+ * demands; where this header is compiled without it, the locale decides.
+ * @param text receives the text, cut to size - 1 characters; may be NULL if size is 0
+ * @param size [bytes] of text
+ * @param format as of printf
+ * @param args its arguments
+ * @return the length of the whole text, as vsnprintf does; < 0: an encoding error */
 WEFT_PRINTF(3, 0)
 static inline int weft_text_format_list(char *text, size_t size, const char *format,
                                         va_list args)
@@ -163,6 +172,12 @@ static inline int weft_text_format_list(char *text, size_t size, const char *for
     return length;
 }
 
+/** Formats as snprintf does, with points in numbers, whatever the program's locale is;
+ * see weft_text_format_list. Header-only, for plugins.
+ * @param text receives the text, cut to size - 1 characters; may be NULL if size is 0
+ * @param size [bytes] of text
+ * @param format as of printf, with its arguments behind it
+ * @return the length of the whole text, as snprintf does; < 0: an encoding error */
 WEFT_PRINTF(3, 4)
 static inline int weft_text_format(char *text, size_t size, const char *format, ...)
 {
@@ -173,9 +188,11 @@ static inline int weft_text_format(char *text, size_t size, const char *format, 
     return length;
 }
 
-/* The number of significant digits, 1 to 17, of the shortest decimal that reads back as
- * x: weft_error_set(err, WEFT_INVALID, "t is %.*g s", weft_text_digits(t), t) reports
- * 0.1 as 0.1. Header-only, for plugins. */
+/** Counts the significant digits of the shortest decimal that reads back as x. With
+ * them a message prints 0.1 as 0.1: weft_error_set(err, WEFT_INVALID, "t is %.*g s",
+ * weft_text_digits(t), t). Header-only, for plugins.
+ * @param x any number
+ * @return 1 to 17 */
 static inline int weft_text_digits(double x)
 {
     char text[32];
@@ -186,9 +203,15 @@ static inline int weft_text_digits(double x)
     return digits;
 }
 
-/* Fills *err (NULL allowed) and returns status, so that a failing function may end with
- * `return weft_error_set(err, WEFT_INVALID, "rows is %zu", rows);`. Header-only, for
- * plugins. */
+/** Fills an error, so that a failing function may end with `return weft_error_set(err,
+ * WEFT_INVALID, "rows is %zu", rows);`. Header-only, for plugins.
+ * @param err receives the status and the message, without a place in a file; may be
+ *   NULL
+ * @param status not WEFT_OK
+ * @param format as of printf, with its arguments behind it: one line, without a period
+ *   at its end
+ * @return status
+ * @snippet own_stepper.c create */
 WEFT_PRINTF(3, 4)
 static inline weft_status weft_error_set(weft_error *err, weft_status status,
                                          const char *format, ...)
@@ -206,7 +229,11 @@ static inline weft_status weft_error_set(weft_error *err, weft_status status,
     return status;
 }
 
-/* malloc as a weft_allocator.resize; it needs no ctx. */
+/** Resizes a block as weft_allocator.resize does, with malloc's memory.
+ * @param ctx not used
+ * @param block NULL, or what an earlier call returned
+ * @param size [bytes]; 0 frees the block
+ * @return the block; NULL if size is 0 or there is no memory */
 static inline void *weft_malloc_resize(void *ctx, void *block, size_t size)
 {
     (void)ctx;
@@ -217,7 +244,9 @@ static inline void *weft_malloc_resize(void *ctx, void *block, size_t size)
     return realloc(block, size);
 }
 
-/* A copy of *given, or malloc's if it is NULL. Header-only, for plugins. */
+/** Copies an allocator, or makes one of malloc. Header-only, for plugins.
+ * @param given NULL: malloc's
+ * @return the copy */
 static inline weft_allocator weft_allocator_or_malloc(const weft_allocator *given)
 {
     weft_allocator memory = { weft_malloc_resize, NULL };

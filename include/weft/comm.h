@@ -90,10 +90,16 @@ typedef struct weft_comm {
     void (*post)(void *self, const weft_parcel *parcels, size_t count);
 } weft_comm;
 
-/* The rows of band `rank` of `size` of a cloth of `rows` rows, or of a cloth of
- * triangles with so many blocks (weft_cloth_def_blocks): as even as possible, the
- * first ones one row larger. Returns false if they would be fewer than WEFT_GHOST_ROWS
- * or rank is not below size. */
+/** Divides rows among bands, as evenly as possible: the first bands are one row larger.
+ * A cloth of triangles has blocks in place of rows.
+ * @param rows of the whole cloth: weft_cloth_def_blocks
+ * @param rank of the band
+ * @param size the number of bands
+ * @param[out] first the first own row; unchanged on failure
+ * @param[out] count the number of own rows; unchanged on failure
+ * @return true; false if a band would have fewer than WEFT_GHOST_ROWS rows or rank is
+ *   not below size
+ * @snippet bands.c band */
 static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t *first,
                                   size_t *count)
 {
@@ -106,9 +112,15 @@ static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t 
     return true;
 }
 
-/* Collective: WEFT_OK if all bands have it; else the status and the error of the first
- * band that has another, for all. Nothing between two calls of a comm may end one band
- * alone. comm NULL: the status. */
+/** Makes all bands return the same status. Collective: all bands call it. Nothing
+ * between two calls of a comm may end one band alone.
+ * @param comm NULL: the cloth is whole, and the status is returned
+ * @param status of this band
+ * @param[in,out] err the error of this band; receives that of the first band that
+ *   failed. May be NULL
+ * @return WEFT_OK if all bands have it, else the status of the first band that has
+ *   another
+ * @snippet bands.c agree */
 WEFT_API weft_status weft_comm_agree(const weft_comm *comm, weft_status status,
                                      weft_error *err);
 

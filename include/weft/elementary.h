@@ -31,7 +31,10 @@ typedef struct weft_pair {
     double hi, lo;
 } weft_pair;
 
-/* a + b, exactly. */
+/** Adds two doubles exactly.
+ * @param a finite
+ * @param b finite
+ * @return a + b */
 static inline weft_pair weft_pair_sum(double a, double b)
 {
     const double s = a + b, t = s - a;
@@ -39,7 +42,10 @@ static inline weft_pair weft_pair_sum(double a, double b)
     return sum;
 }
 
-/* a b, exactly, for |a|, |b|, |a b| < 2^996 and |a b| > 2^-969. */
+/** Multiplies two doubles exactly.
+ * @param a |a| < 2^996
+ * @param b |b| < 2^996, and 2^-969 < |a b| < 2^996
+ * @return a b */
 static inline weft_pair weft_pair_product(double a, double b)
 {
     const double split = 134217729.0 /* 2^27 + 1 */, p = a * b;
@@ -49,29 +55,40 @@ static inline weft_pair weft_pair_product(double a, double b)
     return product;
 }
 
-/* a + b with an error below 2^-104 (|a| + |b|). */
+/** Adds two pairs.
+ * @param a finite
+ * @param b finite
+ * @return a + b, with an error below 2^-104 (|a| + |b|) */
 static inline weft_pair weft_pair_add(weft_pair a, weft_pair b)
 {
     const weft_pair s = weft_pair_sum(a.hi, b.hi);
     return weft_pair_sum(s.hi, s.lo + (a.lo + b.lo));
 }
 
-/* a b with an error below 2^-103 |a b|. */
+/** Multiplies two pairs.
+ * @param a finite
+ * @param b finite
+ * @return a b, with an error below 2^-103 |a b| */
 static inline weft_pair weft_pair_mul(weft_pair a, weft_pair b)
 {
     const weft_pair p = weft_pair_product(a.hi, b.hi);
     return weft_pair_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
 }
 
-/* ln 2 */
+/** Returns ln 2 as a pair.
+ * @return ln 2 */
 static inline weft_pair weft_pair_ln2(void)
 {
     const weft_pair ln2 = { 0.69314718055994529, 2.3190468138462996e-17 };
     return ln2;
 }
 
-/* ln x, 0 < x < infinity: x = 2^e m, m within a factor sqrt(2) of 1, and
- *     ln m = 2 s (1 + z/3 + z^2/5 + ...),  s = (m - 1) / (m + 1),  z = s^2 < 0.0295 */
+/** Computes a logarithm: x = 2^e m, m within a factor sqrt(2) of 1, and
+ *
+ *     ln m = 2 s (1 + z/3 + z^2/5 + ...),  s = (m - 1) / (m + 1),  z = s^2 < 0.0295
+ *
+ * @param x 0 < x < infinity
+ * @return ln x */
 static inline weft_pair weft_pair_log(double x)
 {
     const weft_pair odd[3] = { { 1.0, 0.0 },
@@ -101,8 +118,12 @@ static inline weft_pair weft_pair_log(double x)
                          weft_pair_mul(sum, twice));
 }
 
-/* e^t, |t| < 750: 2^k (e^u)^64 with u = (t - k ln 2) / 64, |u| < 0.0055, and
- *     e^u = 1 + u (1 + u/2 (1 + u/3 (1 + ...))) */
+/** Computes an exponential: 2^k (e^u)^64 with u = (t - k ln 2) / 64, |u| < 0.0055, and
+ *
+ *     e^u = 1 + u (1 + u/2 (1 + u/3 (1 + ...)))
+ *
+ * @param t |t| < 750
+ * @return e^t */
 static inline double weft_pair_exp(weft_pair t)
 {
     const weft_pair one = { 1.0, 0.0 }, ln2 = weft_pair_ln2();
@@ -122,9 +143,12 @@ static inline double weft_pair_exp(weft_pair t)
     return ldexp(sum.hi, (int)k);
 }
 
-/* x^y for x >= 0. Zeros, infinities and NaN give the results of pow; x < 0 gives NaN
- * for every y but 0. At 1e6 points the result was the double nearest to x^y each time;
- * below DBL_MIN the last bit may be wrong. */
+/** Computes a power. Zeros, infinities and NaN give the results of pow. At 1e6 points
+ * the result was the double nearest to x^y each time; below DBL_MIN the last bit may be
+ * wrong.
+ * @param x >= 0; x < 0 gives NaN for every y but 0
+ * @param y any number
+ * @return x^y, with the same bits on every machine */
 static inline double weft_pow(double x, double y)
 {
     if (x == 1.0 || y == 0.0) {
@@ -144,11 +168,14 @@ static inline double weft_pow(double x, double y)
     return weft_pair_exp(weft_pair_mul(log, exponent));
 }
 
-/* sin(2 pi f t) and cos(2 pi f t) for |f|, |t|, |f t| < 2^990, else NaN. The phase f t,
- * its distance from the nearest integer and that from the nearest quarter are exact, so
- * that the accuracy does not decay with t: Taylor's series see an angle of at most
- * pi / 4. Errors at 1e6 points: at most 0.77 ulp; absolute ones of 1e-290 at most where
- * |f t| < 1e-290. */
+/** Computes sin(2 pi f t) and cos(2 pi f t). The phase f t, its distance from the
+ * nearest integer and that from the nearest quarter are exact, so that the accuracy
+ * does not decay with t: Taylor's series see an angle of at most pi / 4. Errors at 1e6
+ * points: at most 0.77 ulp; absolute ones of 1e-290 at most where |f t| < 1e-290.
+ * @param f [Hz]; |f|, |t| and |f t| < 2^990, else the results are NaN
+ * @param t [s]
+ * @param[out] sine may not be NULL
+ * @param[out] cosine may not be NULL */
 static inline void weft_sincos_turns(double f, double t, double *sine, double *cosine)
 {
     const weft_pair two_pi = { 6.2831853071795862, 2.4492935982947064e-16 };

@@ -27,6 +27,9 @@ typedef struct weft_gradient_def {
     weft_objective_fn *objective; /* of each frame, the last one first */
     void *ctx;
 } weft_gradient_def;
+
+/** Returns a definition without simulation, times and objective: set them.
+ * @return the defaults, with struct_size set */
 WEFT_DEFAULT(weft_gradient_def)
 
 /* Runs a simulation to its last frame and goes back through its steps: *value is the

@@ -11,12 +11,27 @@
 extern "C" {
 #endif
 
+/** Returns the plugin "verlet": symplectic methods of weft.
+ * @return static data; any thread may call this at any time
+ * @snippet minimal.c create */
 WEFT_API const weft_plugin *weft_plugin_verlet(void);
+
+/** Returns the plugin "stiff": implicit methods of weft.
+ * @return static data; any thread may call this at any time */
 WEFT_API const weft_plugin *weft_plugin_stiff(void);
-/* Built where SUNDIALS is. */
+
+/** Returns the plugin "arkode": Runge-Kutta methods of SUNDIALS. Built where SUNDIALS
+ * is.
+ * @return static data; any thread may call this at any time */
 WEFT_API const weft_plugin *weft_plugin_arkode(void);
+
+/** Returns the plugin "cvode": multistep methods of SUNDIALS. Built where SUNDIALS is.
+ * @return static data; any thread may call this at any time */
 WEFT_API const weft_plugin *weft_plugin_cvode(void);
-/* Built where GSL is; GPL-3.0-or-later. */
+
+/** Returns the plugin "gsl": methods of GSL. Built where GSL is; a program that links
+ * it is under GPL-3.0-or-later.
+ * @return static data; any thread may call this at any time */
 WEFT_API const weft_plugin *weft_plugin_gsl(void);
 
 #ifdef __cplusplus
