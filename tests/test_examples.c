@@ -235,6 +235,18 @@ START_TEST(restored_simulation_ends_in_the_same_state)
 END_TEST
 #endif
 
+START_TEST(player_who_goes_back_ends_in_the_same_state)
+{
+    char state[2][20];
+    expect(shell(EXAMPLE("rollback") " 2>&1"), 0);
+    ck_assert_uint_eq(lines(), 2);
+    ck_assert_int_eq(sscanf(line(0), "in time: state %16s after 30 frames", state[0]),
+                     1);
+    ck_assert_int_eq(sscanf(line(1), "late: state %16s after 30 frames", state[1]), 1);
+    ck_assert_str_eq(state[0], state[1]);
+}
+END_TEST
+
 START_TEST(scene_from_memory_is_that_of_a_file)
 {
     static char from_memory[sizeof output];
@@ -305,6 +317,7 @@ TEST_SUITE(examples)
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, restored_simulation_ends_in_the_same_state);
 #endif
+    tcase_add_test(tcase, player_who_goes_back_ends_in_the_same_state);
     tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
 #ifdef HAVE_CXX
     tcase_add_test(tcase, sail_in_cpp_blows_and_is_hauled_in);
