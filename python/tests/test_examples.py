@@ -33,17 +33,22 @@ def in_a_tree(tmp_path, monkeypatch):
 
 
 def blocks(page):
-    return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    """(code, what it prints) of each block of Python; the second is "" where no block <!-- prints --> follows."""
+    return re.findall(r"^```python\n(.*?)^```\n(?:\n<!-- prints -->\n```text\n(.*?)^```)?", page.read_text(encoding="utf-8"),
+                      re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning", "ignore::weft.SceneWarning")
-@pytest.mark.parametrize("page, least", [("guides/python.md", 5), ("guides/cut-and-sew.md", 2)])
-def test_the_page_runs(in_a_tree, page, least):
+@pytest.mark.parametrize("page, least", [("guides/python.md", 5), ("guides/cut-and-sew.md", 2), ("guides/gradients.md", 1),
+                                         ("guides/robot-learning.md", 2)])
+def test_the_page_runs(in_a_tree, capsys, page, least):
     code = blocks(TREE / "docs" / page)
     assert len(code) >= least
     names = {}
-    for block in code:
+    for block, printed in code:
+        capsys.readouterr()
         exec(block, names)
+        assert printed in ("", capsys.readouterr().out), block
 
 
 def test_the_readme_is_five_lines_that_run(in_a_tree, capsys):
