@@ -298,6 +298,19 @@ END_TEST
 
 /* ---- shapes that change, saves --------------------------------------------------- */
 
+START_TEST(mesh_collider_is_not_added_later)
+{
+    const weft_shape body = weft_shape_default(WEFT_MESH);
+    model.contact.shape_count = 0;
+    start();
+    const uint64_t hash = weft_sim_measure(sim).hash;
+    ck_assert_int_eq(weft_sim_add_shape(sim, &body, NULL, &err), WEFT_UNSUPPORTED);
+    ck_assert_ptr_nonnull(strstr(err.message, "kind mesh cannot be added"));
+    ck_assert_uint_eq(weft_cloth_shapes(weft_sim_cloth(sim)), weft_cloth_shapes(cloth));
+    ck_assert_uint_eq(weft_sim_measure(sim).hash, hash);
+}
+END_TEST
+
 START_TEST(shapes_are_added_moved_and_removed)
 {
     static const double there[3] = { 0.0, -3.0, 0.0 }, up[3] = { 0.0, 2.0, 0.0 };
@@ -507,6 +520,7 @@ TEST_SUITE(contact_time)
     tcase_add_loop_test(tcase, a_limit_stays_out_of_shapes, 0, 3);
     tcase_add_loop_test(tcase, what_cannot_be_kept_out_is_named, 0, 2);
     tcase_add_test(tcase, states_in_shapes_are_refused);
+    tcase_add_test(tcase, mesh_collider_is_not_added_later);
     tcase_add_test(tcase, shapes_are_added_moved_and_removed);
     tcase_add_loop_test(tcase, a_resumed_run_has_the_same_bits, 0, 2);
     tcase_add_test(tcase, nothing_is_swung_through_a_plate_within_a_step);
