@@ -2,6 +2,7 @@
 /* test_bands_ends.c -- where bands end: failures, stops and refusals, which all bands
  * share; saved bytes on another number of bands; the cloth of one band. */
 #include "bands_run.h"
+#include "bodies.h"
 #include "shell.h"
 
 static void check_failure(const scenario *of, weft_status status, const char *part)
@@ -142,6 +143,26 @@ START_TEST(refuses_what_needs_the_whole_state)
     def = good, def.force = force;
     check_refused(def, WEFT_UNSUPPORTED, "`force`");
     weft_cloth_destroy(cloth);
+    thread_bands_destroy(all);
+}
+END_TEST
+
+START_TEST(refuses_mesh_colliders)
+{
+    thread_bands *all = thread_bands_create(1);
+    const weft_comm comm = thread_bands_comm(all, 0);
+    scenario of = in_wind(11, 6, "arkode/dormand_prince");
+    body_mesh *far = plate(1, 0.1, 0.1);
+    weft_shape shape = body_shape(far);
+    shape.at[1] = -10.0;
+    of.cloth.contact.shapes = &shape, of.cloth.contact.shape_count = 1;
+    weft_sim_def def = of.sim;
+    weft_cloth *cloth = test_cloth(&of.cloth);
+    def.cloth = cloth;
+    def.comm = &comm;
+    check_refused(def, WEFT_UNSUPPORTED, "mesh");
+    weft_cloth_destroy(cloth);
+    free(far);
     thread_bands_destroy(all);
 }
 END_TEST
@@ -459,6 +480,7 @@ TEST_SUITE(bands_ends)
     suite_add_tcase(suite, same);
     TCase *alone = tcase_create("one band");
     tcase_add_test(alone, refuses_what_needs_the_whole_state);
+    tcase_add_test(alone, refuses_mesh_colliders);
     tcase_add_test(alone, refuses_a_comm_that_is_not_whole);
     tcase_add_test(alone, refuses_changes_from_outside);
     tcase_add_test(alone, band_lies_inside_and_has_two_rows);

@@ -311,7 +311,7 @@ static void land(double t)
 }
 
 /* Some 0.4 mm lower or higher: one law has the mass of a particle, the other the
- * density times reduced areas (docs/guides/drape-on-a-body.md). */
+ * density times reduced areas (docs/theory/contact.md). */
 START_TEST(an_icosphere_bears_a_cloth_as_a_sphere_does)
 {
     double force[3], torque[3], top[2];
@@ -419,7 +419,7 @@ START_TEST(friction_holds_on_a_tilted_facet)
         speed[k] = mean(5) / cos(angle);
     }
     const double g = 9.81 * (sin(angle) - 0.3 * cos(angle));
-    if (_i == 0) { /* it creeps: docs/guides/drape-on-a-body.md */
+    if (_i == 0) { /* it creeps: docs/theory/contact.md */
         ck_assert_double_lt(fabs(speed[1]), 5e-3);
     } else {
         ck_assert_double_eq_tol(4.0 * (speed[1] - speed[0]), g, 0.01 * 9.81);

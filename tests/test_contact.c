@@ -172,7 +172,7 @@ START_TEST(forces_are_the_slope_of_the_energy)
 }
 END_TEST
 
-/* The formulas of docs/theory/model.md for p = 4, once more, on a plane at rest. */
+/* The formulas of docs/theory/contact.md for p = 4, once more, on a plane at rest. */
 START_TEST(forces_are_those_of_the_formulas)
 {
     const double m = 0.1, dh = 0.02, vc = 5.0, e = 0.5 * vc * vc, chi = 1.0, mu = 0.3;

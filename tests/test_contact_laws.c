@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* test_contact_laws.c -- contact while time passes: the exact answers and the balances
- * of docs/theory/model.md. */
+ * of docs/theory/contact.md. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -20,7 +20,8 @@ static double fourth(double a, double b, double c)
     return sqrt(sqrt(a * a * a * a + b * b * b * b + c * c * c * c));
 }
 
-/* Of a shape that stands as it is defined, by the formulas of docs/theory/model.md. */
+/* Of a shape that stands as it is defined, by the formulas of docs/theory/contact.md.
+ */
 static double gap_of(const weft_shape *shape, const double x[3])
 {
     const double r[3]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The membrane and the bending of a mesh, assembled a second time in NumPy from the formulas of docs/theory/model.md, by other
-ways where there are some: deformation gradients instead of edges, pseudo-inverses instead of pivoted QR."""
+"""The membrane and the bending of a mesh, assembled a second time in NumPy from the formulas of docs/theory (model.md,
+bending.md), by other ways where there are some: deformation gradients instead of edges, pseudo-inverses instead of pivoted QR."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Contact of triangles against a second program: the formulas of docs/guides/drape-on-a-body.md, pair by pair, without a search."""
+"""Contact of triangles against a second program: the formulas of docs/theory/contact.md, pair by pair, without a search."""
 import warnings
 from itertools import combinations
 

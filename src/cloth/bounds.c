@@ -2,7 +2,7 @@
 /* bounds.c -- bounds on the stiffness and damping of all modes: in several directions
  * (a, b) one on the eigenvalues of M^-1 (a K + b C), a sum over the free neighbours of
  * each particle, and the polygon of all pairs (w, c) within them. Derived in
- * docs/theory/model.md, "Largest stable step". */
+ * docs/theory/stability.md, "The bound". */
 #include <string.h>
 
 #include "base/memory.h"

@@ -283,7 +283,7 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
     }
 }
 
-/* Nearly parallel edges push each other apart weakly (docs/guides/drape-on-a-body.md,
+/* Nearly parallel edges push each other apart weakly (docs/guides/self-contact.md,
  * Limits). */
 static void warn_of_cells(weft__reader *reader, weft__mark at)
 {

@@ -74,7 +74,7 @@ function moveVertices(geometry, { keys, fps }, t) {
 /** How far x is beyond the range from lo to hi. */
 const beyond = (x, lo, hi) => Math.max(x - hi, 0) + Math.min(x - lo, 0);
 
-/** The gap of a point r from `at`: the formulas of docs/theory/model.md. */
+/** The gap of a point r from `at`: the formulas of docs/theory/contact.md. */
 const GAPS = {
     plane: (shape) => {
         const normal = unit(shape.normal);

@@ -5,7 +5,7 @@
 
 #include "cli/check/check.h"
 
-/* ---- the law of docs/theory/model.md, by z = gap / thickness ------------------ */
+/* ---- the law of docs/theory/contact.md, by z = gap / thickness ------------------ */
 
 /* [m^2/s^2] U / m */
 static double potential(const weft_contact_def *law, double z)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bending.h -- the bending rigidity of a plate, F = -K (x + damping v), with second
- * differences of neighbours D_r, D_c (docs/theory/model.md, "Bending rigidity"):
+ * differences of neighbours D_r, D_c (docs/theory/bending.md, "Grids"):
  *
  *     K = D_r k_r D_r + D_c k_c D_c + k_t D_r D_c
  *

@@ -110,8 +110,8 @@ WEFT_FORMS(weft__add_fn, plate);
 /* plate_slope.c: the slope of triangles across an edge, rebuilt from the positions of
  * particles nearby: g = sum of share x_i, along the normal n = (t_v, -t_u) in the plane
  * (u, v), t from the first end of the edge to the second. The fit is exact for
- * quadratics wherever the mesh allows it (docs/theory/model.md, "Bending of
- * triangles"). */
+ * quadratics wherever the mesh allows it (docs/theory/bending.md,
+ * "Triangles"). */
 typedef struct weft__slopes {
     size_t *first;                  /* of each edge, and their number */
     uint32_t *particle;             /* may come twice in an edge */

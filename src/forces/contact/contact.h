@@ -16,7 +16,7 @@
  *     coulomb    friction = mu |g| N w / |w|, times 2 y - y^2 where y = |w| / slip < 1
  *
  * All forces are proportional to m, so m cancels in accelerations;
- * docs/theory/model.md. */
+ * docs/theory/contact.md. */
 #pragma once
 
 #include "forces/bounds.h"
@@ -83,7 +83,7 @@ double weft__gap_at(const weft__pose *pose, const double x[3]);
 
 /* shapes.c: continuous collision detection: whether a step leads a free particle into a
  * shape or through it. A step of h from gap d0 to d1 is clear if, for every free
- * particle and shape (docs/theory/model.md, "The step check"),
+ * particle and shape (docs/theory/contact.md, "The collision check"),
  *
  *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w), |r1 - r0| < d0 + d1 */
 /* From one state to another. */
@@ -183,7 +183,7 @@ weft__transposed_fn weft__contact_transposed;
 int weft__contact_blocks(const void *own, void *space, const weft__state *at,
                          double *blocks);
 
-/* ---- contact_slopes.c: what it adds to stiffness and damping; docs/theory/model.md
+/* ---- contact_slopes.c: what it adds to stiffness and damping; docs/theory/contact.md
  * ------
  */
 

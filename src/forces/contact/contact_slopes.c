@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_slopes.c -- the derivatives of contact, by mass, along (dx, dv):
- * docs/theory/model.md, "The derivatives of the forces". friction = most hold w, most =
- * mu |g| N, d hold = -fade (w.dw + d(q^2) / 2). */
+ * docs/theory/sensitivities.md, "The derivatives of the forces". friction = most hold
+ * w, most = mu |g| N, d hold = -fade (w.dw + d(q^2) / 2). */
 #include "forces/contact/contact_law.h"
 
 typedef struct law_slopes {

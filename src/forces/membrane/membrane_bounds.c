@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* membrane_bounds.c -- bounds on the stiffness of a membrane, by norms of the blocks
- * K_ab of each triangle, derived in docs/theory/model.md, "Largest stable step". An
+ * K_ab of each triangle, derived in docs/theory/stability.md, "The bound". An
  * edge's arc, share x, is bounded by |share x|^2 <= r sum of share_i / d_i |x_i|^2, r =
  * sum of share d. */
 #include <string.h>

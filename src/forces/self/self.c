@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self.c -- the forces of self-contact, by the law of contact.h for the mass M, e W, of
- * a grid e W / 4, for e and v = sum b_i v_i (docs/theory/model.md, "Self-contact"). The
+ * a grid e W / 4, for e and v = sum b_i v_i (docs/theory/contact.md, "Pairs"). The
  * feet satisfy e_k.r = 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i,
  * the weight changes by dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
 #include "forces/self/self_list.h"
@@ -14,7 +14,7 @@
 #include "mesh/triangles_work.h"
 
 /* Of what two layers have by reduced areas, edges share this; facts of
- * docs/theory/model.md
+ * docs/theory/contact.md
  */
 #define EDGES_SHARE 0.125
 

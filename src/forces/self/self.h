@@ -4,7 +4,7 @@
  * A node is a point with the edges and triangles that it owns (mesh/mesh.h, skin.h):
  * each pair of primitives has one pair of nodes. A point is a particle, or beyond the
  * particles a vertex of a body. States are planes of `points` numbers. The formulas are
- * in docs/theory/model.md. */
+ * in docs/theory/contact.md. */
 #pragma once
 
 #include "forces/contact/contact.h"

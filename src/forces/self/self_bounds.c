@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_bounds.c -- what self-contact adds to the stiffness and damping of particles: a
  * pair's K = S n n^T and C = D n n^T + T (I - n n^T) between its feet, at most 2 |b_i|
- * of them at each particle (docs/theory/model.md, "Self-contact"). */
+ * of them at each particle (docs/theory/contact.md, "Pairs"). */
 #include "forces/self/self_list.h"
 
 /* Two layers push a particle as one pair would that had this part of the law; a shape
- * has 1. Layers that meet at stopping_speed come to this phi; docs/theory/model.md. */
+ * has 1. Layers that meet at stopping_speed come to this phi; docs/theory/contact.md.
+ */
 #define LAYERS_SHARE  2.6
 #define LAYERS_PHI    0.39
 #define REDUCED_SHARE 2.0

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_tree.c -- the search of self_tree.h. A patch whose edges differ from two
  * orthonormal directions by E < 1, in the Frobenius norm, has points (1 - E) times as
- * far apart as at rest or more (docs/theory/model.md), where primitives without a
+ * far apart as at rest or more (docs/theory/contact.md), where primitives without a
  * common particle are a b / sqrt(a^2 + b^2) or more apart. */
 #include "forces/self/self.h"
 
