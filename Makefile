@@ -509,6 +509,11 @@ lint: all
 	@tools/versions
 	@tools/rooms $(BUILD)
 
+# A hook of git that checks the form of commit messages.
+.PHONY: hooks
+hooks:
+	@tools/hooks
+
 format:
 	clang-format -i $(C_FILES)
 
@@ -707,7 +712,7 @@ clean:
 
 help:
 	@sed -n '3,10s/^# \{0,1\}//p' Makefile
-	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | format | docs | asan | fuzz | fuzz-corpus | check-files | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
+	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | hooks | format | docs | asan | fuzz | fuzz-corpus | check-files | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
 -include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -52,6 +52,58 @@ START_TEST(a_stage_that_leaves_a_file_in_the_tree_is_named)
 }
 END_TEST
 
+/* What `git commit` says to a message in OUT/tree, where the hook is installed. */
+static int commit(const char *message)
+{
+    return shell("cd " OUT
+                 "/tree && date +%%N >a && git add a && git -c user.name=a -c "
+                 "user.email=a@b commit -q -m \"$(printf '%s')\" 2>&1",
+                 message);
+}
+
+START_TEST(the_hook_takes_messages_of_the_form_and_refuses_others)
+{
+    if (!new_repository()) {
+        return;
+    }
+    expect(shell("tools=$PWD/tools && cd " OUT "/tree && $tools/hooks"), 0);
+    expect(commit("a: keep the state after a failed step"), 0);
+    expect(commit("a: pass the state on\\n\\nThe cause; the change. The effect."), 0);
+    expect(commit("keep the state"), 1);
+    says("the subject is 'module: imperative summary'");
+    expect(commit("sim: keep the state"), 1);
+    says("'sim' is no folder or file of this tree");
+    expect(commit("a: keep the state; free the rest"), 1);
+    says("semicolon");
+    expect(commit("a: keep the state."), 1);
+    says("period");
+    expect(commit("a: keeps the state"), 1);
+    says("begins with 'keeps'");
+    expect(commit("a: Added a state"), 1);
+    says("begins with 'added'");
+    expect(commit("a: keep the state\\nof a step"), 1);
+    says("the second line is empty");
+    expect(commit("a: keep the state of every step in which a particle is not finite "
+                  "at all times"),
+           1);
+    says("has 78 characters; at most 72");
+}
+END_TEST
+
+START_TEST(a_hook_of_the_user_stays)
+{
+    if (!new_repository()) {
+        return;
+    }
+    expect(shell("tools=$PWD/tools && cd " OUT "/tree && echo true "
+                 ">.git/hooks/commit-msg && $tools/hooks 2>&1"),
+           1);
+    says("commit-msg is not weft's: it stays");
+    expect(shell("cat " OUT "/tree/.git/hooks/commit-msg"), 0);
+    says("true");
+}
+END_TEST
+
 START_TEST(every_target_names_the_programs_that_it_lacks_before_it_begins)
 {
     if (shell("command -v git && command -v python3") != 0) {
@@ -69,6 +121,8 @@ TEST_SUITE(tools)
     Suite *all = suite_create("tools");
     TCase *gate = tcase_create("gate");
     tcase_add_test(gate, a_stage_that_leaves_a_file_in_the_tree_is_named);
+    tcase_add_test(gate, the_hook_takes_messages_of_the_form_and_refuses_others);
+    tcase_add_test(gate, a_hook_of_the_user_stays);
     suite_add_tcase(all, gate);
     TCase *needs = tcase_create("needs");
     tcase_set_timeout(needs, 240);
