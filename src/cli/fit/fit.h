@@ -4,7 +4,7 @@
  * (x - data) / sigma is minimised over the logarithms of the numbers by Levenberg and
  * Marquardt's method (MINPACK's lmder), whose Jacobian is the scene's `sensitivity`;
  * first over an eighth of the data's time, then over a quarter, half and all of it,
- * because from afar the whole has other minima (docs/guides/fit-parameters.md). */
+ * because from afar the whole has other minima (docs/guides/gradients.md). */
 #pragma once
 
 #include "cli/cli.h"
