@@ -421,7 +421,7 @@ core:
 PAGES := $(if $(RENEW),docs,$(BUILD)/pages)
 
 # Those of the page: all of them measured anew write project/speed.md to PAGES. The others follow.
-BENCH_PAGE := force mesh steps vectors growth memory
+BENCH_PAGE := force mesh steps growth memory
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(filter $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
 	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/bench-page $(BUILD) $(PAGES))
