@@ -2,6 +2,7 @@
 /* test_bands_meshes.c -- a cloth of triangles in bands of blocks has the bits of the
  * whole cloth on any number of bands, as test_bands.c has them of grids. */
 #include "bands_run.h"
+#include "bodies.h"
 #include "meshes.h"
 
 /* A sheet of two fabrics, sewn along a line, with pins at rest and moving, loads, and
@@ -210,6 +211,25 @@ START_TEST(a_band_lies_inside_and_has_straight_edges)
 }
 END_TEST
 
+START_TEST(a_mesh_collider_is_refused_in_bands)
+{
+    test_mesh sheet;
+    weft_cloth *cloth = NULL;
+    weft_error err;
+    const scenario of = sewn(&sheet, 54, "arkode/dormand_prince");
+    weft_cloth_def def = of.cloth;
+    body_mesh *ground = plate(1, 1.0, 1.0);
+    weft_shape shape = body_shape(ground);
+    def.contact.shapes = &shape, def.contact.shape_count = 1;
+    def.band_first = 7, def.band_rows = 3;
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_UNSUPPORTED);
+    ck_assert_ptr_nonnull(
+        strstr(err.message, "with a shape of kind mesh has no bands"));
+    free(ground);
+    mesh_free(&sheet);
+}
+END_TEST
+
 /* Own particles, and of the others those that forces on them depend on: on a sheet
  * about three rings. */
 START_TEST(a_band_has_its_own_particles_and_few_ghosts)
@@ -249,6 +269,7 @@ TEST_SUITE(bands_meshes)
     tcase_add_test(same, saved_bands_restore_on_any_number);
     tcase_add_test(same, a_band_without_memory_fails_all);
     tcase_add_test(same, a_band_lies_inside_and_has_straight_edges);
+    tcase_add_test(same, a_mesh_collider_is_refused_in_bands);
     tcase_add_test(same, a_band_has_its_own_particles_and_few_ghosts);
     suite_add_tcase(suite, same);
     return suite;
