@@ -405,7 +405,7 @@ $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.
 	$(call say,LD)$(LINK) -Wl,--strip-debug -o $@ $^ $(LIB_LIBS)
 
 # Instructions of the right-hand side, which must not become many more; files that a step calls,
-# which CONTRIBUTING.md's reading order must name.
+# which CONTRIBUTING.md's map of the code must name.
 guard: $(BUILD)/bench/guard/evaluate all
 	@tools/guard $(BUILD) $(CC)
 	@tools/reading-order $(BUILD)
