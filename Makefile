@@ -137,7 +137,7 @@ LONGEST := verification hostile surroundings record_ends compare cli_resume step
 # Many short tests, most of the same code with one method after another, for which a process each costs more.
 TOGETHER := steppers quadratures arkode embed ledger_order sim stepper_accuracy stability verification gsl pins \
             limit_sheet checkpoint contact_time
-KERNEL_TESTS := kernel membrane
+KERNEL_TESTS := kernel seek membrane
 # What `make check` leaves to `make check-slow`: suites that compute for long, run the program hundreds of times or wait for clocks.
 SLOW := embed verification hostile surroundings record_ends compare cli_resume steppers cli_batch interrupt record_damage sundials_vector cli_stability \
         skin skin_time scenes sensitivity self_time bands bands_ends bands_self conformance view untangle membrane cut bodies kernel batch_ends bands_meshes hostile_cost \
@@ -213,7 +213,7 @@ $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERN
 # gcc's checks of addresses as calls, beyond some of them in a function: half the time to compile.
 CALLS := $(if $(findstring address,$(SAN)),$(if $(findstring clang,$(CC)),,--param asan-instrumentation-with-call-threshold=100))
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): override SAN := $(strip $(SAN:%,undefined=%) $(CALLS))
-HARDER := contact/contact_fast membrane/membrane_fast membrane/membrane_arc_fast
+HARDER := seek/boxes_fast seek/seek_fast contact/contact_fast membrane/membrane_fast membrane/membrane_arc_fast
 $(foreach f,$(HARDER),$(BUILD)/src/forces/$f.o $(LEVELS:%=$(BUILD)/src/forces/$f.%.o)): OWN += $(if $(SAN),,-O3)
 $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
 	@mkdir -p $(@D)

@@ -46,7 +46,7 @@ and the abstract on twisted ribbons were read when this page was written; Provot
 [model.md](model.md). The others are cited from memory, for who came first: no number is taken from them.
 
 What this page does not show: stick and slip, and the wrinkles of a twisted ribbon. The drapes are clamped at the rim of the
-support, without contact; [test-a-fabric.md](../guides/test-a-fabric.md#a-disc-that-lies-on-its-support) has the disc that lies on one. Other simulators on the same work are in
+support, without contact; [drape-on-a-body.md](../guides/drape-on-a-body.md#a-mesh-as-the-collider) has the disc that lies on one. Other simulators on the same work are in
 [peers.md](peers.md). And no drape of a fabric is compared here with the measured drape of that same fabric. That needs a
 table with bending, shear and drape of each fabric; none could be read in full when this page was written (ARS 72-17 of the
 USDA, 1963, would be the first to take): **this comparison is owed**. Until then the Cusick cases compare with published

@@ -231,13 +231,6 @@ EACH_NEAR(weft__pushes_loops, weft__pair_push)
 EACH_NEAR(weft__pushes_slopes, weft__pair_slope)
 EACH_NEAR(weft__pushes_twins, push_twin)
 
-double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
-{
-    double x[4][3] = { { 0.0 } };
-    place(y, n, pair, x);
-    return law_distance((weft__pair_kind)pair->kind, x);
-}
-
 void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
                        const weft__near *near, size_t first, size_t end,
                        const double *y, double most, double *distances)
@@ -532,6 +525,7 @@ void weft__self_choose(void *own, weft__isa isa)
     of->waits = WEFT_FORM(isa, waits);
     of->drift = WEFT_FORM(isa, drift);
     of->range = WEFT_FORM(isa, range);
+    of->seeker = weft__seeker_of(isa);
 }
 
 static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,

@@ -13,26 +13,6 @@
 
 typedef struct weft__self_list weft__self_list; /* self_list.h */
 
-/* Two primitives without a common point: their points, those of the second after those
- * of the first. */
-typedef enum weft__pair_kind {
-    WEFT__VERTICES,        /* 0 and 1 */
-    WEFT__VERTEX_EDGE,     /* 0 and 1-2 */
-    WEFT__VERTEX_TRIANGLE, /* 0 and 1-2-3 */
-    WEFT__EDGES            /* 0-1 and 2-3 */
-} weft__pair_kind;
-
-typedef struct weft__pair {
-    uint32_t particle[4];
-    uint32_t item[2]; /* of a skin: their numbers as points, edges or triangles */
-    uint32_t kind;
-} weft__pair;
-
-static inline size_t weft__kind_particles(weft__pair_kind of)
-{
-    return of == WEFT__VERTICES ? 2 : of == WEFT__VERTEX_EDGE ? 3 : 4;
-}
-
 static inline size_t weft__pair_particles(const weft__pair *pair)
 {
     return weft__kind_particles((weft__pair_kind)pair->kind);
@@ -54,15 +34,16 @@ static inline void weft__pair_key(const weft__pair *pair, uint64_t key[2])
 /* [m] Of the nearest points of both, in planes y of n. */
 double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
 
-typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a search */
-
 /* Calls visit for each pair nearer than range, and for some others: kind by kind, in
  * the order of weft__tree_pairs; those of a smaller range come in the same order.
  * Returns false if a visit did. The state must be finite. */
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
 
-/* The same between two tiles, each kind in that order. */
+/* Takes a pair that has been found to its windows; false: it is one of lips. */
+bool weft__pair_admit(const weft__self *own, weft__pair *pair);
+
+/* The same as weft__each_pair between two tiles, each kind in that order. */
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
                              double range, weft__pair_fn *visit, void *ctx);
 
@@ -251,6 +232,7 @@ struct weft__self {
     weft__waits_fn *waits;
     weft__drift_fn *drift;
     weft__range_fn *range;
+    const weft__seeker *seeker; /* NULL: pairs are sought by the tree */
 };
 
 /* Whether a point does not move by forces. */

@@ -157,8 +157,8 @@ weft__self_list *weft__self_list_create(const weft__self *own, weft__pool *pool,
     }
     if (list->knots == NULL || list->place == NULL || list->marks == NULL
         || list->runs == NULL || list->grouped == NULL || list->tiles[0] == NULL
-        || list->between == NULL || list->clear == NULL || !list_tiles(list)
-        || !make_chunks(list)) {
+        || list->between == NULL || list->clear == NULL
+        || !weft__self_search_create(list) || !list_tiles(list) || !make_chunks(list)) {
         weft__self_list_destroy(list);
         return NULL;
     }
@@ -174,6 +174,7 @@ void weft__self_list_destroy(weft__self_list *list)
     for (size_t i = 0; i < list->chunk_count; ++i) {
         weft__self_chunk_free(&memory, &list->chunks[i]);
     }
+    weft__boxes_free(&memory, &list->boxes);
     WEFT__FREE_ALL(&memory, list->chunks, list->knots, list->place, list->marks,
                    list->tiles[0], list->runs, list->grouped, list->between,
                    list->clear, list);
@@ -260,10 +261,15 @@ double weft__self_drift(weft__self_list *list, const double *from, const double 
                : drift_tiles(list, from, to, list->grouped, list->grouped_count, k);
 }
 
+double weft__self_drift_all(weft__self_list *list, const double *from, const double *to,
+                            size_t k)
+{
+    return drift_tiles(list, from, to, NULL, 0, k);
+}
+
 /* ---- making ---------------------------------------------------------------------- */
 
-/* [m] Between the boxes about two tiles. */
-static double box_distance(const weft__drift *a, const weft__drift *b)
+double weft__box_distance(const weft__drift *a, const weft__drift *b)
 {
     double square = 0.0;
     for (size_t k = 0; k < 3; ++k) {
@@ -283,7 +289,8 @@ static void age_part(void *ctx, size_t part)
         const uint32_t *tiles = list->between[i];
         double left = list->valid ? list->clear[i] - list->extent : UNKNOWN;
         if (!(left >= weft__self_watched(list))) {
-            left = box_distance(&list->tiles[1][tiles[0]], &list->tiles[1][tiles[1]])
+            left = weft__box_distance(&list->tiles[1][tiles[0]],
+                                      &list->tiles[1][tiles[1]])
                    * (1.0 - WEFT__SELF_ROUNDOFF);
         }
         if (!(left >= weft__self_watched(list)) && list->valid) {
@@ -291,35 +298,6 @@ static void age_part(void *ctx, size_t part)
                         list->clear[i] - weft__self_extent_between(list, 0, tiles));
         }
         list->clear[i] = left >= least ? left : UNKNOWN;
-    }
-}
-
-/* Those in the rectangle about two tiles, where the search looks for flat patches. */
-static void mark_tiles(weft__self_list *list, const uint32_t tiles[2])
-{
-    const weft__nodes nodes = weft__nodes_of(list->own);
-    const size_t cols = nodes.fold > 1
-                            ? SIZE_MAX
-                            : weft__patches(nodes.cols, weft__tile_level(nodes));
-    const size_t r[2] = { tiles[0] / cols, tiles[1] / cols };
-    const size_t c[2] = { tiles[0] % cols, tiles[1] % cols };
-    const size_t top = r[0] < r[1] ? r[0] : r[1], left = c[0] < c[1] ? c[0] : c[1];
-    const size_t high = r[0] + r[1] - 2 * top + 1, wide = c[0] + c[1] - 2 * left + 1;
-    list->marks[tiles[0]] = list->marks[tiles[1]] = 1;
-    for (size_t i = 0; nodes.fold == 1 && high <= 3 && wide <= 3 && i < high * wide;
-         ++i) {
-        list->marks[(top + i / wide) * cols + left + i % wide] = 1;
-    }
-}
-
-static void fill_part(void *ctx, size_t part)
-{
-    weft__self_list *list = ctx;
-    const size_t tiles = weft__tile_count(list->own);
-    for (size_t i = part; i < tiles; i += list->chunk_count) {
-        if (list->marks[i] != 0) {
-            weft__tree_fill_tile(&list->tree, i);
-        }
     }
 }
 
@@ -401,8 +379,8 @@ static void list_pairs(weft__self_list *list, weft__self_chunk *in, size_t tiles
     const bool seek = *clear == UNKNOWN;
     if (seek) {
         *clear = weft__self_range(list);
-        (void)weft__each_pair_between(&list->tree, list->between[tiles], *clear,
-                                      weft__self_chunk_keep, in);
+        (void)weft__self_search(list, list->between[tiles], *clear,
+                                weft__self_chunk_keep, in);
     } else if (old != NULL) {
         kept = *old;
         kept.loss += weft__self_extent_between(list, 0, list->between[tiles]);
@@ -498,14 +476,12 @@ static void make(weft__self_list *list, const double *y)
     memset(list->marks, 0, weft__tile_count(own));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
-            mark_tiles(list, list->between[i]);
+            weft__self_search_mark(list, list->between[i]);
             seek = true;
         }
     }
     if (seek) {
-        list->tree = weft__tree_of(own, y);
-        weft__tree_begin(&list->tree, list->knots);
-        weft__pool_run(list->pool, fill_part, list, list->chunk_count);
+        weft__self_search_begin(list, y);
     }
     weft__pool_run(list->pool, make_part, list, list->chunk_count);
     memcpy(list->place, y, 3 * own->points * sizeof *y);

@@ -102,10 +102,11 @@ struct weft__self_list {
     weft_allocator memory;
     weft__quadtree tree;
     weft__knot *knots;     /* of any state */
-    const double *y;       /* while it is made */
+    weft__boxes boxes;     /* without a room: by the tree */
+    const double *y;       /* while it is made, or searched */
     size_t rest;           /* points from here on do not move; 0: all may */
     double *place;         /* 3 N: where the list was made */
-    unsigned char *marks;  /* N: of particles, or tiles */
+    unsigned char *marks;  /* N: of particles, or tiles, or their rows */
     weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
     weft__drift *runs;     /* of a skin, of many points each */
     uint32_t *grouped;     /* tiles that groups have; of a grid all */
@@ -171,6 +172,13 @@ static inline size_t weft__self_first(const weft__self_groups *of, size_t i,
 double weft__self_drift(weft__self_list *list, const double *from, const double *to,
                         size_t k);
 
+/* The same of all tiles; of the state that is searched the bounds of places. */
+double weft__self_drift_all(weft__self_list *list, const double *from, const double *to,
+                            size_t k);
+
+/* [m] Between the boxes about two tiles. */
+double weft__box_distance(const weft__drift *a, const weft__drift *b);
+
 /* [m] Of the last displacements k, with an allowance for roundoff. */
 static inline double weft__self_extent_between(const weft__self_list *list, size_t k,
                                                const uint32_t tiles[2])
@@ -179,6 +187,24 @@ static inline double weft__self_extent_between(const weft__self_list *list, size
                * (1.0 + WEFT__SELF_ROUNDOFF)
            + WEFT__SELF_ALLOWED * list->skin;
 }
+
+/* ---- self_search.c --------------------------------------------------------------- */
+
+/* false: no memory. */
+bool weft__self_search_create(weft__self_list *list);
+
+/* Marks what the search between two tiles needs; `marks` must be 0 before the first. */
+void weft__self_search_mark(weft__self_list *list, const uint32_t tiles[2]);
+
+/* Begins to search a finite state between tiles that are marked. */
+void weft__self_search_begin(weft__self_list *list, const double *y);
+
+/* As weft__each_pair_between in that state; range < 1e30 m. Different threads may
+ * search different tiles. */
+bool weft__self_search(const weft__self_list *list, const uint32_t tiles[2],
+                       double range, weft__pair_fn *visit, void *ctx);
+
+/* ---- distances ------------------------------------------------------------------- */
 
 /* [m] All pairs that are nearer are in the list when it has been sought. */
 static inline double weft__self_range(const weft__self_list *list)

@@ -2,6 +2,7 @@
 /* self_pairs.c -- pairs of primitives that are near each other, and whether they can
  * have met in a step. */
 #include "forces/self/self.h"
+#include "forces/self/self_law.h"
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
 {
@@ -13,6 +14,15 @@ void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
     }
 }
 
+double weft__pair_distance(const weft__pair *pair, const double *y, size_t n)
+{
+    double x[4][3] = { { 0.0 } };
+    for (size_t j = 0; j < 3 * weft__pair_particles(pair); ++j) {
+        x[j / 3][j % 3] = y[j % 3 * n + pair->particle[j / 3]];
+    }
+    return law_distance((weft__pair_kind)pair->kind, x);
+}
+
 /* ---- the search ------------------------------------------------------------------ */
 
 /* A primitive in its box. */
@@ -22,10 +32,9 @@ typedef struct boxed {
 } boxed;
 
 /* What a node owns, or of many edges and triangles some. */
-enum { OWNED = 12 };
 typedef struct owned {
     size_t node, slice;
-    boxed vertex, edges[OWNED], triangles[OWNED];
+    boxed vertex, edges[WEFT__OWNED], triangles[WEFT__OWNED];
     size_t edge_count, triangle_count;
     bool more; /* in the next slice */
 } owned;
@@ -69,8 +78,8 @@ static void box_of(const weft__quadtree *tree, const uint32_t *points, size_t co
 static bool cut(size_t slice, size_t *from, size_t *end)
 {
     const size_t all = *end;
-    *from = *from + OWNED * slice < all ? *from + OWNED * slice : all;
-    *end = *from + OWNED < all ? *from + OWNED : all;
+    *from = *from + WEFT__OWNED * slice < all ? *from + WEFT__OWNED * slice : all;
+    *end = *from + WEFT__OWNED < all ? *from + WEFT__OWNED : all;
     return *end < all;
 }
 
@@ -155,6 +164,20 @@ static void take_windows(const weft__self *own, weft__pair *pair)
     }
 }
 
+bool weft__pair_admit(const weft__self *own, weft__pair *pair)
+{
+    const weft__skin *skin = own->skin;
+    uint64_t key[2];
+    if (skin != NULL && skin->grids) {
+        take_windows(own, pair);
+    }
+    if (skin == NULL || skin->lip_count == 0) {
+        return true;
+    }
+    weft__pair_key(pair, key);
+    return !weft__is_lip(skin, key);
+}
+
 /* Visits a pair unless its boxes are further apart than the range or its primitives
  * have a common particle; `first` and `other`: of their particles. */
 static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const boxed *a,
@@ -174,18 +197,7 @@ static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const b
         }
     }
     pair.item[0] = a->item, pair.item[1] = b->item;
-    const weft__skin *skin = of->tree->own->skin;
-    if (skin != NULL && skin->grids) {
-        take_windows(of->tree->own, &pair);
-    }
-    uint64_t key[2];
-    if (skin != NULL && skin->lip_count > 0) {
-        weft__pair_key(&pair, key);
-        if (weft__is_lip(skin, key)) {
-            return true;
-        }
-    }
-    return of->visit(of->ctx, &pair);
+    return !weft__pair_admit(of->tree->own, &pair) || of->visit(of->ctx, &pair);
 }
 
 /* A vertex with all that another node owns but its particle. */

@@ -20,22 +20,12 @@ weft__nodes weft__nodes_of(const weft__self *own)
                              : (weft__nodes){ own->mesh->rows, own->mesh->cols, 1 };
 }
 
-static inline size_t across(const weft__nodes *of, size_t level)
-{
-    return weft__patches(of->cols, of->fold * level);
-}
-
-static size_t count_of(const weft__nodes *of, size_t level)
-{
-    return weft__patches(of->rows, level) * across(of, level);
-}
-
 weft__quadtree weft__tree_of(const weft__self *own, const double *y)
 {
     weft__quadtree tree = { .own = own, .nodes = weft__nodes_of(own), .y = y };
     do {
         ++tree.levels;
-    } while (count_of(&tree.nodes, tree.levels - 1) > 1);
+    } while (weft__patch_count(&tree.nodes, tree.levels - 1) > 1);
     return tree;
 }
 
@@ -43,24 +33,15 @@ size_t weft__tree_size(const weft__quadtree *tree)
 {
     size_t size = 0;
     for (size_t k = 0; k < tree->levels; ++k) {
-        size += count_of(&tree->nodes, k);
+        size += weft__patch_count(&tree->nodes, k);
     }
     return size;
-}
-
-size_t weft__tile_level(weft__nodes of)
-{
-    size_t level = WEFT__TILE_LEVEL;
-    while (count_of(&of, level) > WEFT__TILES_MOST) {
-        ++level;
-    }
-    return level;
 }
 
 size_t weft__tile_count(const weft__self *own)
 {
     const weft__nodes nodes = weft__nodes_of(own);
-    return count_of(&nodes, weft__tile_level(nodes));
+    return weft__patch_count(&nodes, weft__tile_level(nodes));
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */
@@ -186,7 +167,8 @@ void weft__tree_begin(weft__quadtree *tree, weft__knot *knots)
 {
     tree->knots = knots;
     for (size_t level = 1; level < tree->levels; ++level) {
-        tree->first[level] = tree->first[level - 1] + count_of(&tree->nodes, level - 1);
+        tree->first[level]
+            = tree->first[level - 1] + weft__patch_count(&tree->nodes, level - 1);
     }
 }
 
@@ -201,14 +183,15 @@ static inline tree_patch part(const weft__nodes *of, tree_patch at, size_t j)
 static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
 {
     const weft__nodes *of = &tree->nodes;
-    weft__knot *to = &tree->knots[tree->first[level] + at.r * across(of, level) + at.c];
+    weft__knot *to = &tree->knots[tree->first[level]
+                                  + at.r * weft__patches_across(of, level) + at.c];
     if (level == 0) {
         bound(tree, at.r, at.c, to);
         return;
     }
     *to = nothing;
     const size_t rows = weft__patches(of->rows, level - 1);
-    const size_t cols = across(of, level - 1);
+    const size_t cols = weft__patches_across(of, level - 1);
     for (size_t j = 0; j < 4; ++j) {
         const tree_patch in = part(of, at, j);
         if (in.r < rows && in.c < cols) {
@@ -223,7 +206,8 @@ static void fill_patch(weft__quadtree *tree, size_t top, tree_patch at)
 {
     const weft__nodes *of = &tree->nodes;
     for (size_t level = 0; level <= top; ++level) {
-        const size_t rows = weft__patches(of->rows, level), cols = across(of, level);
+        const size_t rows = weft__patches(of->rows, level),
+                     cols = weft__patches_across(of, level);
         const size_t by = top - level, shift = of->fold * by;
         for (size_t r = at.r << by; r < end_of(at.r, by, rows); ++r) {
             for (size_t c = at.c << shift; c < end_of(at.c, shift, cols); ++c) {
@@ -241,7 +225,7 @@ void weft__tree_fill(weft__quadtree *tree, weft__knot *knots)
 
 static tree_patch patch_of(const weft__quadtree *tree, size_t level, size_t i)
 {
-    const size_t cols = across(&tree->nodes, level);
+    const size_t cols = weft__patches_across(&tree->nodes, level);
     return (tree_patch){ i / cols, i % cols };
 }
 
@@ -343,7 +327,7 @@ static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
                                  tree_patch at, weft__knot *room)
 {
     if (tree->knots != NULL) {
-        const size_t cols = across(&tree->nodes, level);
+        const size_t cols = weft__patches_across(&tree->nodes, level);
         return &tree->knots[tree->first[level] + at.r * cols + at.c];
     }
     *room = nothing;
@@ -392,7 +376,8 @@ static void find_quarters(const tree_search *of, size_t level, tree_patch at,
                           quarters *out)
 {
     const weft__nodes *nodes = &of->tree->nodes;
-    const size_t rows = weft__patches(nodes->rows, level), cols = across(nodes, level);
+    const size_t rows = weft__patches(nodes->rows, level),
+                 cols = weft__patches_across(nodes, level);
     out->count = 0;
     for (size_t j = 0; j < 4; ++j) {
         const tree_patch in = part(nodes, at, j);
@@ -407,7 +392,7 @@ static void find_quarters(const tree_search *of, size_t level, tree_patch at,
 
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
-    const size_t cols = across(&of->tree->nodes, of->floor);
+    const size_t cols = weft__patches_across(&of->tree->nodes, of->floor);
     const weft__skin *skin = of->tree->own->skin;
     if (of->floor == 0 && skin != NULL) {
         return of->visit(of->ctx, weft__skin_point(skin, a.c),

@@ -4,11 +4,10 @@
 #pragma once
 
 #include "forces/force.h"
+#include "forces/seek/seek.h"
 #include "forces/self/skin.h"
 
 typedef struct weft__self weft__self;
-
-enum { WEFT__LEVELS = 33, WEFT__TILE_LEVEL = 3, WEFT__TILES_MOST = 1024 };
 
 /* Boxes: low, then high [m]. */
 static inline double weft__most(double a, double b)
@@ -37,13 +36,6 @@ typedef struct weft__knot {
     double place[2][3];    /* [m] of its particles */
     double slope[2][2][3]; /* of its edges down, then right, by the spacing */
 } weft__knot;
-
-/* Nodes in rows and columns, of which level k has patches of 2^k x 2^k, or those of a
- * skin, its points in its order, in one row, by 4^k. */
-typedef struct weft__nodes {
-    size_t rows, cols;
-    unsigned fold; /* 1; of a skin 2 */
-} weft__nodes;
 
 /* Level 0 has the nodes, level k patches of them. */
 typedef struct weft__quadtree {
@@ -75,15 +67,7 @@ bool weft__tree_pairs(const weft__quadtree *tree, double range, weft__visit_fn *
 
 /* ---- tiles ----------------------------------------------------------------------- */
 
-/* Patches of one level, row by row: 64 nodes, or so many that they are not more than
- * WEFT__TILES_MOST. */
-static inline size_t weft__patches(size_t nodes, size_t level)
-{
-    return ((nodes - 1) >> level) + 1;
-}
-
 weft__nodes weft__nodes_of(const weft__self *own);
-size_t weft__tile_level(weft__nodes of);
 size_t weft__tile_count(const weft__self *own);
 
 /* Of a grid: the rows and columns of particles in patch i of a level, with those to the
