@@ -101,6 +101,11 @@ START_TEST(laboratory_tests_of_a_scene_return_its_sheet)
         0);
     says("drape-fast.svg: the shadow");
     expect(shell("grep -c '<path' " OUT "/drape-fast.lab/drape-fast.svg"), 0);
+    expect(shell("%sstrip kes.yaml --out named --yaml 2>&1", in_out), 0);
+    says("test: strip\nfabric: \"kes\"\nscene: \"named/strip-kes.yaml\"\n"
+         "extension: ");
+    ck_assert_double_eq_tol(strtod(strstr(output, "extension: ") + 11, NULL), 4.0,
+                            0.02);
     expect(shell("%sdrape small.yaml 2>&1", in_out), 3);
     says("small.yaml: its cloth has no fabric");
 }

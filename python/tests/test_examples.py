@@ -16,7 +16,8 @@ import weft
 
 
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning")
-@pytest.mark.parametrize("module", [weft, weft.garment, weft.gradients, weft.library, weft.mesh, weft.simulation, weft.runs], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [weft, weft.checks, weft.executors, weft.garment, weft.gradients, weft.library, weft.mesh,
+                                    weft.parallel, weft.simulation, weft.runs], ids=lambda m: m.__name__)
 def test_docstrings(module, doctest_folder):
     globs = {"weft": weft, "scene": sheet(), "tmp": doctest_folder}
     result = doctest.testmod(module, extraglobs=globs)

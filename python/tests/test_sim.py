@@ -939,7 +939,7 @@ while sim.time == begin:
 """
 
 
-@pytest.mark.parametrize("end", ["pass", "view = sim.state; del sim", "sim._me = sim", "import sys; sys.exit(0)",
+@pytest.mark.parametrize("end", ["pass", "view = sim.state; del sim", "sim._kept.append(sim)", "import sys; sys.exit(0)",
                                  IN_A_THREAD])
 def test_the_interpreter_ends_well_in_the_midst_of_a_simulation(scene, end):
     code = ("import warnings; warnings.simplefilter('ignore'); import weft\n"

@@ -7,6 +7,7 @@
 
 #include "cli/cli.h"
 #include "cli/shadow.h"
+#include "record/yaml_out.h"
 #include "weft/elementary.h"
 
 #define GRAVITY 9.81  /* [m/s^2] */
@@ -24,6 +25,7 @@ typedef struct specimen {
     const double *start, *x;
     size_t count;
     const char *picture; /* file of the drape's */
+    yaml_out *out;       /* NULL: the result is printed as text */
 } specimen;
 
 /* ---- drape ---- */
@@ -101,12 +103,18 @@ static weft_status report_drape(const specimen *self, weft_error *err)
         ++rim;
     }
     char title[64];
-    (void)snprintf(title, sizeof title, "coefficient %.1f %%, %zu nodes",
-                   100.0 * (squares / DIRECTIONS - INNER * INNER)
-                       / (OUTER * OUTER - INNER * INNER),
-                   count_nodes(self, rim));
-    print_item("drape", "%s", title);
+    const size_t nodes = count_nodes(self, rim);
+    const double coefficient = 100.0 * (squares / DIRECTIONS - INNER * INNER)
+                               / (OUTER * OUTER - INNER * INNER);
+    (void)snprintf(title, sizeof title, "coefficient %.1f %%, %zu nodes", coefficient,
+                   nodes);
     const weft_status status = draw(self, (const double(*)[2])outline, title, err);
+    if (self->out != NULL) {
+        yaml_out_write(self->out, "coefficient: %g, nodes: %zu, picture: \"%s\"",
+                       coefficient, nodes, self->picture);
+        return status;
+    }
+    print_item("drape", "%s", title);
     if (status == WEFT_OK) {
         print_item("picture", "%s: the shadow, the support and the disc before",
                    self->picture);
@@ -124,12 +132,18 @@ static weft_status report_cantilever(const specimen *self, weft_error *err)
     const double length = self->start[3 * (self->count - 1)];
     const double chord = atan2(-tip[1], tip[0]);
     const double c = length * cbrt(cos(0.5 * chord) / (8.0 * tan(chord)));
+    const double rigidity = self->fabric->density * GRAVITY * c * c * c;
     (void)err;
-    print_item("cantilever",
-               "the chord of %.1f mm falls by %.2f degrees; by Peirce's formula the "
-               "bending length is %.2f mm, the rigidity %.3g N m",
-               1e3 * length, chord * 180.0 / pi, 1e3 * c,
-               self->fabric->density * GRAVITY * c * c * c);
+    if (self->out != NULL) {
+        yaml_out_write(self->out,
+                       "length: %g, angle: %g, bending_length: %g, rigidity: %g",
+                       length, chord * 180.0 / pi, c, rigidity);
+    } else {
+        print_item("cantilever",
+                   "the chord of %.1f mm falls by %.2f degrees; by Peirce's formula "
+                   "the bending length is %.2f mm, the rigidity %.3g N m",
+                   1e3 * length, chord * 180.0 / pi, 1e3 * c, rigidity);
+    }
     return WEFT_OK;
 }
 
@@ -138,9 +152,15 @@ static weft_status report_strip(const specimen *self, weft_error *err)
     const size_t last = self->count - 1;
     const double more = self->start[3 * last + 1] - self->x[3 * last + 1];
     (void)err;
-    print_item("strip",
-               "EMT %.3g %% at %.0f N/m, along the warp: a secant modulus of %.4g N/m",
-               100.0 * more / STRIP, PULL, PULL * STRIP / more);
+    if (self->out != NULL) {
+        yaml_out_write(self->out, "extension: %g, modulus: %g", 100.0 * more / STRIP,
+                       PULL * STRIP / more);
+    } else {
+        print_item("strip",
+                   "EMT %.3g %% at %.0f N/m, along the warp: a secant modulus of %.4g "
+                   "N/m",
+                   100.0 * more / STRIP, PULL, PULL * STRIP / more);
+    }
     return WEFT_OK;
 }
 
@@ -261,7 +281,7 @@ static weft_status write_scene(const char *path, size_t test, const weft_fabric 
 /* ---- the run ---- */
 
 static weft_status measure(const weft_scene *scene, size_t test, const char *picture,
-                           weft_error *err)
+                           yaml_out *out, weft_error *err)
 {
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
@@ -282,7 +302,8 @@ static weft_status measure(const weft_scene *scene, size_t test, const char *pic
                                 .start = places,
                                 .x = places + 3 * n,
                                 .count = n,
-                                .picture = picture };
+                                .picture = picture,
+                                .out = out };
         status = tests[test].report(&self, err);
     }
     free(places);
@@ -298,6 +319,7 @@ static int read_fabric(const arguments *given, weft_fabric *out, char *name)
     weft_error err;
     weft_scene *scene = NULL;
     plain.set_count = 0;
+    plain.out = NULL; /* the name is that of the file */
     plain.operands = &given->operands[1];
     int code = open_scene(plain.operands[0], &plain, &scene, NULL);
     const weft_fabric *fabric = code == EXIT_DONE ? weft_scene_fabric(scene) : NULL;
@@ -349,12 +371,37 @@ static weft_status place_files(const arguments *given, const char *test,
     return record_directory(into, err);
 }
 
+/* Runs the test's scene at `path`, and reports the result. */
+static int run_test(const arguments *given, size_t test, const weft_fabric *fabric,
+                    const char *path, const char *picture)
+{
+    weft_error err = { 0 };
+    weft_scene *scene = NULL;
+    yaml_out out;
+    int code = open_scene(path, given, &scene, NULL);
+    if (code == EXIT_DONE && given->yaml) {
+        yaml_out_begin(&out, stdout);
+        yaml_out_write(&out, "test: %s, fabric: \"%s\", scene: \"%s\"",
+                       test_names[test], fabric->name, path);
+    }
+    if (code == EXIT_DONE
+        && measure(scene, test, picture, given->yaml ? &out : NULL, &err) != WEFT_OK) {
+        code = report_error(&err);
+    }
+    if (scene != NULL && given->yaml) {
+        code = yaml_out_end(&out) || code != EXIT_DONE ? code : EXIT_FILE;
+    } else if (code == EXIT_DONE) {
+        print_item("scene", "%s; 'weft run %s --view' draws it", path, path);
+    }
+    weft_scene_destroy(scene);
+    return code;
+}
+
 static int lab_verb(const arguments *given)
 {
     size_t test = 0;
     char path[RECORD_PATH], picture[RECORD_PATH], name[RECORD_PATH];
     weft_error err = { 0 };
-    weft_scene *scene = NULL;
     weft_fabric read;
     const weft_fabric *fabric = NULL;
     int code = choose(given, "TEST", given->operands[0], test_names, &test);
@@ -367,14 +414,7 @@ static int lab_verb(const arguments *given)
         || write_scene(path, test, fabric, given->force, &err) != WEFT_OK) {
         return report_error(&err);
     }
-    code = open_scene(path, given, &scene, NULL);
-    if (code == EXIT_DONE && measure(scene, test, picture, &err) != WEFT_OK) {
-        code = report_error(&err);
-    } else if (code == EXIT_DONE) {
-        print_item("scene", "%s; 'weft run %s --view' draws it", path, path);
-    }
-    weft_scene_destroy(scene);
-    return code;
+    return run_test(given, test, fabric, path, picture);
 }
 
 const verb verb_lab = {
@@ -394,6 +434,7 @@ const verb verb_lab = {
       "  strip                KES: the extension [%] of a strip at 490 N/m\n\n"
       "  --out DIR            the directory; default: ./TEST-FABRIC.lab\n"
       "  --force              replace a scene of that name with another text\n"
+      "  --yaml               the result as YAML, with all digits\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
       "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
       "examples:\n"

@@ -24,20 +24,25 @@ from weft import garment
 from weft._weft import ffi as _ffi
 from weft._weft import lib as _lib
 from weft.callbacks import CORRECT, EVENT, FORCE, PerformanceWarning
+from weft.checks import Check, FabricTest, check, lab
 from weft.executors import map
 from weft.gradients import Gradient, gradient
-from weft.library import (Diagnostic, Error, Failure, Method, NotFoundError, SceneError, SceneWarning, Spring, StepError,
-                          amplification, fabrics, load_plugin, methods, scene_help)
+from weft.library import (ArgumentError, ArgumentIndexError, ArgumentTypeError, Diagnostic, Error, Failure, Method,
+                          MissingKeyError, MissingPackageError, NotFoundError, OutOfMemoryError, SceneError, SceneWarning,
+                          Spring, StepError, UnknownAttributeError, amplification, fabrics, load_plugin, methods,
+                          scene_help)
 from weft.mesh import Mesh
 from weft.parallel import Batch, BatchError
 from weft.runs import (Difference, Fit, Page, Run, RunError, batch, compare, converge, diff, export, fit, open, program,
-                       run, scene, view)
+                       resume, run, scene, view)
 from weft.simulation import Energy, Ledger, Measures, Sim, Stats, Stiffness, load
 
 __version__: str = _ffi.string(_lib.weft_version()).decode()
 
-__all__ = ["Batch", "BatchError", "CORRECT", "EVENT", "Diagnostic", "Difference", "Energy", "Error", "FORCE", "Failure",
-           "Fit", "Gradient", "Ledger", "Measures", "Mesh", "Method", "NotFoundError", "Page", "PerformanceWarning", "Run", "RunError",
-           "SceneError", "SceneWarning", "Sim", "Spring", "Stats", "StepError", "Stiffness", "amplification", "batch",
-           "compare", "converge", "diff", "export", "fabrics", "fit", "garment", "gradient", "load", "load_plugin",
-           "map", "methods", "open", "program", "run", "scene", "scene_help", "view"]
+__all__ = ["ArgumentError", "ArgumentIndexError", "ArgumentTypeError", "Batch", "BatchError", "CORRECT", "Check",
+           "Diagnostic", "Difference", "EVENT", "Energy", "Error", "FORCE", "FabricTest", "Failure", "Fit", "Gradient",
+           "Ledger", "Measures", "Mesh", "Method", "MissingKeyError", "MissingPackageError", "NotFoundError",
+           "OutOfMemoryError", "Page", "PerformanceWarning", "Run", "RunError", "SceneError", "SceneWarning", "Sim",
+           "Spring", "Stats", "StepError", "Stiffness", "UnknownAttributeError", "amplification", "batch", "check",
+           "compare", "converge", "diff", "export", "fabrics", "fit", "garment", "gradient", "lab", "load",
+           "load_plugin", "map", "methods", "open", "program", "resume", "run", "scene", "scene_help", "view"]

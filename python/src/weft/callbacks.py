@@ -10,7 +10,7 @@ from typing import Any, Optional
 import numpy as np
 
 from weft._weft import ffi
-from weft.library import Array, Places
+from weft.library import ArgumentError, ArgumentTypeError, Array, Places
 
 Force = Callable[[float, Array, Array, Array], None]
 Correction = Callable[[float, float, Array, Array], Optional[bool]]
@@ -94,7 +94,7 @@ def called_by_c(failed: Any) -> Any:
 
 def _none(value: Any, name: str, advice: str) -> None:
     if value is not None:
-        raise TypeError("%s returned %s; %s" % (name, type(value).__name__, advice))
+        raise ArgumentTypeError("%s returned %s; %s" % (name, type(value).__name__, advice))
 
 
 @called_by_c(-1)
@@ -118,7 +118,7 @@ def weftpy_correct(ctx: Any, t: float, h: float, y: Any) -> bool:
         hooks.seen.take(y)
         changed = hooks.correct(t, h, hooks.seen.x, hooks.seen.v)
         if changed is not None and not isinstance(changed, (bool, np.bool_)):
-            raise TypeError("the correction returned %s, not None or whether it changed the state"
+            raise ArgumentTypeError("the correction returned %s, not None or whether it changed the state"
                             % type(changed).__name__)
         if changed is False:
             return False
@@ -146,17 +146,17 @@ def c_function(value: Any, kind: str) -> Optional[tuple[Any, Any, Any]]:
     if isinstance(function, ffi.CData):
         pointer = function
         if ffi.typeof(function) != ffi.typeof(kind):
-            raise TypeError("%r is not a C function of the type %s" % (function, ffi.getctype(kind)))
+            raise ArgumentTypeError("%r is not a C function of the type %s" % (function, ffi.getctype(kind)))
     elif isinstance(getattr(function, "address", None), int):  # numba.cfunc
         pointer = ffi.cast(kind, function.address)
     elif isinstance(function, ctypes._CFuncPtr):  # type: ignore[attr-defined]
         pointer = ffi.cast(kind, ctypes.cast(function, ctypes.c_void_p).value or 0)
     elif isinstance(value, tuple):
-        raise TypeError("only a C function takes a context: (function, context)")
+        raise ArgumentTypeError("only a C function takes a context: (function, context)")
     else:
         return None
     if pointer == ffi.NULL:
-        raise ValueError("the address of the C function %r is null" % (function,))
+        raise ArgumentError("the address of the C function %r is null" % (function,))
     if isinstance(ctx, (np.ndarray, bytearray)):
         ctx = ffi.from_buffer(ctx)
     return pointer, ffi.NULL if ctx is None else ffi.cast("void *", ctx), (function, ctx, value)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional
 
-from weft.library import PathLike, SceneError
+from weft.library import MissingPackageError, PathLike, SceneError
 from weft.runs import RunError, _files, _process, _sets, _table
 from weft.scenes import Scene, is_text, path_of
 
@@ -124,7 +124,7 @@ def map(scene: Scene, sweep: Optional[Mapping[str, Any]] = None, out: Optional[P
     try:
         import pandas  # noqa: F401
     except ImportError as error:
-        raise ImportError("weft.map returns a table of pandas, which is not installed: pip install pandas") from error
+        raise MissingPackageError("weft.map returns a table of pandas, which is not installed: pip install pandas") from error
     name = scene.get("name", "scene-0") if isinstance(scene, Mapping) else \
         "scene-0" if is_text(scene) else Path(path_of(scene)).stem
     directory = Path(os.path.abspath(out if out is not None else "%s-sweep" % name))

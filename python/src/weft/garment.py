@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Union
 
 import numpy as np
 
-from weft.library import Array, PathLike, SceneWarning
+from weft.library import ArgumentError, Array, PathLike, SceneWarning
 from weft.mesh import Mesh, as_word
 
 _SMOOTHINGS = 12
@@ -53,13 +53,13 @@ def _array(value: Any, shape: tuple[int, ...], what: str) -> Array:
         array = np.full(1, np.nan)
     if len(array.shape) != len(shape) or not all(n in (m, -1) for m, n in zip(array.shape, shape)) or \
             not (np.abs(array) <= _LARGEST).all():
-        raise ValueError("%s is %.60r, not finite numbers of shape %s, at most 1e9" % (what, value, str(shape).replace("-1", "n")))
+        raise ArgumentError("%s is %.60r, not finite numbers of shape %s, at most 1e9" % (what, value, str(shape).replace("-1", "n")))
     return array
 
 
 def _member(value: Any, key: str, kind: type, what: str) -> Any:
     if not isinstance(value, Mapping) or not isinstance(value.get(key), kind):
-        raise ValueError("%s has no '%s', a %s" % (what, key, "mapping" if kind is dict else kind.__name__))
+        raise ArgumentError("%s has no '%s', a %s" % (what, key, "mapping" if kind is dict else kind.__name__))
     return value[key]
 
 
@@ -73,16 +73,16 @@ def _curve(of: Any, a: Array, b: Array, relative: bool, unit: float, what: str) 
     if of is None:
         return np.empty((0, 2))
     if not isinstance(of, (list, tuple, Mapping)):
-        raise ValueError("%s has the curvature %.60r, not a point or a mapping" % (what, of))
+        raise ArgumentError("%s has the curvature %.60r, not a point or a mapping" % (what, of))
     kind, values = ("quadratic", [of]) if isinstance(of, (list, tuple)) else (of.get("type"), of.get("params"))
     if kind == "circle":
         radius, large, left = _array(values, (3,), what + ".curvature.params")
         if not radius > 0 or (a == b).all():
-            raise ValueError("%s is an arc of radius %g from %s to %s" % (what, radius, a.tolist(), b.tolist()))
+            raise ArgumentError("%s is an arc of radius %g from %s to %s" % (what, radius, a.tolist(), b.tolist()))
         return float(radius) * unit, bool(large), bool(left)
     count = {"quadratic": 1, "cubic": 2}.get(kind) if isinstance(kind, str) else None
     if count is None:
-        raise ValueError("%s has a curvature of type %.60r; there are quadratic, cubic and circle" % (what, kind))
+        raise ArgumentError("%s has a curvature of type %.60r; there are quadratic, cubic and circle" % (what, kind))
     at = _array(values, (count, 2), what + ".curvature")
     along = b - a
     across = np.array([-along[1], along[0]])
@@ -92,7 +92,7 @@ def _curve(of: Any, a: Array, b: Array, relative: bool, unit: float, what: str) 
 def _units(properties: Mapping[str, Any]) -> float:
     units = properties.get("units_in_meter", 100)
     if isinstance(units, bool) or not isinstance(units, (int, float)) or not 1e-6 <= units <= 1e6:
-        raise ValueError("units_in_meter is %.60r, not a number from 1e-6 to 1e6" % (units,))
+        raise ArgumentError("units_in_meter is %.60r, not a number from 1e-6 to 1e6" % (units,))
     return float(units)
 
 
@@ -107,19 +107,19 @@ def _read_panel(name: str, of: Any, properties: Mapping[str, Any]) -> _Panel:
         place = "%s, edge %d" % (what, k)
         ends = _member(edge, "endpoints", list, place)
         if len(ends) != 2:
-            raise ValueError("%s has the endpoints %.60r, not two" % (place, ends))
+            raise ArgumentError("%s has the endpoints %.60r, not two" % (place, ends))
         first, last = ends
         if not all(type(end) is int and 0 <= end < len(corners) for end in ends) or first == last:
-            raise ValueError("%s goes from vertex %r to %r; the panel has 0 to %d" % (place, first, last,
+            raise ArgumentError("%s goes from vertex %r to %r; the panel has 0 to %d" % (place, first, last,
                                                                                      len(corners) - 1))
         if before not in (None, first):
-            raise ValueError("%s begins at vertex %d, but the edge before it ends at %d" % (place, first, before))
+            raise ArgumentError("%s begins at vertex %d, but the edge before it ends at %d" % (place, first, before))
         relative = properties.get("curvature_coords", "relative") != "absolute"
         edges.append((first, last, _curve(edge.get("curvature"), corners[first], corners[last], relative, unit, place)))
         labels.append(str(edge.get("label") or ""))
         before = last
     if len(edges) < 2 or edges[0][0] != before:
-        raise ValueError("%s: its %d edges are no closed outline" % (what, len(edges)))
+        raise ArgumentError("%s: its %d edges are no closed outline" % (what, len(edges)))
     translation = _array(of.get("translation", [0, 0, 0]), (3,), what + ".translation") * unit
     if properties.get("normalize_panel_translation", False):
         middle = corners.mean(axis=0)
@@ -271,14 +271,14 @@ def _read_stitches(pattern: Mapping[str, Any], panels: Mapping[str, _Panel]) -> 
                                else _optional(pattern, "stitches", list, "the pattern")):
         what = "stitch %d" % i
         if not isinstance(stitch, list) or len(stitch) < 2:
-            raise ValueError("%s is %.60r, not a list of two edges" % (what, stitch))
+            raise ArgumentError("%s is %.60r, not a list of two edges" % (what, stitch))
         sides = []
         for side in stitch[:2]:
             panel, edge = _member(side, "panel", str, what), _member(side, "edge", int, what)
             if panel not in panels or not 0 <= edge < len(panels[panel].edges):
-                raise ValueError("%s is of edge %d of panel '%s', which is not there" % (what, edge, panel))
+                raise ArgumentError("%s is of edge %d of panel '%s', which is not there" % (what, edge, panel))
             if (panel, edge) in used:
-                raise ValueError("%s is of edge %d of panel '%s', as is stitch %d" % (what, edge, panel,
+                raise ArgumentError("%s is of edge %d of panel '%s', as is stitch %d" % (what, edge, panel,
                                                                                      used[panel, edge]))
             used[panel, edge] = i
             sides.append((panel, edge))
@@ -383,7 +383,7 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
     sides = np.stack((rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]), axis=2)
     flat = np.flatnonzero(np.linalg.det(sides) == 0.0)
     if len(flat) > 0:
-        raise ValueError("triangle %d has no area at rest" % flat[0])
+        raise ArgumentError("triangle %d has no area at rest" % flat[0])
     inverse = np.linalg.inv(sides)
     slope = np.stack((-inverse.sum(axis=1), inverse[:, 0], inverse[:, 1]), axis=1)  # (T, 3, 2) of each corner
     area = 0.5 * np.abs(np.linalg.det(sides))
@@ -398,7 +398,7 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
         right = np.stack([np.bincount(corner.ravel(), force[..., k].ravel(), len(x)) for k in range(3)], axis=1)
         x = solver.solve(right + hold * x)
     if not np.isfinite(x).all():
-        raise ValueError("the pattern cannot be relaxed: positions of its vertices are not finite after %d rounds" % rounds)
+        raise ArgumentError("the pattern cannot be relaxed: positions of its vertices are not finite after %d rounds" % rounds)
     return x
 
 
@@ -410,7 +410,7 @@ def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: flo
                             axis=0).max())
         size = max([size, *(c[0] for _, _, c in panel.edges if isinstance(c, tuple))])
         if not size <= _MOST_ACROSS * spacing:
-            raise ValueError("panel '%s' is %.3g m large, more than %d times the spacing of %g m: is units_in_meter right?"
+            raise ArgumentError("panel '%s' is %.3g m large, more than %d times the spacing of %g m: is units_in_meter right?"
                              % (name, size, _MOST_ACROSS, spacing))
     parts = {(name, k): max(1, int(np.ceil(_length(panel, k) / spacing - 1e-9)))
              for name, panel in panels.items() for k in range(len(panel.edges))}
@@ -436,7 +436,7 @@ def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: flo
             parts[side] *= 2
         todo = {name for name, _ in finer}
     name, k = min(finer)
-    raise ValueError("panel '%s' cannot be meshed at edge %d with a spacing of %g m: its outline crosses itself, or is "
+    raise ArgumentError("panel '%s' cannot be meshed at edge %d with a spacing of %g m: its outline crosses itself, or is "
                      "narrower than a hundredth of that" % (name, k, spacing))
 
 
@@ -493,24 +493,24 @@ def load(pattern: Union[PathLike, Mapping[str, Any]], *, spacing: float = 0.02, 
             return _load(json.load(file), spacing, relax)
     except json.JSONDecodeError as error:
         if error.doc[error.pos:error.pos + 2] in ("//", "/*"):
-            raise ValueError("%s: a comment, which JSON does not have: line %d column %d"
+            raise ArgumentError("%s: a comment, which JSON does not have: line %d column %d"
                              % (name, error.lineno, error.colno)) from None
-        raise ValueError("%s: %s" % (name, error)) from None
+        raise ArgumentError("%s: %s" % (name, error)) from None
     except RecursionError:
-        raise ValueError("%s: lists or mappings are nested too deeply" % name) from None
+        raise ArgumentError("%s: lists or mappings are nested too deeply" % name) from None
     except ValueError as error:
-        raise ValueError("%s: %s" % (name, error)) from None
+        raise ArgumentError("%s: %s" % (name, error)) from None
 
 
 def _load(content: Any, spacing: float, relax: int) -> Mesh:
     if not spacing > 0:
-        raise ValueError("a spacing of %r m is not above 0" % (spacing,))
+        raise ArgumentError("a spacing of %r m is not above 0" % (spacing,))
     of = _member(content, "pattern", dict, "the file")
     properties = _optional(content, "properties", dict, "the file")
     panels = {name: _read_panel(name, panel, properties)
               for name, panel in _member(of, "panels", dict, "the pattern").items()}
     if not panels:
-        raise ValueError("the pattern has no panels")
+        raise ArgumentError("the pattern has no panels")
     stitches = _read_stitches(of, panels)
     directions, turned = _directions(panels, stitches)
     meshed = _mesh_panels(panels, stitches, spacing)

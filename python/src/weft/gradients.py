@@ -10,8 +10,8 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.callbacks import Seen, called_by_c
-from weft.library import (Array, SceneError, SceneWarning, check, index_of, keys_of, of_over, read_scene, real,
-                          scene_twins)
+from weft.library import (ArgumentTypeError, Array, SceneError, SceneWarning, check, index_of, keys_of, of_over,
+                          read_scene, real, scene_twins)
 from weft.scenes import Form, Scene, formed
 
 # (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
@@ -56,7 +56,7 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
         call.seen.take(y)
         found, *slopes = call.objective(t, *call.seen.read)
         if not 1 <= len(slopes) <= 2:
-            raise TypeError("the objective returns its value and its derivatives by x, or by x and by v")
+            raise ArgumentTypeError("the objective returns its value and its derivatives by x, or by x and by v")
         call.slope[:] = 0.0
         for k, by in enumerate(slopes):
             call.slope[k] = real(by, "the derivative by " + "xv"[k], call.seen.x.shape).T

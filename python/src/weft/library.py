@@ -42,6 +42,40 @@ class Error(RuntimeError):
         self.status = status
 
 
+class ArgumentError(Error, ValueError):
+    """An argument has a wrong value: a shape of an array, a number out of range, a name that does not exist.
+
+    It is an Error and a ValueError.
+    """
+
+
+class ArgumentTypeError(Error, TypeError):
+    """An argument is of a wrong type. It is an Error and a TypeError."""
+
+
+class ArgumentIndexError(Error, IndexError):
+    """There is no such particle, collider or simulation. It is an Error and an IndexError."""
+
+
+class MissingKeyError(Error, KeyError):
+    """A run did not record a field, or a mesh has no such data. It is an Error and a KeyError."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class UnknownAttributeError(Error, AttributeError):
+    """An object has no attribute of that name to set. It is an Error and an AttributeError."""
+
+
+class MissingPackageError(Error, ImportError):
+    """A Python package that a function needs is not installed. It is an Error and an ImportError."""
+
+
+class OutOfMemoryError(Error, MemoryError):
+    """There is not enough memory. It is an Error and a MemoryError."""
+
+
 class NotFoundError(FileNotFoundError, Error):
     """A scene, a run, or a file of a run, is not there. It is an Error and a FileNotFoundError.
 
@@ -247,11 +281,13 @@ class Method(NamedTuple):
 class Fixed:
     """An object whose public attributes are those of its class: a misspelt one cannot be set."""
 
+    __slots__ = ()
+
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
             known = [one for one in dir(type(self)) if not one.startswith("_")]
             near = difflib.get_close_matches(name, known, 1, 0.6)
-            raise AttributeError("a weft.%s has no '%s'%s" % (
+            raise UnknownAttributeError("a weft.%s has no '%s'%s" % (
                 type(self).__name__, name, " (did you mean '%s'?)" % near[0] if near else ""))
         object.__setattr__(self, name, value)
 
@@ -286,6 +322,25 @@ def interruption() -> Optional[BaseException]:
     return error
 
 
+# What the options and the commands of the program are in Python.
+_ARGUMENTS = {"out": "out", "force": "force=True", "set": "overrides", "jobs": "jobs", "timeout": "timeout",
+              "methods": "methods", "until": "until", "sizes": "sizes", "at": "at", "clamp-midway": "clamp_midway",
+              "tol": "tolerance", "frame": "frame", "format": "format", "over": "over", "sigma": "sigma",
+              "retry-failed": "retry_failed=True"}
+_FUNCTIONS = {"batch": "weft.batch()", "check": "weft.check()", "compare": "weft.compare()", "fabrics": "weft.fabrics()",
+              "steppers": "weft.methods()", "scene-help": "weft.scene_help()"}
+
+
+def in_python(said: str) -> str:
+    """What the program or the library reports, in the words of these functions. Commands in quotes that Python has not stay."""
+    said = re.sub(r"\n?'weft [a-z-]+ --help' shows how it is used", "", said)
+    said = re.sub(r"^weft(?: [a-z-]+)?: (?:error: )?", "", said)
+    said = re.sub(r"'weft resume ([^']*)'", r'weft.resume("\1")', said)
+    said = re.sub(r"'weft ([a-z-]+)'|\bweft (check|compare|fabrics|steppers|scene-help)(?= |$)",
+                  lambda of: _FUNCTIONS.get(of[1] or of[2], of[0]), said, flags=re.MULTILINE)
+    return re.sub(r"'weft [^']*'|(?<!\w)--([a-z-]+)", lambda of: _ARGUMENTS.get(of[1], of[0]), said)
+
+
 def check(status: int, err: Any) -> None:
     """Raises the error of a call that did not return WEFT_OK."""
     if status == lib.WEFT_OK:
@@ -294,9 +349,9 @@ def check(status: int, err: Any) -> None:
     if interrupted is not None:
         raise interrupted
     if status == lib.WEFT_NO_MEMORY:
-        raise MemoryError(text(err.message))
+        raise OutOfMemoryError(text(err.message))
     place = text(err.file)
-    raise Error((place + ": " if place else "") + text(err.message), status_text(status))
+    raise Error((place + ": " if place else "") + in_python(text(err.message)), status_text(status))
 
 
 def spring(of: Any) -> Spring:
@@ -312,27 +367,27 @@ def chars(value: PathLike) -> Any:
     """A string for C, which ends at a null character."""
     data = os.fsencode(value)
     if b"\0" in data:
-        raise ValueError("null character in %r" % (value,))
+        raise ArgumentError("null character in %r" % (value,))
     return ffi.new("char[]", data)
 
 
 def real(value: Any, name: str, *shapes: tuple[int, ...]) -> Array:
     """An array of real numbers that has one of the shapes."""
     if np.ma.is_masked(value):
-        raise ValueError("%s has masked elements" % name)
+        raise ArgumentError("%s has masked elements" % name)
     try:
         array = np.asarray(value)
     except ValueError:
-        raise ValueError("%s has rows of different lengths" % name) from None
+        raise ArgumentError("%s has rows of different lengths" % name) from None
     other = None
     if array.dtype.kind == "O":  # NumPy would take None for NaN
         other = next((type(one).__name__ for one in array.flat if not isinstance(one, (numbers.Real, Decimal, np.bool_))), None)
     elif array.dtype.kind not in "biuf":
         other = "text" if array.dtype.kind in "US" else array.dtype.name
     if other is not None:
-        raise TypeError("%s consists of real numbers, not of %s" % (name, other.replace("NoneType", "None")))
+        raise ArgumentTypeError("%s consists of real numbers, not of %s" % (name, other.replace("NoneType", "None")))
     if array.shape not in shapes:
-        raise ValueError("%s has the shape %s, not %s" % (name, array.shape, " or ".join(map(str, shapes))))
+        raise ArgumentError("%s has the shape %s, not %s" % (name, array.shape, " or ".join(map(str, shapes))))
     return np.asarray(array, dtype=np.float64, order="C")
 
 
@@ -340,22 +395,22 @@ def later(t: Any, now: float, of: str = "the time") -> float:
     """A time [s] that is not before the present one."""
     end = float(real(t, "a time", ()))
     if not math.isfinite(end):
-        raise ValueError("%r is not a finite time" % end)
+        raise ArgumentError("%r is not a finite time" % end)
     if end < now:
-        raise ValueError("%r s is over: %s is %r s" % (end, of, now))
+        raise ArgumentError("%r s is over: %s is %r s" % (end, of, now))
     return end
 
 
 def keys_of(over: Any, of: str) -> list[str]:
     """Keys of a scene in a list."""
     if isinstance(over, str) or not isinstance(over, Iterable):
-        raise TypeError("%s is a list of keys, such as [\"cloth.density\"], not %r" % (of, over))
+        raise ArgumentTypeError("%s is a list of keys, such as [\"cloth.density\"], not %r" % (of, over))
     return [_key_path(key, of) for key in over]
 
 
 def _key_path(key: Any, of: str) -> str:
     if not isinstance(key, str) or not re.fullmatch(r"[\w.\[\]-]+", key):
-        raise TypeError("%s is a list of keys, such as [\"cloth.density\"]: %r is none" % (of, key))
+        raise ArgumentTypeError("%s is a list of keys, such as [\"cloth.density\"]: %r is none" % (of, key))
     return key
 
 
@@ -562,7 +617,7 @@ def amplification(plugin: str, method: str) -> Array:
 
 def _key(key: Any) -> str:
     if not isinstance(key, str):
-        raise TypeError("a key of a scene is a string, not %r" % (key,))
+        raise ArgumentTypeError("a key of a scene is a string, not %r" % (key,))
     return key if re.fullmatch(r"[A-Za-z_][\w.-]*", key, re.ASCII) else json.dumps(key, ensure_ascii=False)
 
 
@@ -589,7 +644,7 @@ def yaml_text(value: Any, margin: str = "") -> str:
         return ".nan" if math.isnan(number) else ".inf" if number > 0 else "-.inf"
     if isinstance(value, Iterable):
         return "[" + ", ".join(yaml_text(v, margin) for v in value) + "]"
-    raise TypeError("a scene has no values of type %s" % type(value).__name__)
+    raise ArgumentTypeError("a scene has no values of type %s" % type(value).__name__)
 
 
 def fabrics() -> dict[str, dict[str, Any]]:
@@ -622,7 +677,7 @@ def _diagnostic(of: Any, folder: str) -> tuple[Diagnostic, str]:
     lib.weft_diagnostic_format(ffi.addressof(of), room, 2048)
     place, message, source, whole = (text(one).replace(folder + os.sep, "") if folder else text(one)
                                      for one in (of.place, of.message, of.source, room))
-    return Diagnostic(of.warning, of.line, of.column, place, message, source), whole
+    return Diagnostic(of.warning, of.line, of.column, place, in_python(message), source), in_python(whole)
 
 
 def read_scene(file: Optional[str], content: Optional[str], sets: list[str], folder: str = "") -> tuple[Any, list[str]]:

@@ -9,7 +9,8 @@ from typing import Any, Optional
 
 import numpy as np
 
-from weft.library import Array, Fixed, PathLike, SceneWarning, real
+from weft.library import (ArgumentError, ArgumentIndexError, ArgumentTypeError, Array, Fixed, MissingKeyError, PathLike,
+                          SceneWarning, real)
 
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
@@ -22,22 +23,22 @@ _ROUNDED = 1e-6  # and by less than this without a warning
 
 def _array(value: Any, name: str) -> Any:
     if np.ma.is_masked(value):
-        raise ValueError("%s has masked elements" % name)
+        raise ArgumentError("%s has masked elements" % name)
     try:
         return np.asarray(value)
     except ValueError:
-        raise ValueError("%s has rows of different lengths" % name) from None
+        raise ArgumentError("%s has rows of different lengths" % name) from None
 
 
 def _numbers(value: Any, name: str, columns: int) -> Array:
     """A copy (n, columns) of finite numbers. Zeros lose their sign, as in an OBJ file."""
     array = _array(value, name)
     if array.ndim != 2 or array.shape[1] != columns:
-        raise ValueError("%s has the shape %s, not (n, %d)" % (name, array.shape, columns))
+        raise ArgumentError("%s has the shape %s, not (n, %d)" % (name, array.shape, columns))
     found = np.array(real(array, name, array.shape)) + 0.0
     bad = np.flatnonzero(~np.isfinite(found).all(axis=1))
     if len(bad) > 0:
-        raise ValueError("%s[%d] is %s, not finite%s" % (name, bad[0], found[bad[0]].tolist(), _first_of(len(bad))))
+        raise ArgumentError("%s[%d] is %s, not finite%s" % (name, bad[0], found[bad[0]].tolist(), _first_of(len(bad))))
     return found
 
 
@@ -49,11 +50,11 @@ def _integers(value: Any, name: str, limit: int, of: str) -> np.ndarray[Any, np.
     """A copy of indices below a limit, of which there are so many."""
     array = _array(value, name)
     if array.size > 0 and array.dtype.kind not in "iu":
-        raise TypeError("%s consists of integers, not of %s" % (name, array.dtype.name))
+        raise ArgumentTypeError("%s consists of integers, not of %s" % (name, array.dtype.name))
     bad = np.argwhere((array < 0) | (array >= limit))
     if len(bad) > 0:
         at = "".join("[%d]" % k for k in bad[0])
-        raise IndexError("%s%s is %d, but there are %d %s: 0 to %d%s"
+        raise ArgumentIndexError("%s%s is %d, but there are %d %s: 0 to %d%s"
                          % (name, at, array[tuple(bad[0])], limit, of, limit - 1, _first_of(len(bad))))
     return np.array(array, dtype=np.intp, order="C")
 
@@ -61,7 +62,7 @@ def _integers(value: Any, name: str, limit: int, of: str) -> np.ndarray[Any, np.
 def _corners(value: Any, name: str, rows: Optional[int], limit: int, of: str) -> Indices:
     array = _array(value, name)
     if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] != (array.shape[0] if rows is None else rows):
-        raise ValueError("%s has the shape %s, not (%s, 3)" % (name, array.shape, "T" if rows is None else rows))
+        raise ArgumentError("%s has the shape %s, not (%s, 3)" % (name, array.shape, "T" if rows is None else rows))
     return _integers(array, name, limit, of).astype(np.uint32)
 
 
@@ -70,10 +71,10 @@ def _members(value: Any, name: str, count: int, of: str) -> np.ndarray[Any, np.d
     array = _array(value, name)
     if array.dtype.kind == "b":
         if array.shape != (count,):
-            raise ValueError("%s has %s flags, but there are %d %s" % (name, array.shape, count, of))
+            raise ArgumentError("%s has %s flags, but there are %d %s" % (name, array.shape, count, of))
         return np.flatnonzero(array)
     if array.ndim != 1:
-        raise ValueError("%s has the shape %s, not (n,)" % (name, array.shape))
+        raise ArgumentError("%s has the shape %s, not (n,)" % (name, array.shape))
     return np.unique(_integers(array, name, count, of))
 
 
@@ -85,7 +86,7 @@ def as_word(name: str) -> str:
 def _word(name: Any, what: str) -> str:
     """A name that an OBJ file can hold."""
     if not isinstance(name, str) or not re.fullmatch(r"[^\s\x00#\\]+", name):
-        raise ValueError("%s is named by one word without blanks, # or \\, not by %r" % (what, name))
+        raise ArgumentError("%s is named by one word without blanks, # or \\, not by %r" % (what, name))
     return name
 
 
@@ -158,24 +159,24 @@ class Mesh(Fixed):
         uv = _numbers(rest.reshape(-1, 2) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
         if start is None:
             if len(shape) == 3 or places is not None:
-                raise ValueError("start is None, but rest is not by vertices")
+                raise ArgumentError("start is None, but rest is not by vertices")
             start = np.c_[uv, np.zeros(len(uv))]
         self.start: Array = _numbers(start, "start", 3)
         count = len(self.start)
         self.triangles: Indices = _corners(triangles, "triangles", None, count, "vertices")
         if len(self.triangles) == 0:
-            raise ValueError("a mesh has a triangle or more, not 0")
+            raise ArgumentError("a mesh has a triangle or more, not 0")
         self.rest: Array
         self.places: Indices
         if len(shape) == 3:
             if places is not None:
-                raise ValueError("rest is by corners, and places are given, too")
+                raise ArgumentError("rest is by corners, and places are given, too")
             if shape[0] != len(self.triangles):
-                raise ValueError("rest has the shape %s, but there are %d triangles" % (shape, len(self.triangles)))
+                raise ArgumentError("rest has the shape %s, but there are %d triangles" % (shape, len(self.triangles)))
             self.rest, self.places = _places_of(uv.reshape(-1, 3, 2), self.triangles)
         elif places is None:
             if len(uv) != count:
-                raise ValueError("rest has %d rows and start %d: without places, both are by vertices"
+                raise ArgumentError("rest has %d rows and start %d: without places, both are by vertices"
                                  % (len(uv), count))
             self.rest, self.places = uv, self.triangles
         else:
@@ -183,12 +184,12 @@ class Mesh(Fixed):
         used = np.bincount(self.triangles.ravel(), minlength=count)
         unused = np.flatnonzero(used == 0)
         if len(unused) > 0:
-            raise ValueError("vertex %d is in no triangle%s" % (unused[0], _first_of(len(unused))))
+            raise ArgumentError("vertex %d is in no triangle%s" % (unused[0], _first_of(len(unused))))
         self.fabric_names: list[str]
         self.fabric_of: Indices
         self.fabric_names, self.fabric_of = self._fabrics(fabrics)
         if not isinstance(groups, (Mapping, type(None))):
-            raise TypeError("groups are {NAME: vertices}, not a %s" % type(groups).__name__)
+            raise ArgumentTypeError("groups are {NAME: vertices}, not a %s" % type(groups).__name__)
         self.groups: dict[str, Any] = {
             _word(name, "a group"): _read_only(_members(of, "group '%s'" % name, count, "vertices"))
             for name, of in (groups or {}).items()}
@@ -200,12 +201,12 @@ class Mesh(Fixed):
         if fabrics is None:
             return [], of
         if not isinstance(fabrics, Iterable):
-            raise TypeError("fabrics are {NAME: triangles} or a list of names, not a %s" % type(fabrics).__name__)
+            raise ArgumentTypeError("fabrics are {NAME: triangles} or a list of names, not a %s" % type(fabrics).__name__)
         if not isinstance(fabrics, Mapping):
             array = np.asarray(fabrics if isinstance(fabrics, np.ndarray) and fabrics.dtype.kind == "U"
                                else [name or "" for name in fabrics], dtype=np.str_)
             if array.shape != of.shape:
-                raise ValueError("fabrics has %s names, but there are %d triangles" % (array.shape, len(of)))
+                raise ArgumentError("fabrics has %s names, but there are %d triangles" % (array.shape, len(of)))
             names, inverse = np.unique(array, return_inverse=True)
             fabrics = {str(name): inverse == k for k, name in enumerate(names) if name}
         for k, (name, triangles) in enumerate(fabrics.items()):
@@ -287,12 +288,12 @@ class Mesh(Fixed):
         if isinstance(value, Mesh):
             return value
         if hasattr(value, "geometry"):
-            raise TypeError("a mesh is not a trimesh.Scene; %s" % ONE_MESH)
+            raise ArgumentTypeError("a mesh is not a trimesh.Scene; %s" % ONE_MESH)
         if hasattr(value, "vertices") and hasattr(value, "faces"):
             return Mesh.from_trimesh(value)
         if hasattr(value, "points") and hasattr(value, "cells"):
             return Mesh.from_meshio(value)
-        raise TypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a %s" % type(value).__name__)
+        raise ArgumentTypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a %s" % type(value).__name__)
 
     @staticmethod
     def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
@@ -321,7 +322,7 @@ class Mesh(Fixed):
         if uv is None:
             return _used(flat_coordinates(start), start, triangles, {}, {})
         if np.shape(uv) != (len(start), 2):
-            raise ValueError("visual.uv has the shape %s, not (%d, 2)" % (np.shape(uv), len(start)))
+            raise ArgumentError("visual.uv has the shape %s, not (%d, 2)" % (np.shape(uv), len(start)))
         return _used(uv, start, triangles, {}, {}, sew)
 
     @staticmethod
@@ -357,11 +358,11 @@ class Mesh(Fixed):
         if rest is None:
             rest = next((name for name in ("rest", "uv", "obj:vt") if name in data), None)
         elif rest not in data:
-            raise KeyError("the mesh has no point_data %r; it has %s" % (rest, ", ".join(map(repr, data)) or "none"))
+            raise MissingKeyError("the mesh has no point_data %r; it has %s" % (rest, ", ".join(map(repr, data)) or "none"))
         triangles, fabrics, groups = _cells_of(mesh)
         uv = flat_coordinates(start) if rest is None else np.asarray(data[rest])
         if rest is not None and (uv.ndim != 2 or len(uv) != len(start) or uv.shape[1] < 2):
-            raise ValueError("point_data[%r] has the shape %s, not (%d, 2)" % (rest, uv.shape, len(start)))
+            raise ArgumentError("point_data[%r] has the shape %s, not (%d, 2)" % (rest, uv.shape, len(start)))
         return _used(uv[:, :2], start, triangles, fabrics, groups)
 
 
@@ -410,12 +411,12 @@ def flat_coordinates(points: Any) -> Array:
     """
     x = _numbers(points, "points", 3)
     if len(x) < 3:
-        raise ValueError("%d points have no plane" % len(x))
+        raise ArgumentError("%d points have no plane" % len(x))
     moved = x - x.mean(axis=0)
     normal = np.linalg.eigh(moved.T @ moved)[1][:, 0]
     away, extent = float(np.abs(moved @ normal).max()), float(np.ptp(moved, axis=0).max())
     if not away <= _FLAT * extent:
-        raise ValueError("the mesh has no rest shape: it has no u v, and is not flat: it leaves its plane by %.3g of "
+        raise ArgumentError("the mesh has no rest shape: it has no u v, and is not flat: it leaves its plane by %.3g of "
                          "its extent of %.3g" % (away, extent))
     if away > _ROUNDED * extent:
         warnings.warn("the mesh has no u v and leaves its plane by %.3g of its extent of %.3g: its rest shape is the plane"
@@ -440,7 +441,7 @@ def _cells_of(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:
         data = np.asarray(block.data)
         dimension = {"triangle": 2, "vertex": 0}.get(block.type, 1 if block.type.startswith("line") else 3)
         if dimension == 3:
-            raise ValueError("the mesh has %d cells '%s': cloth is made of cells 'triangle'" % (len(data), block.type))
+            raise ArgumentError("the mesh has %d cells '%s': cloth is made of cells 'triangle'" % (len(data), block.type))
         if dimension == 2:
             triangles.append(data)
             kinds.append(np.full(len(data), -1) if tag is None else np.asarray(tag))
@@ -450,7 +451,7 @@ def _cells_of(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:
                 if name is not None:
                     groups.setdefault(name, []).append(data[np.asarray(tag) == kind])
     if not triangles:
-        raise ValueError("the mesh has no cells 'triangle'")
+        raise ArgumentError("the mesh has no cells 'triangle'")
     kind_of = np.concatenate(kinds)
     fabrics = {names[2, int(kind)]: kind_of == kind for kind in np.unique(kind_of) if (2, int(kind)) in names}
     return (np.concatenate(triangles), fabrics,

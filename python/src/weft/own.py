@@ -15,7 +15,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from weft.library import Array, real
+from weft.library import ArgumentError, ArgumentTypeError, Array, real
 
 Rhs = Callable[[float, Array], Array]
 Method = Callable[[Rhs, float, Array, float], Array]
@@ -87,11 +87,11 @@ class _Instance(socketserver.StreamRequestHandler):
 def check(methods: Mapping[str, Method]) -> None:
     for name, function in methods.items():
         if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,31}", name):
-            raise ValueError("%r is no name of a method: letters, digits and _" % (name,))
+            raise ArgumentError("%r is no name of a method: letters, digits and _" % (name,))
         if not callable(function):
-            raise TypeError("the method %s is no function: %r" % (name, function))
+            raise ArgumentTypeError("the method %s is no function: %r" % (name, function))
     if not 0 < len(methods) <= _MOST:
-        raise ValueError("%d own methods, not 1 to %d" % (len(methods), _MOST))
+        raise ArgumentError("%d own methods, not 1 to %d" % (len(methods), _MOST))
 
 
 @contextmanager

@@ -12,7 +12,8 @@ import numpy as np
 
 from weft._weft import ffi, lib
 from weft.exclusion import Exclusion
-from weft.library import Array, Error, Fixed, StepError, check, later, real, status_text, text
+from weft.library import (ArgumentError, ArgumentIndexError, ArgumentTypeError, Array, Error, Fixed, OutOfMemoryError,
+                          StepError, check, later, real, status_text, text)
 from weft.scenes import Scene
 from weft.simulation import Index, Sim, load
 
@@ -42,7 +43,7 @@ class _Member:
     """The force of a simulation of a batch, which is not pickled without it."""
 
     def __reduce__(self) -> Any:
-        raise TypeError("a simulation of a weft.Batch with forces is pickled and copied with its batch alone")
+        raise ArgumentTypeError("a simulation of a weft.Batch with forces is pickled and copied with its batch alone")
 
 
 def _revive(model: Sim, n: int, threads: int, forces: Optional[Array], saved: Sequence[bytes]) -> Batch:
@@ -86,13 +87,15 @@ class Batch(Fixed):
     ((3, 2, 80, 3), array([0.1, 0. , 0.1]))
     """
 
+    __slots__ = ("_added", "_all", "_exclusion", "_index", "_model", "_pool", "_sims", "_start", "_threads", "__weakref__")
+
     def __init__(self, scene: Scene, n: int, overrides: Optional[Mapping[str, Any]] = None, *,
                  threads: Optional[int] = None, forces: bool = False) -> None:
         if operator.index(n) < 1:
-            raise ValueError("a batch has at least one simulation, not %d" % n)
+            raise ArgumentError("a batch has at least one simulation, not %d" % n)
         threads = len(os.sched_getaffinity(0)) if threads is None else operator.index(threads)
         if threads < 1:
-            raise ValueError("a batch needs at least one thread, not %d" % threads)
+            raise ArgumentError("a batch needs at least one thread, not %d" % threads)
         self._make(load(scene, overrides), operator.index(n), threads, forces)
 
     def _make(self, model: Sim, n: int, threads: int, forces: bool) -> None:
@@ -136,7 +139,7 @@ class Batch(Fixed):
         try:
             return range(len(self._sims))[operator.index(i)]
         except IndexError:
-            raise IndexError("there is no simulation %d of %d" % (i, len(self))) from None
+            raise ArgumentIndexError("there is no simulation %d of %d" % (i, len(self))) from None
 
     @property
     def states(self) -> Array:
@@ -196,7 +199,7 @@ class Batch(Fixed):
 
     def _error(self, i: int, status: int, err: Any) -> Exception:
         if status == lib.WEFT_NO_MEMORY:
-            return MemoryError(text(err.message))
+            return OutOfMemoryError(text(err.message))
         return StepError(text(err.message), status_text(status), self._sims[i].failure)
 
     def reset(self, indices: Optional[Sequence[int]] = None) -> None:
@@ -231,7 +234,7 @@ class Batch(Fixed):
         v = None if velocities is None else np.array(
             np.broadcast_to(real(velocities, "velocities", (3,), (count, 3)), (count, 3)), order="C")
         for i, c in np.argwhere(~np.isfinite(v))[:1] if v is not None else ():
-            raise ValueError("the velocity of simulation %d has %s = %r, not finite" % (i, "xyz"[c], float(v[i, c])))
+            raise ArgumentError("the velocity of simulation %d has %s = %r, not finite" % (i, "xyz"[c], float(v[i, c])))
         with self._exclusion.change():
             err = ffi.new("weft_error *")
             for i, sim in enumerate(self._sims):
@@ -251,7 +254,7 @@ class Batch(Fixed):
         before = self.forces
         given = real(values, "forces", before.shape)
         for i, k, c in np.argwhere(~np.isfinite(given))[:1]:
-            raise ValueError("forces[%d, %d, %d] is %r, not finite" % (i, k, c, float(given[i, k, c])))
+            raise ArgumentError("forces[%d, %d, %d] is %r, not finite" % (i, k, c, float(given[i, k, c])))
         with self._exclusion.change():
             err = ffi.new("weft_error *")
             for i in np.flatnonzero((given != before).any(axis=(1, 2))):

@@ -21,8 +21,8 @@ from urllib.parse import unquote, urlsplit
 import numpy as np
 
 from weft._weft import ffi, lib
-from weft.library import (Array, Error, Fixed, NotFoundError, PathLike, SceneError, SceneWarning, keys_of, of_over,
-                          settings, yaml_text)
+from weft.library import (Array, Error, Fixed, MissingKeyError, NotFoundError, PathLike, SceneError, SceneWarning,
+                          in_python, keys_of, of_over, settings, yaml_text)
 from weft.own import Method, served
 from weft.scenes import Scene, is_text, path_of, written
 
@@ -109,20 +109,6 @@ def scene(name: str) -> Path:
     return path
 
 
-# What the options of the program are in Python.
-_ARGUMENTS = {"out": "out", "force": "force=True", "set": "overrides", "jobs": "jobs", "timeout": "timeout",
-              "methods": "methods", "until": "until", "sizes": "sizes", "at": "at", "clamp-midway": "clamp_midway",
-              "tol": "tolerance", "frame": "frame", "format": "format", "over": "over", "sigma": "sigma",
-              "retry-failed": "retry_failed=True"}
-
-
-def _in_python(said: str) -> str:
-    """What the program said, in the words of these functions. Commands in quotes stay."""
-    said = re.sub(r"\n?'weft [a-z-]+ --help' shows how it is used", "", said)
-    said = re.sub(r"^weft(?: [a-z-]+)?: (?:error: )?", "", said)
-    return re.sub(r"'weft [^']*'|(?<!\w)--([a-z-]+)", lambda of: _ARGUMENTS.get(of[1], of[0]), said)
-
-
 def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[str, Method]] = None,
              stop: Optional[Path] = None) -> tuple[int, str, str]:
     """Runs the program on scenes in a temporary folder, which no message names; its exit code, and what it wrote to
@@ -149,7 +135,7 @@ def _process(arguments: Sequence[str], folder: str = "", own: Optional[Mapping[s
         if server is not None and server.error is not None:
             raise server.error
     said = said.strip().replace(folder + os.sep, "") if folder else said.strip()
-    return process.returncode, printed, _in_python(said)
+    return process.returncode, printed, in_python(said)
 
 
 def _call(arguments: Sequence[str], folder: str = "", directory: PathLike = "", allowed: Sequence[int] = (0,),
@@ -487,6 +473,51 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
                Path(out, "fitted.yaml"))
 
 
+def resume(run: RunLike, until: Optional[float] = None, *, force: bool = False,
+           own: Optional[Mapping[str, Method]] = None) -> Run:
+    """Continues a run that was killed or interrupted from its last checkpoint, to the same files, byte for byte, as an
+    uninterrupted run.
+
+    A run without a checkpoint starts again, and a finished run is left alone unless `until` is given.
+
+    Parameters
+    ----------
+    run : path or Run
+        The run.
+    until : float, optional
+        [s], beyond the scene's run.duration: the files become those of a run with that duration.
+    force : bool
+        Repeats a run that failed.
+    own : dict, optional
+        The run's methods of one's own, as of run().
+
+    Returns
+    -------
+    Run
+        The files.
+
+    Raises
+    ------
+    NotFoundError
+        There is no run.
+    SceneError
+        The scene was changed since.
+    RunError
+        The simulation failed, or a file is damaged.
+
+    Examples
+    --------
+    >>> run = weft.run(scene, tmp / "resumed", {"run.duration": 0.1, "run.keep_checkpoint": True})
+    >>> round(float(weft.resume(run, 0.2).times[-1]), 9)
+    0.2
+    """
+    directory = _directory_of(run)
+    Run(directory)  # raises if there is none
+    _call(["resume", directory, "--quiet", *([] if until is None else ["--until", repr(float(until))]),
+           *(["--force"] if force else [])], directory=directory, own=own)
+    return Run(directory)
+
+
 class Difference(NamedTuple):
     """What `weft diff` finds.
 
@@ -587,6 +618,8 @@ class Page(Fixed):
     >>> weft.Page(weft.view(weft.run(scene, tmp / "paged"))).height
     640
     """
+
+    __slots__ = ("_height", "_path", "__weakref__")
 
     def __init__(self, path: PathLike, height: int = 640) -> None:
         self._path, self._height = Path(path).resolve(), height
@@ -690,6 +723,8 @@ class Run(Fixed):
     True
     """
 
+    __slots__ = ("_directory", "__weakref__")
+
     def __init__(self, directory: PathLike) -> None:
         self._directory = Path(directory)
         if not (self._directory / "scene.yaml").exists():
@@ -779,7 +814,7 @@ class Run(Fixed):
         with h5py.File(self._file("run.vtkhdf", _NO_FRAMES), "r", locking=False) as file:
             if path not in file:
                 name = path.rpartition("/")[2]
-                raise KeyError("%s has no %s: record.fields of its scene has no '%s'" % (self.directory, name, name))
+                raise MissingKeyError("%s has no %s: record.fields of its scene has no '%s'" % (self.directory, name, name))
             data, of = file[path], file["weft"].attrs
             sides = [int(of[name]) for name in (("vertices",) if "vertices" in of else ("rows", "cols"))]
             shape = (int(file["VTKHDF/Steps"].attrs["NSteps"]), *sides, *data.shape[1:])

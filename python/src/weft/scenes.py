@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
-from weft.library import NotFoundError, PathLike, chars, settings, yaml_text
+from weft.library import ArgumentError, ArgumentTypeError, NotFoundError, PathLike, chars, settings, yaml_text
 from weft.mesh import ONE_MESH, Mesh, _array, _corners, _members, _numbers
 
 Scene = Union[PathLike, Mapping[str, Any]]
@@ -53,13 +53,13 @@ def _body(value: Any) -> Any:
     if isinstance(value, (str, os.PathLike)):
         return os.path.abspath(value)
     if hasattr(value, "geometry"):
-        raise TypeError("the file of a body is a trimesh.Scene; %s" % ONE_MESH)
+        raise ArgumentTypeError("the file of a body is a trimesh.Scene; %s" % ONE_MESH)
     pair = value if isinstance(value, (tuple, list)) else (getattr(value, "vertices", None), getattr(value, "faces", None))
     if len(pair) != 2 or pair[0] is None or pair[1] is None:
-        raise TypeError("the file of a body is a path, a trimesh.Trimesh or (vertices, triangles), not %.100r" % (value,))
+        raise ArgumentTypeError("the file of a body is a path, a trimesh.Trimesh or (vertices, triangles), not %.100r" % (value,))
     array = _array(pair[0], "vertices of a body")
     if array.ndim not in (2, 3) or array.shape[-1] != 3 or 0 in array.shape:
-        raise ValueError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (array.shape,))
+        raise ArgumentError("vertices of a body have the shape %s, not (n, 3) or (keys, n, 3)" % (array.shape,))
     places = _numbers(array.reshape(-1, 3), "vertices of a body", 3).reshape(array.shape)
     return places, _corners(pair[1], "triangles of a body", None, places.shape[-2], "vertices")
 
@@ -86,7 +86,7 @@ def _own_cloth(cloth: Mapping[str, Any], _suffix: str) -> dict[str, Any]:
                 name = "%s[%d].vertices" % (kind, i)
                 vertices = _members(item["vertices"], name, len(mesh.start), "vertices")
                 if len(vertices) == 0:
-                    raise ValueError("%s is empty" % name)
+                    raise ArgumentError("%s is empty" % name)
                 found[kind] = [*found[kind]]
                 found[kind][i] = {**item, "vertices": vertices.tolist()}
     return {**found, "mesh": mesh}

@@ -14,8 +14,9 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, Seen, as_particles, c_function
 from weft.exclusion import Exclusion
-from weft.library import (POWERS, Array, Error, Failure, Fixed, SceneWarning, Spring, StepError, check, failure, index_of, interruption,
-                          later, numbers_of, pair, read_scene, real, scene_twins, spring, status_text, text)
+from weft.library import (POWERS, ArgumentError, ArgumentIndexError, ArgumentTypeError, Array, Error, Failure, Fixed,
+                          SceneWarning, Spring, StepError, check, failure, index_of, interruption, later, numbers_of,
+                          pair, read_scene, real, scene_twins, spring, status_text, text)
 from weft.scenes import Form, Scene, formed
 
 Index = Union[int, tuple[int, int]]
@@ -291,6 +292,9 @@ class Sim(Fixed):
     True
     """
 
+    __slots__ = ("_cloth", "_definition", "_exclusion", "_form", "_free", "_given", "_hooks", "_index_of", "_kept", "_name",
+                 "_overrides", "_present", "_process", "_scene", "_sim", "_twins", "__weakref__")
+
     def __init__(self, form: Form, overrides: Optional[Mapping[str, Any]], own: dict[str, Any]) -> None:
         self._name = form.file or "scene"
         self._form, self._overrides = form, overrides
@@ -348,7 +352,7 @@ class Sim(Fixed):
                           % (name, "evaluation of the right-hand side" if name == "force" else "step", name.upper()),
                           PerformanceWarning, stacklevel=5)
         else:
-            raise TypeError("%s is neither a function nor a C function: %r" % (name, given))
+            raise ArgumentTypeError("%s is neither a function nor a C function: %r" % (name, given))
         setattr(self._definition, name, pointer)
         setattr(self._definition, name + "_ctx", ctx)
         return keep
@@ -696,7 +700,7 @@ class Sim(Fixed):
     def _given_state(self, xyz: Any, name: str) -> Any:
         """None would keep what is there, without a word."""
         if xyz is None:
-            raise TypeError("%s consists of real numbers, not of None" % name)
+            raise ArgumentTypeError("%s consists of real numbers, not of None" % name)
         return xyz
 
     @property
@@ -1055,7 +1059,7 @@ class Sim(Fixed):
                 return range(self.rows)[row] * self.cols + range(self.cols)[col]
             return range(self.particles)[particle]
         except IndexError:
-            raise IndexError("there is no particle %s in %s" % (
+            raise ArgumentIndexError("there is no particle %s in %s" % (
                 particle, "%d x %d" % (self.rows, self.cols) if self.cols > 0 else self.particles)) from None
 
     def pin(self, particle: Index, velocity: Any = None) -> None:
@@ -1184,7 +1188,7 @@ class Sim(Fixed):
         try:
             return range(self._shape_count())[k]
         except IndexError:
-            raise IndexError("there is no shape %d of %d" % (k, self._shape_count())) from None
+            raise ArgumentIndexError("there is no shape %d of %d" % (k, self._shape_count())) from None
 
     def add_shape(self, kind: str, **fields: Any) -> int:
         """Adds a rigid shape.
@@ -1215,7 +1219,7 @@ class Sim(Fixed):
         0
         """
         if kind not in _SHAPES:
-            raise ValueError("there is no shape '%s'; there are %s" % (kind, ", ".join(_SHAPES)))
+            raise ArgumentError("there is no shape '%s'; there are %s" % (kind, ", ".join(_SHAPES)))
         shape = ffi.new("weft_shape *", lib.weft_shape_default(_SHAPES.index(kind)))
         _fill(shape[0], fields)
         k = ffi.new("size_t *")
@@ -1247,7 +1251,7 @@ class Sim(Fixed):
         shape = ffi.new("weft_shape *", lib.weft_shape_default(0))
         unknown = set(motion) - ({"amplitude", "frequency", "turn"} if at is None else set())
         if unknown:
-            raise TypeError("a motion%s has no '%s'" % ("" if at is None else " with at", min(unknown)))
+            raise ArgumentTypeError("a motion%s has no '%s'" % ("" if at is None else " with at", min(unknown)))
         _fill(shape[0], motion if velocity is None else {**motion, "velocity": velocity})
         with self._alone() as err:
             if motion:
@@ -1338,7 +1342,7 @@ def _fill(struct: Any, fields: Mapping[str, Any]) -> None:
     of = "shape" if "turn" in names else "turn"
     for name, value in fields.items():
         if name not in names:
-            raise TypeError("a %s has no '%s'; it has %s" % (of, name, ", ".join(names)))
+            raise ArgumentTypeError("a %s has no '%s'; it has %s" % (of, name, ", ".join(names)))
         if name == "turn":
             _fill(struct.turn, value)
         else:
