@@ -108,13 +108,13 @@ def elastica_mesh():
     return {
         "title": "The same strip, L x L/4, of triangles at G = 8: a structured mesh, lattices of equal triangles of which a row "
                  "runs at 0, 20 and 45 degrees, and a random mesh of `cloth.cut`; 8, 16 and 24 triangles along the strip.",
-        "source": ROMERO, "formula": ELASTICA,
+        "source": "as elastica-grid", "formula": "as elastica-grid",
         "tolerance": "0.003 L at 24 triangles, three times the error that order 2 leaves of the .007 to .01 at 8; "
                      "C L^2 / B = 1e6 moves the tip by 4e-6 L",
         "rows": rows, "tables": [(("error of", "8", "16", "24", "order 8 to 16", "order 16 to 24"), orders)],
         "figure": plot(curves, "triangles along the strip", "error of H / L", True, True),
         "caption": "error of the drop against the number of triangles",
-        "text": "Membranes are `chord`. Oblique meshes lock a little, as [cut-and-sew.md](../guides/cut-and-sew.md) explains, with the other sign "
+        "text": "Membranes are `chord`. Oblique meshes lock a little, as [the model](model.md#membrane-of-triangles) explains, with the other sign "
                 "than the error of bending: their errors are smaller, and their orders scatter where the two cancel.",
     }
 
@@ -223,9 +223,8 @@ def ribbon():
                                    for (kind, n), of in zip(cases, numbers)])],
         "figure": plot(curves, "r [widths]", "Green's strain along the ribbon"),
         "caption": "strain along the ribbon, across its width, of triangles of the middle half",
-        "text": "T is the derivative of the energy by the distance of the ends, from two runs 0.1 % to either side. The table has the "
-                "three numbers, each over the value of its row above. The ribbon's own wrinkles are not computed: their threshold "
-                "depends on the thickness as well.",
+        "text": "T is the derivative of the energy by the distance of the ends, from two runs 0.1 % to either side. The "
+                "ribbon's own wrinkles are not computed: their threshold depends on the thickness as well.",
     }
 
 
