@@ -33,8 +33,8 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,
-        .flags = (wind->changed ? WEFT__SAVED_WIND : 0)
-                 | (sim->passage.told ? WEFT__SAVED_PASSAGE : 0),
+        .flags = (uint64_t)((wind->changed ? WEFT__SAVED_WIND : 0)
+                            | (sim->passage.told ? WEFT__SAVED_PASSAGE : 0)),
         .wind = { wind->velocity[0], wind->velocity[1], wind->velocity[2] },
         .wind_drag = wind->drag,
     };
