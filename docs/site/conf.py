@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT / "python/src"))
 
 project = "weft"
 copyright = "the authors of weft, BSD-3-Clause"
-extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "index"
 exclude_patterns = ["README.md", "**/*.txt"]
 pygments_style, pygments_dark_style = "friendly", "native"
@@ -69,6 +69,7 @@ html_extra_path = [str(STAGE.parent / "extra")]
 def as_page(app, name, source):
     """Links that lead to files on a Git host lead to their pages on the site."""
     text = source[0]
+    text = re.sub(r"\[([^\]]*)\]\((?:\.\./)*bench/NOTES\.md(?:#[\w-]*)?\)", r"\1 (bench/NOTES.md)", text)  # not on the site
     text = re.sub(r"\]\(((?:\.\./)*)README\.md", r"](\1index.md", text)
     text = re.sub(r"\]\(((?:\.\./)*scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
     text = re.sub(r"\]\((?:\.\./)*include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
