@@ -19,6 +19,7 @@ weft__add_fn weft__bending_wide, weft__wind_wide, weft__contact_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
+weft__gaps_fn weft__gaps_wide;
 weft__drift_fn weft__drift_wide;
 weft__turned_fn weft__transposed_wide;
 weft__range_fn weft__range_wide;
@@ -198,6 +199,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->contact.clear = weft__clear_wide;
         cloth->self.pushes = weft__pushes_wide;
         cloth->self.waits = weft__waits_wide;
+        cloth->self.gaps = weft__gaps_wide;
         cloth->self.drift = weft__drift_wide;
         cloth->self.range = weft__range_wide;
     }
@@ -616,6 +618,36 @@ static void expect_same_waits(const weft__self *at, weft__pair_kind kind, pair_l
     }
 }
 
+/* Random ones of the pairs, some of them twice. */
+static void choose_pairs(const pair_list *of, uint64_t *seed, uint32_t *which,
+                         size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        which[i] = (uint32_t)((0.5 + 0.499 * chance(seed)) * (double)of->count);
+    }
+}
+
+static void expect_gaps_of_single_pairs(const weft__self *at, weft__pair_kind kind,
+                                        pair_list *of, const double *y)
+{
+    enum { SOME = 40 };
+    const weft__near near = near_of(of, of->count);
+    uint64_t seed = 3;
+    for (size_t count = 0; count < SOME; ++count) {
+        uint32_t which[SOME];
+        double gaps[SOME + 1];
+        choose_pairs(of, &seed, which, count);
+        gaps[count] = 7.0; /* is not written */
+        at->gaps(at, kind, &near, which, count, y, gaps);
+        for (size_t i = 0; i < count; ++i) {
+            const weft__pair pair = weft__near_pair(kind, &near, which[i]);
+            const double gap = weft__pair_distance(&pair, y, at->points);
+            ck_assert_mem_eq(&gaps[i], &gap, sizeof gap);
+        }
+        ck_assert_double_eq(gaps[count], 7.0);
+    }
+}
+
 static void drift_patches(const weft__self *at, bool loops, const double *y,
                           weft__drift *to)
 {
@@ -692,6 +724,7 @@ START_TEST(pairs_have_the_bits_of_the_plain_loops)
         }
         ck_assert_uint_gt(found, 50);
         expect_same_waits(&cloth->self, kind, of, y);
+        expect_gaps_of_single_pairs(&cloth->self, kind, of, y);
         expect_same_bounds(&cloth->self, y);
     }
     weft_cloth_destroy(cloth);

@@ -244,6 +244,16 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
     }
 }
 
+void weft__gaps_loops(const weft__self *own, weft__pair_kind kind,
+                      const weft__near *near, const uint32_t *which, size_t count,
+                      const double *y, double *gaps)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pair pair = weft__near_pair(kind, near, which[i]);
+        gaps[i] = weft__pair_distance(&pair, y, own->points);
+    }
+}
+
 /* One function for each kind, as above. */
 static inline void add_kind(weft__pair_kind kind, const weft__self_sums *of,
                             const weft__pushes *pushes, size_t count)
@@ -523,6 +533,7 @@ void weft__self_choose(void *own, weft__isa isa)
     weft__self *of = own;
     of->pushes = WEFT_FORM(isa, pushes);
     of->waits = WEFT_FORM(isa, waits);
+    of->gaps = WEFT_FORM(isa, gaps);
     of->drift = WEFT_FORM(isa, drift);
     of->range = WEFT_FORM(isa, range);
     of->seeker = weft__seeker_of(isa);

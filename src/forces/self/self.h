@@ -212,9 +212,15 @@ typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
                             const weft__near *near, size_t first, size_t end,
                             const double *y, double most, double *distances);
 
+/* Sets gaps[i] [m] to weft__pair_distance of pair which[i] of a kind. */
+typedef void weft__gaps_fn(const weft__self *own, weft__pair_kind kind,
+                           const weft__near *near, const uint32_t *which, size_t count,
+                           const double *y, double *gaps);
+
 WEFT_FORMS(weft__pushes_fn, pushes);
 weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->base */
 WEFT_FORMS(weft__waits_fn, waits);
+WEFT_FORMS(weft__gaps_fn, gaps);
 WEFT_FORMS(weft__drift_fn, drift);
 WEFT_FORMS(weft__range_fn, range);
 
@@ -230,6 +236,7 @@ struct weft__self {
     double rough;  /* the largest */
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
+    weft__gaps_fn *gaps;
     weft__drift_fn *drift;
     weft__range_fn *range;
     const weft__seeker *seeker; /* NULL: pairs are sought by the tree */

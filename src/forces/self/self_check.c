@@ -3,12 +3,12 @@
  * proves the others clear. */
 #include "forces/self/self_list.h"
 
-enum { HALVINGS = 60 };
+enum { HALVINGS = 60, SOME = 256 };
 
 typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
-    double way; /* [m] no particles go further against each other; INFINITY: unknown */
+    double way; /* [m] of look_at_all: no particles go further against each other */
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
@@ -19,10 +19,6 @@ static bool look_at(void *ctx, const weft__pair *pair)
     stride_search *of = ctx;
     const weft__stride *stride = of->stride;
     double gap;
-    if (of->way < (double)INFINITY
-        && weft__pair_distance(pair, stride->y1, stride->own->points) > of->way) {
-        return true;
-    }
     if (weft__stride_clear(of->stride, pair, &gap)
         || weft__pair_mass(stride->own, pair) == 0.0) { /* all of it is held */
         return true;
@@ -34,6 +30,33 @@ static bool look_at(void *ctx, const weft__pair *pair)
         of->marks[pair->particle[k]] = 1;
     }
     return of->marks != NULL;
+}
+
+/* Looks at pairs `which` of a kind, but for those that the bound of what they move
+ * against each other proves clear: at the end of the step they are further apart, or
+ * both gaps together are larger. False ends the search. */
+static bool look_at_all(stride_search *of, weft__pair_kind kind, const weft__near *near,
+                        const uint32_t *which, size_t count)
+{
+    const weft__stride *stride = of->stride;
+    const weft__self *own = stride->own;
+    uint32_t left[SOME];
+    double ends[SOME], starts[SOME];
+    size_t some = 0;
+    bool goes_on = true;
+    own->gaps(own, kind, near, which, count, stride->y1, ends);
+    for (size_t i = 0; i < count; ++i) {
+        left[some] = which[i], ends[some] = ends[i];
+        some += !(ends[i] > of->way);
+    }
+    own->gaps(own, kind, near, left, some, stride->y0, starts);
+    for (size_t i = 0; i < some && goes_on; ++i) {
+        if (!(ends[i] > 0.0 && of->way < starts[i] + ends[i])) {
+            const weft__pair pair = weft__near_pair(kind, near, left[i]);
+            goes_on = look_at(of, &pair);
+        }
+    }
+    return goes_on;
 }
 
 /* From the list to the end, in the step, and of the velocities at both ends. */
@@ -116,11 +139,14 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
         of->way = to->way;
         const size_t end = in->now.spans[g].end[kind];
         size_t i = weft__self_first(&in->now, g, kind);
-        for (; i < end && goes_on && !(to->nearest > reach); ++i) {
-            if (!(at->distances[i] > reach)) {
-                const weft__pair pair = weft__near_pair(kind, &at->near, i);
-                goes_on = look_at(of, &pair);
+        while (i < end && goes_on && !(to->nearest > reach)) {
+            uint32_t which[SOME];
+            size_t count = 0;
+            for (; i < end && count < SOME; ++i) {
+                which[count] = (uint32_t)i;
+                count += !(at->distances[i] > reach);
             }
+            goes_on = look_at_all(of, kind, &at->near, which, count);
         }
     }
     return goes_on;
@@ -140,7 +166,6 @@ static void look(weft__self_list *list, stride_search *of)
         return;
     }
     const size_t velocities = 3 * list->own->points;
-    of->way = INFINITY;
     double extent[EXTENTS] = { 0.0, weft__extent(list->own, stride->y0, stride->y1) };
     for (size_t k = 2; k < EXTENTS && stride->h > 0.0; ++k) {
         extent[k] = weft__extent(list->own, NULL,

@@ -304,6 +304,48 @@ void NAME(waits, LEVEL)(const weft__self *own, weft__pair_kind kind,
     BY_KIND(kind, wait_kind, &of);
 }
 
+/* Pairs `which` of a kind, in a state. */
+typedef struct chosen {
+    const weft__self *own;
+    const weft__near *near;
+    const uint32_t *which;
+    size_t count;
+    const double *y;
+} chosen;
+
+/* Where the points of pairs which[i], which[i + 1], ... are; the last pair fills the
+ * lanes. */
+INLINE void place_pairs(weft__pair_kind kind, const chosen *of, size_t i, vec x[4][3])
+{
+    uint32_t pairs[LANES];
+    int32_t at[4][LANES];
+    for (size_t l = 0; l < LANES; ++l) {
+        pairs[l] = of->which[i + l < of->count ? i + l : of->count - 1];
+    }
+    particles_of(of->near, kind, pairs, at);
+    gather_points(of->y, of->own->points, kind, at, x);
+}
+
+INLINE void gap_kind(weft__pair_kind kind, const chosen *of, double *gaps)
+{
+    for (size_t i = 0; i < of->count; i += LANES) {
+        vec x[4][3];
+        place_pairs(kind, of, i, x);
+        const vec distance = law_distance(kind, x);
+        for (size_t l = 0; l < LANES && i + l < of->count; ++l) {
+            gaps[i + l] = distance[l];
+        }
+    }
+}
+
+void NAME(gaps, LEVEL)(const weft__self *own, weft__pair_kind kind,
+                       const weft__near *near, const uint32_t *which, size_t count,
+                       const double *y, double *gaps)
+{
+    const chosen of = { own, near, which, count, y };
+    BY_KIND(kind, gap_kind, &of, gaps);
+}
+
 /* ---- bounds ---------------------------------------------------------------------- */
 
 /* Of a plane, as long as they hold no NaN. */
