@@ -20,6 +20,7 @@ weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__gaps_fn weft__gaps_wide;
+weft__within_fn weft__within_wide;
 weft__drift_fn weft__drift_wide;
 weft__turned_fn weft__transposed_wide;
 weft__range_fn weft__range_wide;
@@ -200,6 +201,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->self.pushes = weft__pushes_wide;
         cloth->self.waits = weft__waits_wide;
         cloth->self.gaps = weft__gaps_wide;
+        cloth->self.within = weft__within_wide;
         cloth->self.drift = weft__drift_wide;
         cloth->self.range = weft__range_wide;
     }
@@ -648,6 +650,29 @@ static void expect_gaps_of_single_pairs(const weft__self *at, weft__pair_kind ki
     }
 }
 
+/* Of random numbers, some of which are the bound and some NaN. */
+static void expect_those_within(const weft__self *at)
+{
+    enum { SOME = 60 };
+    double numbers[SOME + WEFT__BLOCK] = { 0.0 };
+    uint64_t seed = 5;
+    for (size_t i = 0; i < SOME; ++i) {
+        numbers[i] = i % 7 == 3 ? NAN : i % 5 == 2 ? 0.25 : chance(&seed);
+    }
+    for (size_t k = 0; k < (size_t)SOME * SOME; ++k) {
+        const size_t first = k / SOME, end = k % SOME;
+        uint32_t plain[SOME + WEFT__BLOCK], which[SOME + WEFT__BLOCK];
+        const size_t count = weft__within_loops(numbers, first, end, 0.25, plain);
+        ck_assert_uint_eq(at->within(numbers, first, end, 0.25, which), count);
+        ck_assert_mem_eq(which, plain, count * sizeof *which);
+        for (size_t i = 0, j = first; j < end; ++j) {
+            const bool has = i < count && which[i] == j;
+            ck_assert(has == !(numbers[j] > 0.25));
+            i += has;
+        }
+    }
+}
+
 static void drift_patches(const weft__self *at, bool loops, const double *y,
                           weft__drift *to)
 {
@@ -725,6 +750,7 @@ START_TEST(pairs_have_the_bits_of_the_plain_loops)
         ck_assert_uint_gt(found, 50);
         expect_same_waits(&cloth->self, kind, of, y);
         expect_gaps_of_single_pairs(&cloth->self, kind, of, y);
+        expect_those_within(&cloth->self);
         expect_same_bounds(&cloth->self, y);
     }
     weft_cloth_destroy(cloth);

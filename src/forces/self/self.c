@@ -254,6 +254,17 @@ void weft__gaps_loops(const weft__self *own, weft__pair_kind kind,
     }
 }
 
+size_t weft__within_loops(const double *numbers, size_t first, size_t end, double most,
+                          uint32_t *which)
+{
+    size_t count = 0;
+    for (; first < end; ++first) {
+        which[count] = (uint32_t)first;
+        count += !(numbers[first] > most);
+    }
+    return count;
+}
+
 /* One function for each kind, as above. */
 static inline void add_kind(weft__pair_kind kind, const weft__self_sums *of,
                             const weft__pushes *pushes, size_t count)
@@ -534,6 +545,7 @@ void weft__self_choose(void *own, weft__isa isa)
     of->pushes = WEFT_FORM(isa, pushes);
     of->waits = WEFT_FORM(isa, waits);
     of->gaps = WEFT_FORM(isa, gaps);
+    of->within = WEFT_FORM(isa, within);
     of->drift = WEFT_FORM(isa, drift);
     of->range = WEFT_FORM(isa, range);
     of->seeker = weft__seeker_of(isa);

@@ -217,10 +217,17 @@ typedef void weft__gaps_fn(const weft__self *own, weft__pair_kind kind,
                            const weft__near *near, const uint32_t *which, size_t count,
                            const double *y, double *gaps);
 
+/* Sets `which` to those of first, first + 1, ... before end whose numbers are at most
+ * `most` or NaN, and returns how many. WEFT__BLOCK more may be written, and as many
+ * numbers read. */
+typedef size_t weft__within_fn(const double *numbers, size_t first, size_t end,
+                               double most, uint32_t *which);
+
 WEFT_FORMS(weft__pushes_fn, pushes);
 weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->base */
 WEFT_FORMS(weft__waits_fn, waits);
 WEFT_FORMS(weft__gaps_fn, gaps);
+WEFT_FORMS(weft__within_fn, within);
 WEFT_FORMS(weft__drift_fn, drift);
 WEFT_FORMS(weft__range_fn, range);
 
@@ -237,6 +244,7 @@ struct weft__self {
     weft__pushes_fn *pushes;
     weft__waits_fn *waits;
     weft__gaps_fn *gaps;
+    weft__within_fn *within;
     weft__drift_fn *drift;
     weft__range_fn *range;
     const weft__seeker *seeker; /* NULL: pairs are sought by the tree */

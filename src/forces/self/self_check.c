@@ -140,12 +140,11 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
         const size_t end = in->now.spans[g].end[kind];
         size_t i = weft__self_first(&in->now, g, kind);
         while (i < end && goes_on && !(to->nearest > reach)) {
-            uint32_t which[SOME];
-            size_t count = 0;
-            for (; i < end && count < SOME; ++i) {
-                which[count] = (uint32_t)i;
-                count += !(at->distances[i] > reach);
-            }
+            const size_t stop = end - i < SOME ? end : i + SOME;
+            uint32_t which[SOME + WEFT__BLOCK];
+            const size_t count
+                = of->stride->own->within(at->distances, i, stop, reach, which);
+            i = stop;
             goes_on = look_at_all(of, kind, &at->near, which, count);
         }
     }

@@ -2,6 +2,8 @@
 /* self_chunk.c -- the pairs of a weft__self_list and their room. */
 #include "forces/self/self_list.h"
 
+#include <string.h>
+
 enum { STRETCH = 256, ROOM = 512, STRIP = 256 };
 
 static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
@@ -77,29 +79,54 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
     WEFT__FREE_ALL(memory, of->now.at, of->now.spans, of->before.at, of->before.spans);
 }
 
-void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
-                          const double *numbers, double most, weft__self_pairs *to)
+/* Adds successive pairs of others, or of the same, which may have them there already.
+ */
+static void add_run(const weft__self_pairs *from, size_t first, size_t count,
+                    weft__self_pairs *to)
 {
-    uint32_t which[STRIP] = { 0 };
+    const size_t at = to->count;
+    const bool stay = from == to && at == first;
+    for (size_t k = 0; k < WEFT__NEAR_PLANES && !stay; ++k) {
+        memmove(to->near.particle[k] + at, from->near.particle[k] + first,
+                count * sizeof *to->near.particle[k]);
+    }
+    for (size_t k = 0; k < 4 && !stay; ++k) {
+        memmove(to->numbers[k] + at, from->numbers[k] + first,
+                count * sizeof *to->numbers[k]);
+    }
+    to->count += count;
+}
+
+static void add_some(const weft__self_pairs *from, const uint32_t *which, size_t count,
+                     weft__self_pairs *to)
+{
+    for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
+        for (size_t j = 0; j < count; ++j) {
+            to->near.particle[k][to->count + j] = from->near.particle[k][which[j]];
+        }
+    }
+    for (size_t k = 0; k < 4; ++k) {
+        for (size_t j = 0; j < count; ++j) {
+            to->numbers[k][to->count + j] = from->numbers[k][which[j]];
+        }
+    }
+    to->count += count;
+}
+
+void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
+                          const double *numbers, double most, weft__within_fn *within,
+                          weft__self_pairs *to)
+{
+    uint32_t which[STRIP + WEFT__BLOCK];
     while (first < end) {
-        const size_t begin = first, stop = end - first < STRIP ? end : first + STRIP;
-        size_t count = 0;
-        for (; first < stop; ++first) {
-            which[count] = (uint32_t)first;
-            count += !(numbers[first] > most);
+        const size_t strip = end - first < STRIP ? end - first : STRIP;
+        const size_t count = within(numbers, first, first + strip, most, which);
+        if (count == strip) {
+            add_run(from, first, count, to);
+        } else {
+            add_some(from, which, count, to);
         }
-        const bool stay = from == to && to->count == begin && count == stop - begin;
-        for (size_t k = 0; k < WEFT__NEAR_PLANES && !stay; ++k) {
-            for (size_t j = 0; j < count; ++j) {
-                to->near.particle[k][to->count + j] = from->near.particle[k][which[j]];
-            }
-        }
-        for (size_t k = 0; k < 4 && !stay; ++k) {
-            for (size_t j = 0; j < count; ++j) {
-                to->numbers[k][to->count + j] = from->numbers[k][which[j]];
-            }
-        }
-        to->count += count;
+        first += strip;
     }
 }
 
@@ -114,8 +141,7 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
             return;
         }
         const weft__self_pairs *from = of->stays ? &in->now : &in->before;
-        weft__self_pairs_add(from, first, first + count, from->distances,
-                             (double)INFINITY, &in->now);
+        add_run(from, first, count, &in->now);
     }
 }
 

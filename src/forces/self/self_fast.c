@@ -58,23 +58,42 @@ INLINE void fill(queue *of)
     }
 }
 
+#if !(defined __AVX512VL__ && LANES == 8)
 /* The bits that are set of four, and their number. */
 static const uint32_t bits_of[16][5]
     = { { 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 1 }, { 1, 0, 0, 0, 1 }, { 0, 1, 0, 0, 2 },
         { 2, 0, 0, 0, 1 }, { 0, 2, 0, 0, 2 }, { 1, 2, 0, 0, 2 }, { 0, 1, 2, 0, 3 },
         { 3, 0, 0, 0, 1 }, { 0, 3, 0, 0, 2 }, { 1, 3, 0, 0, 2 }, { 0, 1, 3, 0, 3 },
         { 2, 3, 0, 0, 2 }, { 0, 2, 3, 0, 3 }, { 1, 2, 3, 0, 3 }, { 0, 1, 2, 3, 4 } };
+#endif
+
+/* Writes those of first, first + 1, ... whose bits are set, and others after them, at
+ * most WEFT__BLOCK in all; returns how many are set. */
+INLINE size_t write_set(uint32_t *to, size_t first, unsigned set)
+{
+#if defined __AVX512VL__ && LANES == 8
+    const __m256i at = _mm256_add_epi32(_mm256_set1_epi32((int)first),
+                                        _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    _mm256_storeu_si256((__m256i *)(void *)to,
+                        _mm256_maskz_compress_epi32((__mmask8)set, at));
+    return (size_t)__builtin_popcount(set);
+#else
+    size_t count = 0;
+    for (size_t l = 0; l < LANES; l += 4) {
+        const uint32_t *four = bits_of[set >> l & 15U];
+        for (size_t k = 0; k < 4; ++k) {
+            to[count + k] = (uint32_t)(first + l) + four[k];
+        }
+        count += four[4];
+    }
+    return count;
+#endif
+}
 
 /* Adds pairs first, first + 1, ... whose bits are set. */
 INLINE void add(queue *to, size_t first, unsigned set)
 {
-    for (size_t l = 0; l < LANES; l += 4) {
-        const uint32_t *four = bits_of[set >> l & 15U];
-        for (size_t k = 0; k < 4; ++k) {
-            to->at[to->count + k] = (uint32_t)(first + l) + four[k];
-        }
-        to->count += four[4];
-    }
+    to->count += write_set(to->at + to->count, first, set);
 }
 
 /* Drops the last ones from pair `end` on. */
@@ -344,6 +363,18 @@ void NAME(gaps, LEVEL)(const weft__self *own, weft__pair_kind kind,
 {
     const chosen of = { own, near, which, count, y };
     BY_KIND(kind, gap_kind, &of, gaps);
+}
+
+size_t NAME(within, LEVEL)(const double *numbers, size_t first, size_t end, double most,
+                           uint32_t *which)
+{
+    size_t count = 0;
+    for (; first < end; first += LANES) {
+        const unsigned all = end - first < LANES ? (1U << (end - first)) - 1U : ~0U;
+        count += write_set(which + count, first,
+                           bits(~(load(numbers + first) > most)) & all);
+    }
+    return count;
 }
 
 /* ---- bounds ---------------------------------------------------------------------- */

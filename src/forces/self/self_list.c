@@ -324,7 +324,7 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
     list->own->waits(list->own, kind, &in->near, first, all, list->y, list->skin,
                      in->distances);
     in->count = first;
-    weft__self_pairs_add(in, first, all, in->distances, clear, in);
+    weft__self_pairs_add(in, first, all, in->distances, clear, list->own->within, in);
     for (size_t i = first; i < in->count; ++i) {
         if (new) {
             const weft__pair pair = weft__near_pair(kind, &in->near, i);
@@ -548,7 +548,7 @@ typedef struct evaluation {
 
 /* Finds the close pairs, which may push before their tiles have moved by `more` [m]
  * beyond what they have, unless the last ones suffice. */
-static void find_close(weft__self_chunk *of, double more)
+static void find_close(weft__self_chunk *of, double more, weft__within_fn *within)
 {
     const weft__self_groups *now = &of->now;
     bool found = true;
@@ -562,7 +562,7 @@ static void find_close(weft__self_chunk *of, double more)
         for (size_t g = 0, i = 0; g < now->count; ++g) {
             const double until = now->at[g].until = now->spans[g].moved + more;
             weft__self_pairs_add(&in->now, i, now->spans[g].end[kind],
-                                 in->now.near.waits, until, &in->before);
+                                 in->now.near.waits, until, within, &in->before);
             i = now->spans[g].end[kind];
             of->before.spans[g].end[kind] = in->before.count;
         }
@@ -594,7 +594,7 @@ static void evaluate_part(void *ctx, size_t part)
     evaluation *all = ctx;
     weft__self_chunk *in = &all->list->chunks[part];
     if (all->list->own->between) { /* piles make their lists too often for it to pay */
-        find_close(in, CLOSE * all->list->skin);
+        find_close(in, CLOSE * all->list->skin, all->list->own->within);
     }
     for (size_t kind = 0; kind < WEFT__KINDS && all->room == NULL; ++kind) {
         weft__self_bin *at = &in->bins[kind];

@@ -152,7 +152,8 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i);
 /* Adds those of pairs [first, end) of others, or of the same from their end on, whose
  * numbers are at most `most`. */
 void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end,
-                          const double *numbers, double most, weft__self_pairs *to);
+                          const double *numbers, double most, weft__within_fn *within,
+                          weft__self_pairs *to);
 
 /* More room is wanted as soon as half of it is used. */
 bool weft__self_chunk_full(weft__self_chunk *of);
