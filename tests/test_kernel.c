@@ -20,6 +20,7 @@ weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
 weft__waits_fn weft__waits_wide;
 weft__gaps_fn weft__gaps_wide;
+weft__meets_fn weft__meets_wide;
 weft__within_fn weft__within_wide;
 weft__drift_fn weft__drift_wide;
 weft__turned_fn weft__transposed_wide;
@@ -201,6 +202,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->self.pushes = weft__pushes_wide;
         cloth->self.waits = weft__waits_wide;
         cloth->self.gaps = weft__gaps_wide;
+        cloth->self.meets = weft__meets_wide;
         cloth->self.within = weft__within_wide;
         cloth->self.drift = weft__drift_wide;
         cloth->self.range = weft__range_wide;
@@ -650,6 +652,38 @@ static void expect_gaps_of_single_pairs(const weft__self *at, weft__pair_kind ki
     }
 }
 
+/* Returns how many of them push. */
+static size_t expect_those_that_push(const weft__self *at, weft__pair_kind kind,
+                                     pair_list *of, const double *y)
+{
+    enum { SOME = 40 };
+    const weft__near near = near_of(of, of->count);
+    uint64_t seed = 9;
+    size_t all = 0;
+    for (size_t count = 0; count < SOME; ++count) {
+        uint32_t which[SOME], out[SOME];
+        choose_pairs(of, &seed, which, count);
+        const size_t found = at->meets(at, kind, &near, which, count, y, out);
+        size_t j = 0;
+        for (size_t i = 0; i < count; ++i) {
+            const weft__pair pair = weft__near_pair(kind, &near, which[i]);
+            weft__pushes push;
+            double bad = 0.0;
+            if (weft__pair_push(&of->law, &pair, y, &push, 0, &bad)) {
+                while (j < found && out[j] != which[i]) { /* those of no mass */
+                    ck_assert_double_eq(near.mass[out[j++]], 0.0);
+                }
+                ck_assert_uint_lt(j++, found);
+                ++all;
+            }
+        }
+        while (j < found) {
+            ck_assert_double_eq(near.mass[out[j++]], 0.0);
+        }
+    }
+    return all;
+}
+
 /* Of random numbers, some of which are the bound and some NaN. */
 static void expect_those_within(const weft__self *at)
 {
@@ -751,6 +785,7 @@ START_TEST(pairs_have_the_bits_of_the_plain_loops)
         expect_same_waits(&cloth->self, kind, of, y);
         expect_gaps_of_single_pairs(&cloth->self, kind, of, y);
         expect_those_within(&cloth->self);
+        ck_assert_uint_gt(expect_those_that_push(&cloth->self, kind, of, y), 10);
         expect_same_bounds(&cloth->self, y);
     }
     weft_cloth_destroy(cloth);

@@ -119,13 +119,19 @@ static inline void place(const double *planes, size_t n, const weft__pair *pair,
     }
 }
 
-double weft__pair_pushes(const weft__self *own, const weft__pair *pair, const double *y)
+/* Whether a pair pushes unless its mass is 0. */
+static bool is_pushing(const weft__self *own, const weft__pair *pair, const double *y)
 {
     const weft__pair_kind kind = (weft__pair_kind)pair->kind;
     double x[4][3] = { { 0.0 } };
     place(y, own->points, pair, x);
     const law_gram of = law_gram_of(kind, x);
-    return law_pushes(kind, &of, own->law.thickness) ? weft__pair_mass(own, pair) : 0.0;
+    return law_pushes(kind, &of, own->law.thickness);
+}
+
+double weft__pair_pushes(const weft__self *own, const weft__pair *pair, const double *y)
+{
+    return is_pushing(own, pair, y) ? weft__pair_mass(own, pair) : 0.0;
 }
 
 /* The mass of a pair that pushes, its feet, weighed, and the velocities of its
@@ -263,6 +269,19 @@ size_t weft__within_loops(const double *numbers, size_t first, size_t end, doubl
         count += !(numbers[first] > most);
     }
     return count;
+}
+
+size_t weft__meets_loops(const weft__self *own, weft__pair_kind kind,
+                         const weft__near *near, const uint32_t *which, size_t count,
+                         const double *y, uint32_t *out)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const weft__pair pair = weft__near_pair(kind, near, which[i]);
+        out[found] = which[i];
+        found += is_pushing(own, &pair, y);
+    }
+    return found;
 }
 
 /* One function for each kind, as above. */
@@ -546,6 +565,7 @@ void weft__self_choose(void *own, weft__isa isa)
     of->waits = WEFT_FORM(isa, waits);
     of->gaps = WEFT_FORM(isa, gaps);
     of->within = WEFT_FORM(isa, within);
+    of->meets = WEFT_FORM(isa, meets);
     of->drift = WEFT_FORM(isa, drift);
     of->range = WEFT_FORM(isa, range);
     of->seeker = weft__seeker_of(isa);

@@ -217,6 +217,12 @@ typedef void weft__gaps_fn(const weft__self *own, weft__pair_kind kind,
                            const weft__near *near, const uint32_t *which, size_t count,
                            const double *y, double *gaps);
 
+/* Sets out[0], out[1], ... to those of pairs `which` that push but for their mass,
+ * which may be 0, in their order; returns how many. */
+typedef size_t weft__meets_fn(const weft__self *own, weft__pair_kind kind,
+                              const weft__near *near, const uint32_t *which,
+                              size_t count, const double *y, uint32_t *out);
+
 /* Sets `which` to those of first, first + 1, ... before end whose numbers are at most
  * `most` or NaN, and returns how many. WEFT__BLOCK more may be written, and as many
  * numbers read. */
@@ -228,6 +234,7 @@ weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->b
 WEFT_FORMS(weft__waits_fn, waits);
 WEFT_FORMS(weft__gaps_fn, gaps);
 WEFT_FORMS(weft__within_fn, within);
+WEFT_FORMS(weft__meets_fn, meets);
 WEFT_FORMS(weft__drift_fn, drift);
 WEFT_FORMS(weft__range_fn, range);
 
@@ -245,6 +252,7 @@ struct weft__self {
     weft__waits_fn *waits;
     weft__gaps_fn *gaps;
     weft__within_fn *within;
+    weft__meets_fn *meets;
     weft__drift_fn *drift;
     weft__range_fn *range;
     const weft__seeker *seeker; /* NULL: pairs are sought by the tree */

@@ -365,6 +365,30 @@ void NAME(gaps, LEVEL)(const weft__self *own, weft__pair_kind kind,
     BY_KIND(kind, gap_kind, &of, gaps);
 }
 
+INLINE size_t meet_kind(weft__pair_kind kind, const chosen *of, uint32_t *out)
+{
+    size_t found = 0;
+    for (size_t i = 0; i < of->count; i += LANES) {
+        vec x[4][3];
+        place_pairs(kind, of, i, x);
+        const law_gram gram = law_gram_of(kind, x);
+        const unsigned set = bits(law_pushes(kind, &gram, of->own->law.thickness));
+        for (size_t l = 0; l < LANES && i + l < of->count; ++l) {
+            out[found] = of->which[i + l];
+            found += set >> l & 1U;
+        }
+    }
+    return found;
+}
+
+size_t NAME(meets, LEVEL)(const weft__self *own, weft__pair_kind kind,
+                          const weft__near *near, const uint32_t *which, size_t count,
+                          const double *y, uint32_t *out)
+{
+    const chosen of = { own, near, which, count, y };
+    return BY_KIND(kind, meet_kind, &of, out);
+}
+
 size_t NAME(within, LEVEL)(const double *numbers, size_t first, size_t end, double most,
                            uint32_t *which)
 {

@@ -17,7 +17,7 @@
 
 #include "forces/self/self_list.h"
 
-enum { SHELVES = 64 };
+enum { SHELVES = 64, SOME = 256 };
 
 /* Of the skin: what is left of it at least where pairs are not sought again, and how
  * far particles may have moved where waits are not found again; beside bodies half. */
@@ -643,26 +643,65 @@ int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass
     return atomic_load(&all.bad) ? 1 : 0;
 }
 
+/* ---- pairs that push ------------------------------------------------------------- */
+
+typedef struct visiting {
+    const weft__self *own;
+    const double *y;
+    weft__pair_fn *visit;
+    void *ctx;
+} visiting;
+
+/* Visits those of pairs `which` that push; false: a visit ended it. */
+static bool visit_pushing(const visiting *of, weft__pair_kind kind,
+                          const weft__near *near, const uint32_t *which, size_t count)
+{
+    uint32_t found[SOME];
+    bool goes_on = true;
+    count = of->own->meets(of->own, kind, near, which, count, of->y, found);
+    for (size_t i = 0; i < count && goes_on; ++i) {
+        const weft__pair pair = weft__near_pair(kind, near, found[i]);
+        goes_on = of->visit(of->ctx, &pair);
+    }
+    return goes_on;
+}
+
+/* Those of a chunk that have waited long enough are looked at, SOME at a time. */
+static bool visit_along(const visiting *of, const weft__self_chunk *in,
+                        weft__pair_kind kind)
+{
+    const weft__near *near = &in->bins[kind].now.near;
+    uint32_t which[SOME + WEFT__BLOCK];
+    size_t count = 0, i = 0;
+    bool goes_on = true;
+    for (size_t g = 0; g < in->now.count && goes_on; ++g) {
+        const weft__span *span = &in->now.spans[g];
+        while (i < span->end[kind] && goes_on) {
+            const size_t left = span->end[kind] - i, room = SOME - count;
+            const size_t stop = i + (left < room ? left : room);
+            count += of->own->within(near->waits, i, stop, span->moved, which + count);
+            i = stop;
+            if (count == SOME) {
+                goes_on = visit_pushing(of, kind, near, which, count);
+                count = 0;
+            }
+        }
+    }
+    return goes_on && visit_pushing(of, kind, near, which, count);
+}
+
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
                           void *ctx)
 {
     const readiness is = prepare(list, y);
+    const visiting of = { list->own, y, visit, ctx };
     bool goes_on = is == READY;
     if (is == WITHOUT_LIST) {
         return weft__self_seek(list->own, list->knots, y, visit, ctx);
     }
-    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count; ++j) {
-        const size_t kind = j / list->chunk_count;
-        const weft__self_chunk *in = &list->chunks[j % list->chunk_count];
-        const weft__near *near = &in->bins[kind].now.near;
-        for (size_t g = 0, i = 0; g < in->now.count; ++g) {
-            for (; i < in->now.spans[g].end[kind]; ++i) {
-                const weft__pair pair = weft__near_pair((weft__pair_kind)kind, near, i);
-                goes_on
-                    = goes_on
-                      && (near->waits[i] > in->now.spans[g].moved || visit(ctx, &pair));
-            }
-        }
+    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count && goes_on; ++j) {
+        goes_on = visit_along(&of, &list->chunks[j % list->chunk_count],
+                              (weft__pair_kind)(j / list->chunk_count));
     }
     return goes_on;
 }

@@ -23,7 +23,7 @@ weft_status weft__self_list_grow(weft__self_list *list, weft_error *err);
 /* The next search is one of all pairs, and the list is then made anew. */
 static inline void weft__self_list_forget(weft__self_list *list);
 
-/* As weft__self_seek. */
+/* As weft__self_seek, but for pairs that do not push. */
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
                           void *ctx);
 
