@@ -110,9 +110,11 @@ static bool list_tiles(weft__self_list *list)
     return weft__tile_pairs(list->own, keep_tiles, list);
 }
 
+/* Few chunks fill the vectors of the law; several threads need more to share. */
 static bool make_chunks(weft__self_list *list)
 {
-    const size_t each = weft__tile_count(list->own) / 4 + 1;
+    const size_t tiles = weft__pool_threads(list->pool) > 1 ? 4 : 16; /* of a chunk */
+    const size_t each = weft__tile_count(list->own) / tiles + 1;
     const size_t count = each < SHELVES ? each : SHELVES;
     list->chunks = weft__zeroed(&list->memory, count, sizeof *list->chunks);
     for (size_t i = 0; i < count && list->chunks != NULL; ++i) {
