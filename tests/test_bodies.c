@@ -488,6 +488,11 @@ static uint64_t hash_of(size_t threads, bool plain, bool saved)
     go(0.12);
     const uint64_t hash = weft_sim_measure(sim).hash;
     ck_assert_uint_gt(weft_sim_measure(sim).touching, 0);
+    const weft_stiffness listed
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    const weft_stiffness sought = weft_cloth_stiffness(
+        weft_sim_cloth(sim), weft_sim_time(sim), weft_sim_state(sim));
+    ck_assert_mem_eq(&listed, &sought, sizeof sought);
     teardown();
     return hash;
 }

@@ -566,6 +566,38 @@ START_TEST(blocks_have_the_same_bits_with_a_list)
 }
 END_TEST
 
+/* By a list, by one search for all particles, and by one for every 512 of them. */
+static void expect_bounds_without_a_list(void)
+{
+    const double *y = weft_sim_state(sim), t = weft_sim_time(sim);
+    double most[WEFT__SIDES];
+    weft__stiffness_sides(sim->cloth, NULL, NULL, t, y, most);
+    const weft_stiffness some = weft__stiffness_within(sim->cloth, y, most);
+    const weft_stiffness all = weft_cloth_stiffness(sim->cloth, t, y);
+    const weft_stiffness listed = weft_sim_stiffness(sim, t, y);
+    ck_assert_mem_eq(&all, &some, sizeof some);
+    ck_assert_mem_eq(&listed, &some, sizeof some);
+}
+
+/* Contact makes them larger, in the last state. */
+START_TEST(bounds_of_stiffness_have_the_same_bits_with_a_list)
+{
+    start_pile();
+    for (double end = 0.1; end < 0.45; end += 0.11) {
+        go(end);
+        expect_bounds_without_a_list();
+    }
+    const weft_stiffness with
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    ck_assert_uint_gt(weft_sim_measure(sim).self_touching, 0);
+    sim->cloth->self.law.self = false;
+    const weft_stiffness without
+        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
+    sim->cloth->self.law.self = true;
+    ck_assert_double_gt(with.omega2, without.omega2);
+}
+END_TEST
+
 /* The list keeps the masses of pairs, which depend on pins. */
 START_TEST(a_list_follows_pins)
 {
@@ -712,6 +744,7 @@ TEST_SUITE(self_time)
     tcase_add_test(bits, a_list_changes_no_bit);
     tcase_add_test(bits, a_list_has_the_pairs_of_a_search);
     tcase_add_test(bits, blocks_have_the_same_bits_with_a_list);
+    tcase_add_test(bits, bounds_of_stiffness_have_the_same_bits_with_a_list);
     tcase_add_test(bits, a_list_follows_pins);
     tcase_add_test(bits, a_resumed_run_equals_one_that_went_on);
     suite_add_tcase(suite, apart);

@@ -97,7 +97,7 @@ static void cut(weft_stiffness *from, const double way[2], double most)
     }
 }
 
-/* Particles whose contact is gathered in one search. */
+/* Particles whose contact is gathered in one search where there is no room for all. */
 enum { BLOCK = 512 };
 
 /* Of all forces but contact, for each side; the last of the table first. */
@@ -118,39 +118,63 @@ static void bound_of(const weft_cloth *cloth, const weft__state *at, size_t i,
     }
 }
 
-/* Raises the bounds to those of free particles [first, end), at most BLOCK. */
-static void raise_sides(const weft_cloth *cloth, const weft__state *at, size_t first,
-                        size_t end, const weft__sides *sides, double *most)
+typedef struct raising {
+    const weft_cloth *cloth;
+    void *const *spaces; /* of forces; or NULL */
+    const weft__state *at;
+    weft__sides sides;
+    double *most;
+} raising;
+
+/* Raises the bounds to those of free particles [first, end), whose contact is gathered
+ * in `grips`. */
+static void raise_sides(const raising *of, size_t first, size_t end, weft__grip *grips)
 {
-    weft__grip grips[BLOCK] = { 0 };
+    const weft_cloth *cloth = of->cloth;
+    const weft__sides *sides = &of->sides;
     double sums[WEFT__SIDES][6];
-    WEFT__EACH_FORCE(cloth, grip, at, first, end - first, grips)
+    memset(grips, 0, (end - first) * sizeof *grips);
+    WEFT__EACH_FORCE(cloth, grip, of->spaces != NULL ? of->spaces[k_] : NULL, of->at,
+                     first, end - first, grips)
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
-            bound_of(cloth, at, i, sides, sums);
+            bound_of(cloth, of->at, i, sides, sums);
             for (size_t s = 0; s < sides->count; ++s) {
                 grip_add(&grips[i - first], sides->way[s][0], sides->way[s][1],
                          sums[s]);
-                most[s] = fmax(most[s], largest_eigenvalue(sums[s]));
+                of->most[s] = fmax(of->most[s], largest_eigenvalue(sums[s]));
             }
         }
     }
 }
 
-void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
+void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
+                           weft__grip *room, double t, const double *y,
                            double most[WEFT__SIDES])
 {
-    const weft__sides sides = sides_of(cloth, y);
     const weft__mesh *mesh = &cloth->mesh;
     const weft__state at = { .t = t, .y = y };
+    const raising of = { cloth, spaces, &at, sides_of(cloth, y), most };
     const size_t first = weft__block(mesh, mesh->band.above);
     const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
+    weft__grip some[BLOCK];
+    const size_t each = room != NULL ? end - first : BLOCK;
     for (size_t s = 0; s < WEFT__SIDES; ++s) {
         most[s] = -INFINITY;
     }
-    for (size_t i = first; i < end; i += BLOCK) {
-        raise_sides(cloth, &at, i, end - i < BLOCK ? end : i + BLOCK, &sides, most);
+    for (size_t i = first; i < end; i += each) {
+        raise_sides(&of, i, end - i < each ? end : i + each,
+                    room != NULL ? room : some);
     }
+}
+
+bool weft__grips_create(const weft_cloth *cloth, const weft_allocator *memory,
+                        weft__grip **out)
+{
+    const bool pairs = cloth->contact.law.self || cloth->bodies.pairs.law.self;
+    *out
+        = pairs ? weft__alloc(memory, weft_cloth_particles(cloth), sizeof **out) : NULL;
+    return !pairs || *out != NULL;
 }
 
 weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double *y)
@@ -192,7 +216,10 @@ weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
     double most[WEFT__SIDES];
-    weft__stiffness_sides(cloth, t, y, most);
+    weft__grip *room; /* without it a search for every BLOCK particles does */
+    (void)weft__grips_create(cloth, &cloth->memory, &room);
+    weft__stiffness_sides(cloth, NULL, room, t, y, most);
+    weft__free(&cloth->memory, room);
     return weft__stiffness_within(cloth, y, most);
 }
 

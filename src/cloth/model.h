@@ -171,9 +171,13 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
 double weft__block_mass(const weft_cloth *cloth, size_t b); /* [kg] */
 
 /* bounds.c: weft_cloth_stiffness in two parts: bounds in several directions, each the
- * largest of the own particles; the polygon within them. */
-void weft__stiffness_sides(const weft_cloth *cloth, double t, const double *y,
+ * largest of the own particles; the polygon within them. spaces as of weft__rhs_all;
+ * room: of weft__grips_create, or NULL, then pairs are sought several times. */
+void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
+                           weft__grip *room, double t, const double *y,
                            double most[WEFT__SIDES]);
+bool weft__grips_create(const weft_cloth *cloth, const weft_allocator *memory,
+                        weft__grip **out); /* NULL without pairs; false: no memory */
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES]);
 

@@ -112,8 +112,8 @@ typedef struct weft__force {
     void (*ratios)(const void *own, struct weft__sides *to);
     void (*bound)(const void *own, const weft__state *at, size_t i,
                   const struct weft__sides *sides, double (*sums)[6]);
-    void (*grip)(const void *own, const weft__state *at, size_t first, size_t count,
-                 struct weft__grip *grips);
+    void (*grip)(const void *own, void *space, const weft__state *at, size_t first,
+                 size_t count, struct weft__grip *grips);
     void (*multiply)(const void *own, const weft__state *at, double a, double b,
                      const double *x, double *out);
 

@@ -49,7 +49,8 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     if (bodies) {
         out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
     }
-    if (touches != (out.self != NULL) || bodies != (out.bodies != NULL)) {
+    if (!weft__grips_create(cloth, &memory, &out.grips) || touches != (out.self != NULL)
+        || bodies != (out.bodies != NULL)) {
         weft__free(&memory, measures);
         out.measures = NULL;
     }
@@ -63,9 +64,10 @@ void weft__forces_destroy(weft__forces *forces)
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
-    WEFT__FREE_ALL(&forces->memory, forces->measures, forces->all, forces->mail.parcels,
-                   forces->mail.sent, forces->mail.room, forces->mail.edge,
-                   forces->mail.joint.room, forces->mail.joint.parcels);
+    WEFT__FREE_ALL(&forces->memory, forces->grips, forces->measures, forces->all,
+                   forces->mail.parcels, forces->mail.sent, forces->mail.room,
+                   forces->mail.edge, forces->mail.joint.room,
+                   forces->mail.joint.parcels);
 }
 
 /* The first block of a band, the last that of none. */

@@ -156,5 +156,6 @@ void weft__joint_sides(const weft__forces *forces, double t, const double *y,
         own.mesh.band.above = band.first;
         own.mesh.band.own = band.own;
     }
-    weft__stiffness_sides(&own, t, y, most);
+    weft__stiffness_sides(&own, of->part ? NULL : forces->spaces, forces->grips, t, y,
+                          most);
 }

@@ -358,14 +358,16 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-static void grip(const void *own, const weft__state *at, size_t first, size_t count,
-                 weft__grip *grips)
+static void grip(const void *own, void *space, const weft__state *at, size_t first,
+                 size_t count, weft__grip *grips)
 {
     const weft__bodies *of = own;
+    weft__bodies_space *in = at->y != NULL ? space : NULL;
     double *once;
-    const weft__state all = { .t = at->t, .y = points_at(of, NULL, at, &once) };
-    if (at->y == NULL || once != NULL) {
-        weft__self_grip(&of->pairs, &all, first, count, grips);
+    const weft__state all = { .t = at->t, .y = points_at(of, in, at, &once) };
+    if (at->y == NULL || all.y != NULL) {
+        weft__self_grip(&of->pairs, in != NULL ? list_of(in) : NULL, &all, first, count,
+                        grips);
     }
     weft__free(&of->memory, once);
 }

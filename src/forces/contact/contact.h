@@ -190,8 +190,8 @@ int weft__contact_blocks(const void *own, void *space, const weft__state *at,
 /* In a state; at->y NULL: of any free particle that touches one shape at a time, with a
  * kinetic energy relative to it and a contact energy that together are at most m
  * stopping_speed^2 / 2. */
-void weft__contact_grip(const void *own, const weft__state *at, size_t first,
-                        size_t count, weft__grip *grips);
+void weft__contact_grip(const void *own, void *space, const weft__state *at,
+                        size_t first, size_t count, weft__grip *grips);
 
 /* Without mass and without what turning normals and the coupling of friction to
  * pressure add. */

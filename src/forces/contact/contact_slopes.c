@@ -359,9 +359,10 @@ static weft__grip grip_any(const weft__contact *own)
     return most;
 }
 
-void weft__contact_grip(const void *own, const weft__state *at, size_t first,
-                        size_t count, weft__grip *grips)
+void weft__contact_grip(const void *own, void *space, const weft__state *at,
+                        size_t first, size_t count, weft__grip *grips)
 {
+    (void)space;
     const weft__contact *of = own;
     const weft__grip any = at->y == NULL ? grip_any(of) : (weft__grip){ 0 };
     for (size_t i = 0; i < count; ++i) {

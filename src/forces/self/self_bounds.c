@@ -34,9 +34,23 @@ typedef struct pair_sums {
     double bad;
 } pair_sums;
 
+/* Whether one of its points is among those whose sums are taken. */
+static bool is_wanted(const pair_sums *self, const weft__pair *pair)
+{
+    bool any = false;
+    for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
+        any = any
+              || (pair->particle[k] >= self->first && pair->particle[k] < self->end);
+    }
+    return any;
+}
+
 static bool visit(void *ctx, const weft__pair *pair)
 {
     pair_sums *self = ctx;
+    if (!is_wanted(self, pair)) {
+        return true;
+    }
     const weft_contact_def *law = &self->own->law;
     weft__touch touch;
     matrices of;
@@ -97,11 +111,12 @@ static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grip
     }
 }
 
-void weft__self_grip(const void *own, const weft__state *at, size_t first, size_t count,
-                     weft__grip *grips)
+void weft__self_grip(const void *own, void *list, const weft__state *at, size_t first,
+                     size_t count, weft__grip *grips)
 {
     const weft__self *of = own;
     pair_sums self = { .own = own,
+                       .list = list,
                        .add = grip_pair,
                        .y = at->y,
                        .first = first,
@@ -141,6 +156,7 @@ void weft__self_multiply(const void *own, const weft__state *at, double a, doubl
     pair_sums self = {
         .own = own, .add = multiply_pair, .y = at->y, .a = a, .b = b, .x = x, .out = out
     };
+    self.end = SIZE_MAX;
     (void)seek(&self);
 }
 
@@ -176,6 +192,6 @@ int weft__self_blocks(const void *own, void *space, const weft__state *at,
 {
     const weft__self *of = own;
     pair_sums self = { .own = own, .add = block_pair, .y = at->y, .blocks = blocks };
-    self.list = space;
+    self.list = space, self.end = SIZE_MAX;
     return !of->law.self || (seek(&self) && self.bad == 0.0) ? 0 : 1;
 }
