@@ -11,6 +11,7 @@
 #include "../plugins/linear/linear.h"
 #include "../plugins/linear/network.h"
 #include "meshes.h"
+#include "random.h"
 #include "sim/simulation.h"
 #include "structured.h"
 #include "weft/scene.h"
@@ -524,6 +525,81 @@ START_TEST(blocks_lose_what_is_negative_and_what_is_not_symmetric)
 }
 END_TEST
 
+/* The least value of x^T A x / x^T x that a search from many x finds. */
+static double least_of(const double a[6], uint64_t *seed)
+{
+    double least = INFINITY;
+    for (int tries = 0; tries < 200; ++tries) {
+        double x[3], square = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            x[k] = random_uniform(seed) - 0.5;
+            square += x[k] * x[k];
+        }
+        const double along
+            = a[0] * x[0] * x[0] + a[3] * x[1] * x[1] + a[5] * x[2] * x[2]
+              + 2.0 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
+        least = fmin(least, along / square);
+    }
+    return least;
+}
+
+/* Sums of one to three products x x^T of very different sizes, as of touches. */
+START_TEST(blocks_without_negative_eigenvalue_keep_their_bits)
+{
+    uint64_t seed = (uint64_t)_i + 1;
+    size_t kept = 0;
+    enum { BLOCKS = 2000 };
+    for (size_t i = 0; i < BLOCKS; ++i) {
+        double block[9] = { 0.0 }, before[9];
+        for (size_t rank = 0; rank <= i % 3; ++rank) {
+            const double by = pow(10.0, 12.0 * random_uniform(&seed) - 3.0);
+            double x[3];
+            for (size_t k = 0; k < 3; ++k) {
+                x[k] = random_uniform(&seed) - 0.5;
+            }
+            for (size_t j = 0; j < 9; ++j) {
+                block[j] += by * (x[j / 3] * x[j % 3]);
+            }
+        }
+        memcpy(before, block, sizeof block);
+        weft__filter_blocks(block, 1);
+        const double upper[6]
+            = { before[0], before[1], before[2], before[4], before[5], before[8] };
+        kept += memcmp(block, upper, sizeof upper) == 0;
+        const double most = fmax(upper[0], fmax(upper[3], upper[5]));
+        for (size_t j = 0; j < 6; ++j) {
+            ck_assert_double_le(fabs(block[j] - upper[j]), 1e-8 * most);
+        }
+    }
+    ck_assert_uint_gt(kept, BLOCKS * 99 / 100);
+}
+END_TEST
+
+/* Whatever is left of a block is not negative by more than 2e-8. */
+START_TEST(filtered_blocks_are_not_negative)
+{
+    uint64_t seed = (uint64_t)_i + 1;
+    size_t changed = 0;
+    for (size_t i = 0; i < 2000; ++i) {
+        const double size = pow(10.0, -12.0 * random_uniform(&seed));
+        double block[9], upper[6];
+        for (size_t j = 0; j < 9; ++j) {
+            const size_t row = j / 3, col = j % 3;
+            block[j] = row == col  ? 1.0
+                       : row < col ? 1.0 + size * (random_uniform(&seed) - 0.5)
+                                   : block[3 * col + row];
+        }
+        memcpy(upper,
+               (double[]){ block[0], block[1], block[2], block[4], block[5], block[8] },
+               sizeof upper);
+        weft__filter_blocks(block, 1);
+        changed += memcmp(block, upper, sizeof upper) != 0;
+        ck_assert_double_ge(least_of(block, &seed), -2e-8);
+    }
+    ck_assert_uint_gt(changed, 200);
+}
+END_TEST
+
 /* ---- whole runs ------------------------------------------------------------------ */
 
 enum { MOST = 1 << 14 }; /* numbers of a state */
@@ -700,6 +776,9 @@ TEST_SUITE(linear)
     tcase_add_test(tcase, a_squeezed_sheet_needs_the_filter);
     tcase_add_loop_test(tcase, blocks_lose_what_is_negative_and_what_is_not_symmetric,
                         0, 2);
+    tcase_add_loop_test(tcase, blocks_without_negative_eigenvalue_keep_their_bits, 0,
+                        2);
+    tcase_add_loop_test(tcase, filtered_blocks_are_not_negative, 0, 2);
     suite_add_tcase(suite, tcase);
 #if defined HAVE_GSL && defined HAVE_ARKODE
     tcase = tcase_create("runs");

@@ -71,6 +71,24 @@ static void drop_negative(double a[3][3])
     }
 }
 
+/* Whether no eigenvalue is negative, because no principal minor is. Roundoff makes
+ * those of a block without full rank negative by some 1e-16 of the product of its
+ * diagonal; ten times that is allowed, so that no eigenvalue is below -2e-8 of the
+ * largest entry of the diagonal. NaN: no. */
+static bool is_not_negative(double a[3][3])
+{
+    const double least = -1e-15;
+    const double x = a[0][0], y = a[1][1], z = a[2][2];
+    const double xy = x * y - a[0][1] * a[0][1];
+    const double xz = x * z - a[0][2] * a[0][2];
+    const double yz = y * z - a[1][2] * a[1][2];
+    const double all = x * yz - a[0][1] * (a[0][1] * z - a[1][2] * a[0][2])
+                       + a[0][2] * (a[0][1] * a[1][2] - y * a[0][2]);
+    return x >= 0.0 && y >= 0.0 && z >= 0.0 && xy >= least * (x * y)
+           && xz >= least * (x * z) && yz >= least * (y * z)
+           && all >= least * (x * y * z);
+}
+
 void weft__filter_blocks(double *blocks, size_t n)
 {
     for (size_t i = 0; i < n; ++i) {
@@ -80,7 +98,7 @@ void weft__filter_blocks(double *blocks, size_t n)
             a[j / 3][j % 3] = entry;
             any += fabs(entry);
         }
-        if (any > 0.0) {
+        if (any > 0.0 && !is_not_negative(a)) {
             drop_negative(a);
         }
         k[0] = a[0][0];
