@@ -49,6 +49,7 @@ class Compiled(MagicMock):
 
 
 sys.modules["weft._weft"] = Compiled()
+napoleon_use_ivar = True  # attributes of a class stand in its own text
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True

@@ -860,7 +860,7 @@ class Sim(Fixed):
 
     @property
     def ledger(self) -> Optional[Ledger]:
-        """[J], what was gained and lost; None unless the scene has `record: {ledger: true}`."""
+        """[J], what was gained and lost; None unless the scene sets `record.ledger`."""
         with self._alone():
             of = lib.weft_sim_ledger(self._sim)
         return Ledger(*(getattr(of, name) for name in Ledger._fields)) if of.kept else None
