@@ -19,7 +19,7 @@ extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc", "sphinx.ext.napole
 root_doc = "index"
 exclude_patterns = ["README.md", "**/*.txt"]
 pygments_style, pygments_dark_style = "friendly", "native"
-suppress_warnings = ["myst.header"]  # of notebooks
+suppress_warnings = ["myst.header", "ref.python"]  # of notebooks; of names that several classes have
 default_role = "literal"
 StandaloneHTMLBuilder.supported_image_types.append("image/webp")
 
@@ -70,7 +70,6 @@ html_extra_path = [str(STAGE.parent / "extra")]
 def as_page(app, name, source):
     """Links that lead to files on a Git host lead to their pages on the site."""
     text = source[0]
-    text = re.sub(r"\[([^\]]*)\]\((?:\.\./)*bench/NOTES\.md(?:#[\w-]*)?\)", r"\1 (bench/NOTES.md)", text)  # not on the site
     text = re.sub(r"\]\(((?:\.\./)*)README\.md", r"](\1index.md", text)
     text = re.sub(r"\]\(((?:\.\./)*scenes/[\w-]+)\.yaml\)", r"](\1.md)", text)
     text = re.sub(r"\]\((?:\.\./)*include/weft/(\w+)\.h\)", r"](/reference/\1.md)", text)
@@ -82,7 +81,13 @@ def as_page(app, name, source):
     if name == "docs/start/gallery":
         text = text.replace("| scene | what", "{.gallery}\n| scene | what")
         text = re.sub(r"(\[([\w-]+)\]\(\.\./\.\./scenes/[\w-]+\.md\)):", r'\1 (<a href="../../players/\2.html">player</a>):', text)
-    source[0] = text
+    source[0] = re.sub(r"\[([^\]]+)\]\((\.\./[^)#\s]+)(?:#[\w-]*)?\)", lambda link: unless_elsewhere(name, link), text)
+
+
+def unless_elsewhere(name, link):
+    """A link, or its text alone if it leads to a file of the tree that is not on the site."""
+    path = os.path.normpath(os.path.join(os.path.dirname(name), link[2]))
+    return link[0] if (STAGE / path).exists() or not (ROOT / path).exists() else f"{link[1]} ({path})"
 
 
 def undocumented(app, what, name, thing, options, lines):
