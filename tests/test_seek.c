@@ -128,11 +128,11 @@ static void find(size_t form, finding *to)
 {
     memset(to->count, 0, sizeof to->count), to->all = 0;
     choose(form);
-    memset(list->marks, 0, list->own->points);
+    weft__self_search_place(list, y);
     for (size_t i = 0; i < list->between_count; ++i) {
         weft__self_search_mark(list, list->between[i]);
     }
-    weft__self_search_begin(list, y);
+    weft__self_search_begin(list);
     for (size_t i = 0; i < list->between_count; ++i) {
         ck_assert(weft__self_search(list, list->between[i], to->range, keep_near, to));
     }
@@ -173,7 +173,7 @@ START_TEST(boxes_find_the_pairs_of_grids)
     def.spacing[1] *= 0.8;
     def.contact.thickness *= 0.5;
     begin(&def);
-    for (size_t i = 0; i < 2 * STATES; ++i) {
+    for (size_t i = 0; i < 2 * STATES; i += def.rows < 100 ? 1 : 3) {
         lay(&def, states[i / 2], i % 2 == 0 ? 0.0 : 1000.0);
         found += expect_pairs_of_the_tree(0.3 * a);
         found += def.rows < 100 ? expect_pairs_of_the_tree(0.9 * a) : 0;
@@ -193,14 +193,14 @@ START_TEST(boxes_find_the_pairs_of_a_grid_in_a_line)
 END_TEST
 
 /* By where particles start, along x and `axis`. */
-static void lay_crumpled(size_t axis, double away)
+static void lay_mesh(folded_shape *state, size_t axis, double away)
 {
     const size_t n = list->own->points, particles = weft_cloth_particles(cloth);
     double *start = calloc(6 * particles, sizeof *start);
     weft_cloth_start(cloth, start);
     for (size_t i = 0; i < particles; ++i) {
         double x[3], v[3];
-        put_crumple(start[i], start[axis * particles + i], x, v);
+        state(start[i], start[axis * particles + i], x, v);
         for (size_t k = 0; k < 3; ++k) {
             y[k * n + i] = x[k] + away;
         }
@@ -222,7 +222,7 @@ START_TEST(boxes_find_the_pairs_of_meshes)
     mesh_shuffle(&mesh, (uint64_t)_i + 9, NULL);
     define_mesh(&def);
     begin(&def);
-    lay_crumpled(1, _i == 0 ? 0.0 : 1000.0);
+    lay_mesh(put_crumple, 1, _i == 0 ? 0.0 : 1000.0);
     ck_assert_uint_gt(expect_pairs_of_the_tree(0.015), 1000);
     ck_assert_uint_gt(expect_pairs_of_the_tree(0.05), 10000);
 }
@@ -271,7 +271,7 @@ START_TEST(boxes_find_the_pairs_with_bodies)
     def.origin[1] = 1.0;
     def.contact.shapes = &shape, def.contact.shape_count = 1;
     begin(&def);
-    lay_crumpled(2, away);
+    lay_mesh(put_crumple, 2, away);
     const size_t n = list->own->points, first = weft_cloth_particles(cloth);
     for (size_t i = 0; i < 3 * (n - first); ++i) {
         y[i % 3 * n + first + i / 3] = ball->places[i] + away;
@@ -294,18 +294,112 @@ START_TEST(boxes_find_the_pairs_of_places_beyond_single_precision)
 }
 END_TEST
 
+/* ---- steps ----------------------------------------------------------------------- */
+
+typedef struct verdict {
+    bool clear;
+    weft_primitive pair[2];
+    double gap;
+} verdict;
+
+/* By tiles; or a list of a part searches the whole cloth, by what all tiles move. */
+static verdict verdict_of(const weft__stride *of, bool by_tiles)
+{
+    verdict out;
+    memset(&out, 0, sizeof out);
+    list->part[0] = by_tiles ? 0 : 1;
+    out.clear = weft__self_list_clear(list, of, out.pair, &out.gap);
+    return out;
+}
+
+static void expect_same_verdict(const verdict *a, const verdict *b)
+{
+    ck_assert_int_eq(a->clear, b->clear);
+    ck_assert_double_eq(a->gap, b->gap);
+    for (size_t j = 0; j < 2; ++j) {
+        ck_assert_uint_eq(a->pair[j].count, b->pair[j].count);
+        for (size_t k = 0; k < a->pair[j].count; ++k) {
+            ck_assert_uint_eq(a->pair[j].particle[k], b->pair[j].particle[k]);
+        }
+    }
+}
+
+/* Moves all points along waves, up to half a spacing or as much more as `far` is, and
+ * sets velocities of as much in h. */
+static void step(double *to, double far, double h, uint64_t *seed)
+{
+    const size_t n = list->own->points;
+    double wave[9];
+    for (size_t k = 0; k < 9; ++k) {
+        wave[k] = 40.0 * (random_uniform(seed) - 0.5);
+    }
+    memcpy(to, y, 6 * n * sizeof *to);
+    for (size_t i = 0; i < 3 * n; ++i) {
+        const size_t k = i / n, j = i % n;
+        const double way
+            = far
+              * sin(wave[3 * k] * y[j] + wave[3 * k + 1] * y[n + j] + wave[3 * k + 2]);
+        to[i] += way;
+        y[3 * n + i] = to[3 * n + i] = h > 0.0 ? 1.1 * way / h : 0.0;
+    }
+}
+
+static void count_vetoes(double spacing, int wanted, size_t kinds[2])
+{
+    const size_t n = list->own->points;
+    double *to = calloc(6 * n, sizeof *to);
+    uint64_t seed = 3;
+    size_t cleared = 0;
+    for (int vetoes = 0, i = 0; vetoes < wanted; ++i) {
+        const double h = i % 3 == 0 ? 0.0 : 1e-3;
+        step(to, spacing * pow(2.0, -8.0 * random_uniform(&seed)), h, &seed);
+        const weft__stride stride = { list->own, y, to, h };
+        choose((size_t)i % form_count());
+        const verdict one = verdict_of(&stride, true);
+        const verdict other = verdict_of(&stride, false);
+        expect_same_verdict(&one, &other);
+        vetoes += !one.clear, cleared += one.clear;
+        kinds[0] += !one.clear && one.pair[0].count == 1;
+        kinds[1] += !one.clear && one.pair[0].count == 2;
+    }
+    ck_assert_uint_gt(cleared, 0);
+    free(to);
+}
+
+START_TEST(steps_are_vetoed_for_the_first_pair_of_the_whole_search)
+{
+    size_t kinds[2] = { 0 };
+    const double away = _i % 2 == 0 ? 0.0 : 1000.0;
+    weft_cloth_def def = folded_model(17, 12);
+    if (_i < 2) {
+        begin(&def);
+        lay(&def, folded_pile, away);
+    } else {
+        mesh_sheet(&mesh, 14, 14, 1.0 / 13, MESH_RANDOM, 0.3, 5);
+        define_mesh(&def);
+        begin(&def);
+        lay_mesh(folded_pile, 1, away);
+    }
+    count_vetoes(0.05, test_rounds(30, 1000), kinds);
+    ck_assert_uint_gt(kinds[0], 0);
+    ck_assert_uint_gt(kinds[1], 0);
+}
+END_TEST
+
 TEST_SUITE(seek)
 {
     Suite *suite = suite_create("seek");
     TCase *tcase = tcase_create("seek");
     tcase_add_checked_fixture(tcase, setup, teardown);
-    tcase_set_timeout(tcase, 60);
+    tcase_set_timeout(tcase, test_rounds(60, 600));
     tcase_add_loop_test(tcase, boxes_find_the_pairs_of_grids, 0, GRIDS);
     tcase_add_loop_test(tcase, boxes_find_the_pairs_of_a_grid_in_a_line, 0, 2);
     tcase_add_loop_test(tcase, boxes_find_the_pairs_of_meshes, 0, 2);
     tcase_add_test(tcase, boxes_find_the_pairs_of_fans);
     tcase_add_loop_test(tcase, boxes_find_the_pairs_with_bodies, 0, 2);
     tcase_add_test(tcase, boxes_find_the_pairs_of_places_beyond_single_precision);
+    tcase_add_loop_test(tcase, steps_are_vetoed_for_the_first_pair_of_the_whole_search,
+                        0, 4);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -8,19 +8,24 @@ enum { HALVINGS = 60, SOME = 256 };
 typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
-    double way; /* [m] of look_at_all: no particles go further against each other */
+    double way; /* [m] of a group or two tiles: none go further against each other */
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
 } stride_search;
 
+/* Whether a pair cannot have met; else the gap [m] at the end. */
+static bool is_clear(const weft__stride *stride, const weft__pair *pair, double *gap)
+{
+    return weft__stride_clear(stride, pair, gap)
+           || weft__pair_mass(stride->own, pair) == 0.0; /* all of it is held */
+}
+
 static bool look_at(void *ctx, const weft__pair *pair)
 {
     stride_search *of = ctx;
-    const weft__stride *stride = of->stride;
     double gap;
-    if (weft__stride_clear(of->stride, pair, &gap)
-        || weft__pair_mass(stride->own, pair) == 0.0) { /* all of it is held */
+    if (is_clear(of->stride, pair, &gap)) {
         return true;
     }
     if (!of->found) {
@@ -151,6 +156,89 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
     return goes_on;
 }
 
+/* ---- by tiles -------------------------------------------------------------------- */
+
+/* [m] As far as ranges go in single precision. */
+#define LONGEST 1e30
+
+/* As look_at, of pairs of all kinds in turn: vertices and triangles come before edges,
+ * and each kind in its order. */
+static bool look_in_turn(void *ctx, const weft__pair *pair)
+{
+    stride_search *of = ctx;
+    const weft__stride *stride = of->stride;
+    double gap;
+    if ((of->found && pair->kind == WEFT__EDGES) || pair->kind < WEFT__VERTEX_TRIANGLE
+        || weft__pair_distance(pair, stride->y1, stride->own->points) > of->way
+        || is_clear(stride, pair, &gap)) {
+        return true;
+    }
+    of->found = true, of->pair = *pair, of->gap = gap;
+    return pair->kind != WEFT__VERTEX_TRIANGLE;
+}
+
+/* [m] As far as pairs of two tiles may have been apart that can have met, and sets
+ * their way; negative: the tiles are further apart. `most` [m]: that of any tiles. */
+static double reach_between(const weft__self_list *list, const uint32_t tiles[2],
+                            double most, stride_search *of)
+{
+    const double apart
+        = weft__box_distance(&list->tiles[0][tiles[0]], &list->tiles[0][tiles[1]])
+          * (1.0 - WEFT__SELF_ROUNDOFF);
+    double extent[EXTENTS] = { 0.0 };
+    if (apart > most) {
+        return -1.0;
+    }
+    for (size_t k = 1; k < (of->stride->h > 0.0 ? EXTENTS : 2); ++k) {
+        extent[k] = weft__self_extent_between(list, k, tiles);
+    }
+    const double range = reach(of->stride, extent);
+    of->way = way_of(of->stride, extent);
+    return apart > range ? -1.0 : range;
+}
+
+/* By what two tiles move against each other, which is less than what all do. false: it
+ * is not known, or the first pair is not enough. */
+static bool look_by_tiles(weft__self_list *list, stride_search *of)
+{
+    const weft__stride *stride = of->stride;
+    const size_t velocities = 3 * list->own->points;
+    const double *from[EXTENTS] = { NULL, stride->y0 };
+    const double *to[EXTENTS]
+        = { stride->y0, stride->y1, stride->y0 + velocities, stride->y1 + velocities };
+    const bool whole = list->part[0] == 0 && list->part[1] == list->own->points;
+    double extent[EXTENTS] = { 0.0 };
+    if (!whole || of->marks != NULL) {
+        return false;
+    }
+    weft__self_search_place(list, stride->y0);
+    for (size_t k = 0; k < (stride->h > 0.0 ? EXTENTS : 2); ++k) {
+        extent[k] = weft__self_drift_all(list, from[k], to[k], k)
+                        * (1.0 + WEFT__SELF_ROUNDOFF)
+                    + WEFT__SELF_ALLOWED * list->skin;
+    }
+    extent[0] = 0.0; /* the boxes are of the start */
+    const double most = reach(stride, extent);
+    if (!(most < LONGEST)) {
+        return false;
+    }
+    for (size_t i = 0; i < list->between_count; ++i) {
+        if (reach_between(list, list->between[i], most, of) >= 0.0) {
+            weft__self_search_mark(list, list->between[i]);
+        }
+    }
+    weft__self_search_begin(list);
+    for (size_t i = 0; i < list->between_count
+                       && !(of->found && of->pair.kind == WEFT__VERTEX_TRIANGLE);
+         ++i) {
+        const double range = reach_between(list, list->between[i], most, of);
+        if (range >= 0.0) {
+            (void)weft__self_search(list, list->between[i], range, look_in_turn, of);
+        }
+    }
+    return true;
+}
+
 /* No pair that is further apart at first can have met. */
 static void look(weft__self_list *list, stride_search *of)
 {
@@ -162,6 +250,9 @@ static void look(weft__self_list *list, stride_search *of)
                 &list->chunks[i % list->chunk_count],
                 i < list->chunk_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
         }
+        return;
+    }
+    if (look_by_tiles(list, of)) {
         return;
     }
     const size_t velocities = 3 * list->own->points;

@@ -470,12 +470,11 @@ static void make(weft__self_list *list, const double *y)
 {
     const weft__self *own = list->own;
     bool seek = false;
-    list->y = y;
+    weft__self_search_place(list, y);
     list->valid
         = list->valid && list->group_count > 0; /* else the most room is found */
     (void)drift_tiles(list, NULL, y, NULL, 0, 1);
     weft__pool_run(list->pool, age_part, list, list->chunk_count);
-    memset(list->marks, 0, weft__tile_count(own));
     for (size_t i = 0; i < list->between_count; ++i) {
         if (list->clear[i] == UNKNOWN) {
             weft__self_search_mark(list, list->between[i]);
@@ -483,7 +482,7 @@ static void make(weft__self_list *list, const double *y)
         }
     }
     if (seek) {
-        weft__self_search_begin(list, y);
+        weft__self_search_begin(list);
     }
     weft__pool_run(list->pool, make_part, list, list->chunk_count);
     memcpy(list->place, y, 3 * own->points * sizeof *y);

@@ -194,11 +194,14 @@ static inline double weft__self_extent_between(const weft__self_list *list, size
 /* false: no memory. */
 bool weft__self_search_create(weft__self_list *list);
 
-/* Marks what the search between two tiles needs; `marks` must be 0 before the first. */
+/* Sets the finite state that is to be searched, without marks. */
+void weft__self_search_place(weft__self_list *list, const double *y);
+
+/* Marks what the search between two tiles needs. */
 void weft__self_search_mark(weft__self_list *list, const uint32_t tiles[2]);
 
-/* Begins to search a finite state between tiles that are marked. */
-void weft__self_search_begin(weft__self_list *list, const double *y);
+/* Begins to search between tiles that are marked. */
+void weft__self_search_begin(weft__self_list *list);
 
 /* As weft__each_pair_between in that state; range < 1e30 m. Different threads may
  * search different tiles. */

@@ -26,6 +26,12 @@ bool weft__self_search_create(weft__self_list *list)
     return own->seeker == NULL || weft__boxes_create(&of, &list->memory, &list->boxes);
 }
 
+void weft__self_search_place(weft__self_list *list, const double *y)
+{
+    list->y = y;
+    memset(list->marks, 0, weft__tile_count(list->own));
+}
+
 /* The search looks for flat patches in the rectangle about two tiles, by the tree, or
  * in the rows of both and the two that follow. */
 void weft__self_search_mark(weft__self_list *list, const uint32_t tiles[2])
@@ -70,15 +76,14 @@ static void bend_part(void *ctx, size_t part)
     }
 }
 
-void weft__self_search_begin(weft__self_list *list, const double *y)
+void weft__self_search_begin(weft__self_list *list)
 {
     const weft__self *own = list->own;
     const bool boxes = by_boxes(list);
     const size_t parts
         = boxes ? weft__boxes_parts(&list->boxes) : weft__tile_count(own);
-    list->y = y;
     if (!boxes) {
-        list->tree = weft__tree_of(own, y);
+        list->tree = weft__tree_of(own, list->y);
         weft__tree_begin(&list->tree, list->knots);
     }
     weft__pool_run(list->pool, fill_part, list, parts);
