@@ -55,16 +55,18 @@ static weft_status load(weft_registry *registry, const verify_scene *scene,
     return status;
 }
 
-size_t verify_particles(weft_registry *registry, const verify_scene *scene,
-                        const verify_stepper *stepper)
+verify_size verify_size_of(weft_registry *registry, const verify_scene *scene,
+                           const verify_stepper *stepper)
 {
     weft_scene *loaded = NULL;
     if (load(registry, scene, stepper, &loaded, NULL) != WEFT_OK) {
-        return 0;
+        return (verify_size){ 0 };
     }
-    const size_t particles = weft_cloth_def_particles(weft_scene_cloth(loaded));
+    const verify_size size
+        = { .particles = weft_cloth_def_particles(weft_scene_cloth(loaded)),
+            .duration = weft_scene_run(loaded)->duration };
     weft_scene_destroy(loaded);
-    return particles;
+    return size;
 }
 
 typedef struct keeper {

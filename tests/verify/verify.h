@@ -29,9 +29,14 @@ typedef struct verify_stepper {
     double fixed_step; /* [s]; 0: adaptive */
 } verify_stepper;
 
-/* 0 if the scene does not load. */
-size_t verify_particles(weft_registry *registry, const verify_scene *scene,
-                        const verify_stepper *stepper);
+typedef struct verify_size {
+    size_t particles;
+    double duration; /* [s] */
+} verify_size;
+
+/* As the scene has them; 0 if it does not load. */
+verify_size verify_size_of(weft_registry *registry, const verify_scene *scene,
+                           const verify_stepper *stepper);
 
 typedef struct verify_frames {
     size_t count, dim;
@@ -122,7 +127,8 @@ weft_status verify_pair_apart(weft_registry *registry, const verify_pair *pair,
 #define VERIFY_SHIPPED_TOLERANCE 1e-3 /* a tenth of it for order 1 */
 #define VERIFY_ENERGY_BOUND      0.2
 
-enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MOST = 2000 };
+enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MANY = 1000 };
+#define VERIFY_WORK_ENOUGH 4000000 /* force evaluations times particles */
 
 /* Names of all scenes/NAME.yaml, sorted; how many. */
 size_t verify_shipped(char names[VERIFY_SHIPPED_MOST][VERIFY_NAME]);
@@ -136,9 +142,8 @@ bool verify_shipped_suits(const weft_stepper_type *type,
                           const verify_frames *reference);
 
 /* The run that others are compared with, by the method of the best reference, and the
- * scene they run for it: the whole, but cut to 0.05 s with more particles than
- * VERIFY_PARTICLES_MOST; in haste to 0.05 s, with more than half of them to
- * 0.01 s. */
+ * scene they run for it: the whole, or the first of 0.05, 0.1, 0.2, ... s that takes
+ * VERIFY_WORK_ENOUGH; in haste 0.05 s, with more than VERIFY_PARTICLES_MANY 0.01 s. */
 weft_status verify_shipped_reference(weft_registry *registry, const char *name,
                                      bool haste, verify_scene *scene,
                                      verify_frames *out, weft_error *err);
