@@ -226,7 +226,7 @@ static trial make_trial(uint64_t seed, bool brief, const weft_stepper_type **met
 }
 
 typedef struct counts {
-    size_t cloths, steps, vetoed, failed, touched;
+    size_t cloths, refused, steps, vetoed, failed, touched;
 } counts;
 
 static void run(trial *of, weft_sim *sim, counts *all)
@@ -271,10 +271,14 @@ static void run_cloth(uint64_t seed, bool brief, counts *all)
     def.config.atol_position = def.config.atol_velocity = def.config.rtol;
     def.config = test_config(method, def.config);
     const weft_status status = weft_sim_create(&def, &sim, &err);
-    ck_assert_msg(status == WEFT_OK, "%s: %s", of.text, err.message);
-    start(&of, sim);
-    run(&of, sim, all);
     ++all->cloths;
+    if (status == WEFT_UNSUPPORTED && test_needs_damping(method)) {
+        ++all->refused; /* contact may be stiffer than the springs' damping allows */
+    } else {
+        ck_assert_msg(status == WEFT_OK, "%s: %s", of.text, err.message);
+        start(&of, sim);
+        run(&of, sim, all);
+    }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
 }
@@ -293,16 +297,17 @@ START_TEST(random_cloths_do_not_pass_through_themselves)
         for (uint64_t seed = (uint64_t)time(NULL) << 20; clock_now() < until; ++seed) {
             run_cloth(seed, false, &all);
         }
-        printf(
-            "%zu cloths, %zu of which touched themselves, %zu steps, %zu taken back; "
-            "%zu ended early; no crossing\n",
-            all.cloths, all.touched, all.steps, all.vetoed, all.failed);
+        printf("%zu cloths, %zu refused for their damping, %zu touched themselves, "
+               "%zu steps, %zu taken back; %zu ended early; no crossing\n",
+               all.cloths, all.refused, all.touched, all.steps, all.vetoed, all.failed);
         (void)fflush(stdout);
+        ck_assert_uint_le(100 * all.refused, all.cloths);
         return;
     }
     for (uint64_t seed = 1; seed <= (uint64_t)test_rounds(40, 600); ++seed) {
         run_cloth(seed, true, &all);
     }
+    ck_assert_uint_le(20 * all.refused, all.cloths);
     ck_assert_uint_gt(5 * all.touched, all.cloths);
     ck_assert_uint_lt(10 * all.failed, all.cloths);
 }

@@ -360,6 +360,7 @@ START_TEST(the_embedder_stops_the_making_of_a_cloth)
         status = weft_cloth_create(&def, &cloth, &err);
         ck_assert((status == WEFT_OK) == (cloth != NULL));
     }
+    def.stop = NULL, def.stop_ctx = NULL;
     ck_assert_int_eq(status, WEFT_OK);
     ck_assert_uint_gt(k, 2 * N);
 }
