@@ -98,24 +98,18 @@ static const char *number(int value, const char *zero, char text[16])
     return value == 0 ? zero : text;
 }
 
-static void print_row(const weft_plugin *plugin, const weft_stepper_type *type,
-                      const char *format, const char *flags)
-{
-    char order[16], error_order[16], stages[16];
-    printf(format, plugin->id, type->name, number(type->order, "var", order),
-           number(type->error_order, "-", error_order),
-           number(type->stages, "var", stages), flags, type->reference);
-}
-
 static void print_text(const weft_registry *registry)
 {
-    const char *format = "%-8s %-17s %5s %5s %6s";
     enum { KIND = 47 }; /* the column */
     stepper_method m;
     printf("%-8s %-17s %5s %5s %6s  kind\n", "plugin", "method", "order", "error",
            "stages");
     for (size_t i = 0; method_at(registry, i, &m); ++i) {
-        print_row(m.plugin, m.type, format, "");
+        char order[16], error_order[16], stages[16];
+        printf("%-8s %-17s %5s %5s %6s", m.plugin->id, m.type->name,
+               number(m.type->order, "var", order),
+               number(m.type->error_order, "-", error_order),
+               number(m.type->stages, "var", stages));
         const sentence kind = flags_text(m.type->flags);
         fputs(kind.text[0] == '\0' ? "" : "  ", stdout);
         print_wrapped(KIND, KIND, PAGE_WIDTH, kind.text);
@@ -129,14 +123,56 @@ static void print_text(const weft_registry *registry)
     }
 }
 
+/* The first method with the reference of method i. */
+static size_t first_with_reference(const weft_registry *registry, size_t i)
+{
+    stepper_method mine, other;
+    size_t first = 0;
+    (void)method_at(registry, i, &mine);
+    while (first < i && method_at(registry, first, &other)
+           && strcmp(other.type->reference, mine.type->reference) != 0) {
+        ++first;
+    }
+    return first;
+}
+
+/* References are numbered from 1 in the order in which the methods have them. */
+static size_t reference_number(const weft_registry *registry, size_t i)
+{
+    const size_t first = first_with_reference(registry, i);
+    size_t number_of = 0;
+    for (size_t k = 0; k <= first; ++k) {
+        number_of += first_with_reference(registry, k) == k;
+    }
+    return number_of;
+}
+
+/* As the literature writes it: 5(4) continues the solution of order 5, and compares it
+ * with one of order 4. */
+static void print_orders(const weft_stepper_type *type)
+{
+    char order[16], error_order[16];
+    printf(type->error_order > 0 ? "%s(%s)" : "%s", number(type->order, "var", order),
+           number(type->error_order, "", error_order));
+}
+
 static void print_markdown(const weft_registry *registry)
 {
     stepper_method m;
-    puts("| plugin | method | order | error order | stages | kind | reference |\n"
-         "|---|---|---|---|---|---|---|");
+    puts("| plugin | method | order | stages | kind | source "
+         "|\n|---|---|---|---|---|---|");
     for (size_t i = 0; method_at(registry, i, &m); ++i) {
-        print_row(m.plugin, m.type, "| %s | `%s` | %s | %s | %s | %s | %s |\n",
-                  flags_text(m.type->flags).text);
+        char stages[16];
+        printf("| %s | `%s` | ", m.plugin->id, m.type->name);
+        print_orders(m.type);
+        printf(" | %s | %s | %zu |\n", number(m.type->stages, "var", stages),
+               flags_text(m.type->flags).text, reference_number(registry, i));
+    }
+    puts("");
+    for (size_t i = 0; method_at(registry, i, &m); ++i) {
+        if (first_with_reference(registry, i) == i) {
+            printf("%zu. %s\n", reference_number(registry, i), m.type->reference);
+        }
     }
 }
 
