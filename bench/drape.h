@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* drape.h -- evaluations and seconds of whole runs with contact: a level sheet that
  * falls 5 cm onto a ball, under the settings of the table in
- * docs/guides/drape-on-a-body.md, beside the same sheet hung by two corners. bench.h is
+ * bench/NOTES.md, beside the same sheet hung by two corners. bench.h is
  * included before. */
 #pragma once
 
