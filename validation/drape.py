@@ -95,9 +95,9 @@ def outlines(result):
 
 
 HEAD = ("fabric", "c [mm]", *("DC [%%], %g mm" % (1e3 * h) for h in SPACINGS), "scatter of seeds", "nodes")
-METHOD = ("The cloth is clamped inside 9 cm (pinned triangles; no contact with the support, no contact with itself) and comes to rest "
-          "from the plane. Meshes are random (`cloth.cut`), with edges of 10 and 7.5 mm and three seeds each. These edges are "
-          "longer than a quarter of c, which [cut and sew](../guides/cut-and-sew.md) asks for: the difference of the two columns shows a part of that error. Nodes are maxima of the rim's radius.")
+METHOD = ("The cloth is clamped inside 9 cm (pinned triangles, no contact) and comes to rest from the plane. Meshes are random "
+          "(`cloth.cut`), with edges of 10 and 7.5 mm, longer than the quarter of c that you should choose, and three seeds each. "
+          "Nodes are maxima of the rim's radius.")
 
 
 def line(name, length, result):
@@ -121,15 +121,14 @@ def cusick_lengths():
                   "coefficients there, with c derived from its bending numbers",
         "formula": "DC = (A_projected - A_support) / (A_disc - A_support), disc of 30 cm on a support of 18 cm",
         "tolerance": "none for bands; 5 points against the other program, chosen here: Kenkare et al. 2007 call "
-                "drapes of one fabric highly variable, without a number that could be read",
-        "rows": rows, "whole": True, "tables": [(HEAD, [line("isotropic", c, r) for c, r in zip(LENGTHS, results)])],
+                "drapes of one fabric highly variable",
+        "rows": rows, "tables": [(HEAD, [line("isotropic", c, r) for c, r in zip(LENGTHS, results)])],
         "figure": plot([("weft, %g mm" % (1e3 * h), [(1e3 * c, r[0][i][0]) for c, r in zip(LENGTHS, results)], "line")
                         for i, h in enumerate(SPACINGS)] + [("other program", [(1e3 * c, v) for c, v in zip(LENGTHS, PPF)], "dots")],
                        "c [mm]", "DC [%]"),
         "caption": "drape coefficient against bending length",
-        "text": METHOD + "\n\nThe bending length of a band's fabrics is that of the other program's calibrated fabric, derived from its "
-                "parameters and not measured. weft's coefficients are lower than the other program's; neither is a measurement. "
-                "Hinges on its mesh may be stiffer than their parameter says, and weft's meshes here are coarse.",
+        "text": METHOD + "\n\nThe bending length of a band is that of the other program's fabric, derived from its parameters. Neither "
+                "program is a measurement: hinges on its mesh may be stiffer than their parameter says, and weft's meshes are coarse.",
     }
 
 
@@ -147,8 +146,8 @@ def cusick_fabrics():
     picked = [0, 4, 8]
     return {
         "title": "Drape coefficients and nodes of the nine presets.",
-        "source": CUSICK + "; band of denim as in cusick-lengths; the fabrics: H. Wang et al. 2011",
-        "formula": "DC = (A_projected - A_support) / (A_disc - A_support), disc of 30 cm on a support of 18 cm",
+        "source": "as cusick-lengths; the fabrics: H. Wang et al. 2011",
+        "formula": "as cusick-lengths",
         "tolerance": "none for the band; nodes: drapemeters show 3 to 8",
         "rows": [("DC [%], 11oz-black-denim", (70.0, 90.0), denim[0][-1][0], 0.0),
                  ("nodes of 11oz-black-denim, most", (3.0, 8.0), float(denim[1][1]), 0.0),
@@ -156,11 +155,10 @@ def cusick_fabrics():
         "whole": True, "tables": [(HEAD, [line("`%s`" % name, c, r) for (name, c), r in zip(fabrics, results)])],
         "figure": sheets([(fabrics[i][0], outlines(results[i])) for i in picked], (210, 190)),
         "caption": "rims of three drapes from above, and the support",
-        "text": "Method, meshes and seeds are those of cusick-lengths.\n\nOf the presets only denim is named after a class of fabrics with a published band; the table has the others "
-                "without one. The bending length of this denim, 18 mm in the mean, is not that of the fabrics behind the band "
-                "(cusick-lengths has 23.6 mm for it): the band is that of other, stiffer denims. A measured drape of one of the nine fabrics was not found. More nodes than on a drapemeter "
-                "appear where a drape from the plane stops in a state with many folds; meshes that are coarse "
-                "for the fabric add to this.",
+        "text": "Method, meshes and seeds are those of cusick-lengths. A measured drape of one of the nine fabrics was not found, "
+                "and only denim has a published band: that of stiffer denims, because this one has a bending length of 18 mm in the mean, "
+                "cusick-lengths 23.6 mm. More nodes than on a drapemeter appear where a drape from the plane stops in a state with "
+                "many folds, the more on a coarse mesh.",
     }
 
 

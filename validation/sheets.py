@@ -55,7 +55,7 @@ def capstan():
         "figure": plot([("mu = %g" % mu, f[1][::3], "line") for mu, f in zip(frictions, found)], "t [s]", "T2 / T1",
                        lines=[("exp(mu pi)", math.exp(mu * math.pi)) for mu in frictions]),
         "caption": "ratio of the tensions by time",
-        "text": "The strip has no weight here; it starts at rest, stretched by 2 %, and its ends are moved. The law of friction is `coulomb`.",
+        "text": "The strip has no weight; it starts at rest, stretched by 2 %. The law of friction is `coulomb`.",
     }
 
 
@@ -131,8 +131,7 @@ def provot():
                  for name, want, done in zip(names, wants, found)],
         "figure": sheets([(names[k], wires(found[k], 17, 17, 0, 1)) for k in (0, 3)]),
         "caption": "the sheet without and with the limit",
-        "text": "The paper itself prints pictures, not these strains; that without a limit the corners are elongated beyond anything "
-                "cloth does, and with it by 10 % at most, is what they show.",
+        "text": "The paper itself shows pictures, not these strains.",
     }
 
 

@@ -54,14 +54,13 @@ def elastica_grid():
     return {
         "title": "A strip, clamped level, hangs by its weight: springs and bending of a grid, 17, 33 and 65 particles along it.",
         "source": ROMERO, "formula": ELASTICA,
-        "tolerance": "the exact values have 8 digits; weft's is extrapolated with order 2 from the last two grids, tolerance "
-                     "the step of that extrapolation and 2e-5 for the stretch of the strip (C L^2 / B = 1e7)",
+        "tolerance": "the step of the extrapolation from the last two grids (order 2), and 2e-5 for the stretch of the strip "
+                     "(C L^2 / B = 1e7)",
         "rows": rows, "tables": [(("quantity", "17", "33", "65", "order 17 to 33", "order 33 to 65"), orders)],
         "figure": plot([("exact", curves["exact"], "line"), ("weft, 65 particles", curves["weft"], "dots")],
                        "G = density g L^3 / B", "H / W", True, True),
         "caption": "drop by reach of the tip against the load",
-        "text": "Spacings are L / (n - 1.5), as two pinned rows clamp the strip midway between them. Orders are noisy where an "
-                "error changes its sign.",
+        "text": "Spacings are L / (n - 1.5), as two pinned rows clamp the strip midway between them.",
     }
 
 
@@ -114,8 +113,8 @@ def elastica_mesh():
         "rows": rows, "tables": [(("error of", "8", "16", "24", "order 8 to 16", "order 16 to 24"), orders)],
         "figure": plot(curves, "triangles along the strip", "error of H / L", True, True),
         "caption": "error of the drop against the number of triangles",
-        "text": "Membranes are `chord`. Oblique meshes lock a little, as [the model](model.md#membrane-of-triangles) explains, with the other sign "
-                "than the error of bending: their errors are smaller, and their orders scatter where the two cancel.",
+        "text": "Membranes are `chord`. Oblique meshes [lock](model.md#membrane-of-triangles) a little, with the other sign than "
+                "the error of bending, so that their orders scatter where the two cancel.",
     }
 
 
@@ -208,11 +207,10 @@ def ribbon():
     curves += [("exact, %g" % stretch, [(0.05 * j - 0.5, 0.5 * (stretch ** 2 - 1 + (ETA * (0.05 * j - 0.5)) ** 2)) for j in range(21)], "line")
                for stretch in stretches]
     return {
-        "title": "A ribbon of triangles, 5 widths long, is twisted by eta = 0.5 per width between ends that keep their distance: "
-                 "the rims are stretched most, and below a tension the middle is compressed and may wrinkle.",
+        "title": "A ribbon of triangles, 5 widths long, is twisted by eta = 0.5 per width between ends that keep their distance.",
         "source": "A. E. Green, Proc. R. Soc. A 154, 430 (1936), 161, 197 (1937); J. Chopin, A. Kudrolli, PRL 111, 174302 (2013); "
-                  "J. Chopin, V. Demery, B. Davidovitch, arXiv 1403.0267 (its abstract and references were read; the formula is "
-                  "derived here)",
+                  "J. Chopin, V. Demery, B. Davidovitch, arXiv 1403.0267; the formula is derived "
+                  "here",
         "formula": "strain at r widths from the middle: E = (stretch^2 - 1) / 2 + eta^2 r^2 / 2; its mean is the tension T (over "
                    "the stiffness and the width), so that E = T + eta^2 (r^2 - 1/12) / 2 and the middle is free of stress at "
                    "eta = sqrt(24 T)",
@@ -223,8 +221,7 @@ def ribbon():
                                    for (kind, n), of in zip(cases, numbers)])],
         "figure": plot(curves, "r [widths]", "Green's strain along the ribbon"),
         "caption": "strain along the ribbon, across its width, of triangles of the middle half",
-        "text": "T is the derivative of the energy by the distance of the ends, from two runs 0.1 % to either side. The "
-                "ribbon's own wrinkles are not computed: their threshold depends on the thickness as well.",
+        "text": "T is the derivative of the energy by the distance of the ends, from two runs 0.1 % to either side.",
     }
 
 
