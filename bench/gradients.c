@@ -50,7 +50,7 @@ static void run(void *ctx)
     bench_must(weft_sim_advance(self->sim, end, &err), &err);
 }
 
-static job make_job(const weft_cloth *cloth, const weft_number_of_cloth *numbers,
+static job make_job(const weft_cloth *cloth, const weft_parameter *numbers,
                     size_t count)
 {
     job out;
@@ -81,7 +81,7 @@ static int height(void *ctx, size_t frame, double t, const double *y, double *va
 /* A whole run of RUN steps, or the gradient of its end by some numbers. */
 typedef struct gradient_job {
     weft_sim_def sim;
-    const weft_number_of_cloth *numbers;
+    const weft_parameter *numbers;
     size_t count;
     bool forwards;
 } gradient_job;
@@ -100,14 +100,13 @@ static void find_gradient(void *ctx)
         return;
     }
     weft_gradient_def def = weft_gradient_def_default();
-    def.sim = &self->sim, def.numbers = self->numbers, def.count = self->count;
+    def.sim = &self->sim, def.parameters = self->numbers, def.count = self->count;
     def.times = &end, def.frames = 1, def.objective = height;
     bench_must(weft_gradient(&def, &value, by, NULL, &err), &err);
 }
 
 /* Numbers: none, the four of springs and weight, density alone. */
-static void print_gradients(const weft_cloth *cloth,
-                            const weft_number_of_cloth *numbers)
+static void print_gradients(const weft_cloth *cloth, const weft_parameter *numbers)
 {
     static const char *const what[]
         = { "first state", "4 numbers of springs and weight", "those and density" };
@@ -135,12 +134,12 @@ int main(void)
 {
     const double d = 0x1p-22;
     weft_cloth *cloth = make_cloth(0, 1.0);
-    weft_number_of_cloth numbers[NUMBERS];
+    weft_parameter numbers[NUMBERS];
     job jobs[NUMBERS + 2];
     bench_case cases[NUMBERS + 2];
     for (size_t j = 0; j < NUMBERS; ++j) {
-        numbers[j] = (weft_number_of_cloth){ names[j], make_cloth(j, 1.0 - d),
-                                             make_cloth(j, 1.0 + d), 2.0 * d };
+        numbers[j] = (weft_parameter){ names[j], make_cloth(j, 1.0 - d),
+                                       make_cloth(j, 1.0 + d), 2.0 * d };
     }
     for (size_t j = 0; j < NUMBERS + 2; ++j) {
         jobs[j] = j < NUMBERS    ? make_job(cloth, &numbers[j], 1)

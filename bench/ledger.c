@@ -47,7 +47,7 @@ static weft_cloth *make_cloth(size_t side, int forces)
         = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.005 * c };
     def.pins = pins;
     def.pin_count = 2;
-    def.drag = forces > 1 ? 1e-5 : 0.0;
+    def.damping = forces > 1 ? 1e-5 : 0.0;
     def.wind_drag = forces > 1 ? 0.3 : 0.0;
     def.wind_velocity[2] = 2.0;
     if (weft_cloth_create(&def, &cloth, NULL) != WEFT_OK) {

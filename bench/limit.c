@@ -35,7 +35,7 @@ static weft_cloth *make_cloth(size_t side, bool forces)
     def.density = 0.0;
     def.pins = pins;
     def.pin_count = 2;
-    def.drag = forces ? 0.05 * pow(17.0 / (double)side, 1.8) : 0.0;
+    def.damping = forces ? 0.05 * pow(17.0 / (double)side, 1.8) : 0.0;
     def.gravity[1] = forces ? -9.81 : 0.0;
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         def.springs[f] = (weft_spring_def){ .present = true,

@@ -80,7 +80,7 @@ static inline naive_cloth naive_create(const weft_cloth_def *def,
                                        const weft_cloth *cloth)
 {
     const size_t n = weft_cloth_particles(cloth);
-    naive_cloth self = { .particles = n, .drag = def->drag };
+    naive_cloth self = { .particles = n, .drag = def->damping };
     self.springs = malloc(6 * n * sizeof *self.springs);
     self.inverse_mass = malloc(n * sizeof *self.inverse_mass);
     if (self.springs == NULL || self.inverse_mass == NULL) {

@@ -136,7 +136,7 @@ static void describe(choice *self, size_t rows, size_t cols)
     def.density = self->lumped ? density : 0.0;
     def.pins = edges;
     def.pin_count = self->taut ? 2 : 1;
-    def.drag = 0.2 * mass; /* 1/s of the mass */
+    def.damping = 0.2 * mass; /* 1/s of the mass */
     if (!self->own_wind) {
         memcpy(def.wind_velocity, wind, sizeof wind);
         def.wind_drag = wind_drag;

@@ -106,13 +106,13 @@ static inline weft_cloth *sheet_band(const sheet *of, double bend, size_t rank,
                                  .damping = { 1e-5, 1e-5 },
                                  .coupling = 50.0 };
     weft_mesh_def mesh = weft_mesh_def_default();
-    mesh.vertices = mesh.places = of->side * of->side;
+    mesh.vertices = mesh.uv_count = of->side * of->side;
     mesh.triangles = 2 * (of->side - 1) * (of->side - 1);
     mesh.start = of->start, mesh.rest = of->rest, mesh.corners = of->corners;
     mesh.fabrics = &fabric, mesh.fabric_count = 1;
     weft_cloth_def def = weft_cloth_def_default();
     def.mesh = &mesh;
-    def.drag = 1e-6;
+    def.damping = 1e-6;
     def.wind_velocity[0] = 3.0, def.wind_drag = 0.5;
     if (size > 1) {
         (void)weft_comm_band(weft_cloth_def_blocks(&def), rank, size, &def.band_first,

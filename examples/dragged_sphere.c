@@ -73,7 +73,7 @@ int main(void)
         = (weft_spring_def){ .present = true, .stiffness = 50.0, .damping = 0.01 };
     def.pins = &top;
     def.pin_count = 1;
-    def.drag = 4e-4;
+    def.damping = 4e-4;
 
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;

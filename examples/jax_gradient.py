@@ -38,7 +38,7 @@ def corner(t, x, v):
 def host(numbers):
     """The value, then its derivatives by the numbers."""
     found = weft.gradient(SCENE, corner, KEYS, dict(zip(KEYS, np.asarray(numbers).tolist())), times=[0.3])
-    return np.array([found.value, *(found.numbers[key] for key in KEYS)])
+    return np.array([found.value, *(found.parameters[key] for key in KEYS)])
 
 
 def run(numbers):

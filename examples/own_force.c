@@ -74,7 +74,7 @@ static weft_status play(weft_sim *sim, weft_error *err)
         printf("%.1f s height %+.4f m, force did %+.6f J, floor %+.6f J, residual "
                "%+.1e J\n",
                weft_sim_time(sim), y[weft_cloth_particles(weft_sim_cloth(sim))],
-               ledger.force_work, ledger.outside_work, ledger.residual);
+               ledger.work_force, ledger.work_outside, ledger.residual);
         //! [balance]
     }
     return status;

@@ -132,17 +132,17 @@ int main(void)
     //! [mesh]
     mesh.vertices = ALL;
     mesh.start = start[0];
-    mesh.places = 2 * TOP;
+    mesh.uv_count = 2 * TOP;
     mesh.rest = rest[0];
     mesh.triangles = TRIANGLES;
     mesh.corners = corners[0];
-    mesh.corner_places = places[0];
+    mesh.corner_uv = places[0];
     mesh.fabrics = &fabric;
     mesh.fabric_count = 1;
     //! [mesh]
     def.mesh = &mesh;
     def.gravity[1] = 0.0;
-    def.drag = 1e-4; /* [kg/s] */
+    def.damping = 1e-4; /* [kg/s] */
     run.method = weft_plugin_method(weft_plugin_verlet(), "velocity_verlet");
     run.config.fixed_step = 1e-4; /* [s] */
     run.force = inflate;

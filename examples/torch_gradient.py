@@ -45,7 +45,7 @@ class Cloth(torch.autograd.Function):
     @staticmethod
     def forward(ctx, numbers):
         found = weft.gradient(SCENE, corner, KEYS, dict(zip(KEYS, numbers.tolist())), times=TIMES)
-        ctx.save_for_backward(numbers.new_tensor([found.numbers[key] for key in KEYS]))
+        ctx.save_for_backward(numbers.new_tensor([found.parameters[key] for key in KEYS]))
         return numbers.new_tensor(found.value)
 
     @staticmethod

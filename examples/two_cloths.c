@@ -46,7 +46,7 @@ int main(void)
     weft_cloth_def def = weft_cloth_def_default();
     add_square(0, 0.0);
     add_square(1, 0.2);
-    mesh.vertices = mesh.places = ALL;
+    mesh.vertices = mesh.uv_count = ALL;
     mesh.start = start[0];
     mesh.rest = rest[0];
     mesh.triangles = 2 * 2 * CELLS;

@@ -45,7 +45,7 @@ static weft_status make_cloth(weft_cloth **out, weft_error *err)
     def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 300.0, 0.01 };
     def.springs[WEFT_SHEAR] = (weft_spring_def){ true, 100.0, 0.005 };
     def.springs[WEFT_BEND] = (weft_spring_def){ true, 5.0, 0.001 };
-    def.drag = 1e-4;
+    def.damping = 1e-4;
     def.wind_velocity[0] = 0.5, def.wind_velocity[2] = 1.5;
     def.wind_drag = 0.3;
     def.pins = top, def.pin_count = 3;

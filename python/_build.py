@@ -59,7 +59,7 @@ extern "Python" void weftpy_option(void *, const char *, const char *);
 extern const char *const weftpy_prefix;
 weft_log weftpy_log_of(void);
 weft_status weftpy_scene(weft_registry *, weft_scene_def *, weft_scene **, weft_diagnostics *, weft_error *);
-weft_status weftpy_twins(weft_registry *, const weft_scene *, weft_scene_twins **, weft_error *);
+weft_status weftpy_perturbed(weft_registry *, const weft_scene *, weft_scene_perturbed **, weft_error *);
 void weftpy_masses(const weft_cloth *, double *);
 void weftpy_pinned(const weft_cloth *, bool *);
 void weftpy_index(const weft_cloth *, size_t *);
@@ -133,14 +133,14 @@ static weft_status weftpy_scene(weft_registry *registry, weft_scene_def *def, we
     return weft_scene_load(def, out, found, err);
 }
 
-static weft_status weftpy_twins(weft_registry *registry, const weft_scene *scene, weft_scene_twins **out,
+static weft_status weftpy_perturbed(weft_registry *registry, const weft_scene *scene, weft_scene_perturbed **out,
                                 weft_error *err)
 {
     weft_scene_def def = weft_scene_def_default();
     def.find_plugin = weftpy_find;
     def.find_ctx = registry;
     def.stop = weftpy_must_stop;
-    return weft_scene_twins_create(scene, &def, out, err);
+    return weft_scene_perturbed_create(scene, &def, out, err);
 }
 
 static void weftpy_masses(const weft_cloth *cloth, double *mass)
@@ -192,11 +192,11 @@ static weft_status weftpy_pairs_create(const weft_stepper_type *type, const weft
             weftpy_pair(to, of->runs[i].p + k, of->runs[i].q + k);
         }
     }
-    for (size_t i = 0; i < of->link_count; ++i) {
-        weftpy_pair(to, of->links[i].p, of->links[i].q);
+    for (size_t i = 0; i < of->block_coupling_count; ++i) {
+        weftpy_pair(to, of->block_couplings[i].p, of->links[i].q);
     }
-    for (size_t i = 0; i < of->tie_count; ++i) {
-        weftpy_pair(to, of->ties[i].p, of->ties[i].q);
+    for (size_t i = 0; i < of->scalar_coupling_count; ++i) {
+        weftpy_pair(to, of->scalar_couplings[i].p, of->ties[i].q);
     }
     return WEFT_OK;
 }
@@ -222,7 +222,7 @@ static weft_status weftpy_joined(const weft_cloth *cloth, uint32_t *pairs, size_
 {
     weftpy_pairs to = { { .abi = WEFT_STEPPER_ABI, .struct_size = sizeof(weft_stepper_type), .name = "pairs",
                           .reference = "", .license = "",
-                          .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_LINKS,
+                          .flags = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_STRUCTURE | WEFT_STEPPER_COUPLINGS,
                           .create = weftpy_pairs_create, .step = weftpy_no_step, .state_changed = weftpy_nothing,
                           .stats = weftpy_no_stats, .destroy = weftpy_nothing },
                         pairs, 0 };

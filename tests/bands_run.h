@@ -245,8 +245,8 @@ static inline void put_frame(const weft_sim *sim, char *text)
     put(text, "vetoed", (double)weft_sim_vetoed(sim));
     put(text, "energy", weft_energy_total(ledger.energy));
     put(text, "springs", ledger.dissipated_springs);
-    put(text, "wind", ledger.wind_work);
-    put(text, "pins", ledger.pin_work);
+    put(text, "wind", ledger.work_wind);
+    put(text, "pins", ledger.work_pins);
     put(text, "damped", ledger.dissipated_contact);
     put(text, "rubbed", ledger.dissipated_friction);
     put(text, "residual", ledger.residual);
@@ -583,9 +583,9 @@ static inline scenario in_wind(size_t rows, size_t cols, const char *method)
     def->springs[WEFT_STRETCH] = (weft_spring_def){ true, 60.0, 0.03 };
     def->springs[WEFT_SHEAR] = (weft_spring_def){ true, 12.0, 0.01 };
     def->springs[WEFT_BEND] = (weft_spring_def){ true, 2.0, 0.005 };
-    def->drag = 1e-3;
+    def->damping = 1e-3;
     static const double gust[] = { 0.0, 1.5, 0, 2, 0.017, 0, 0, 4, 0.05, 1, 1, 1 };
-    def->wind = (weft_track){ gust, 3 };
+    def->wind_table = (weft_table){ gust, 3 };
     def->wind_drag = 0.4;
     of.sim.method = test_method_named(method);
     for (size_t k = 0; test_needs_damping(of.sim.method) && k < WEFT_FAMILIES; ++k) {

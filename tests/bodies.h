@@ -20,7 +20,7 @@ static inline body_mesh *body_new(void)
 {
     body_mesh *to = calloc(1, sizeof *to);
     to->body.keys = 1;
-    to->body.places = to->places, to->body.corners = to->corners;
+    to->body.positions = to->places, to->body.corners = to->corners;
     return to;
 }
 

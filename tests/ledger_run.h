@@ -69,7 +69,7 @@ static inline void all_at_once(void)
         = (weft_spring_def){ .present = true, .stiffness = 0.9, .damping = 0.007 };
     model.springs[WEFT_BEND]
         = (weft_spring_def){ .present = true, .stiffness = 0.3, .damping = 0.005 };
-    model.drag = 0.003;
+    model.damping = 0.003;
     model.wind_velocity[0] = 1.0;
     model.wind_velocity[2] = 2.0;
     model.wind_drag = 0.3;

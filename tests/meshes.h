@@ -48,11 +48,11 @@ static inline void mesh_point(test_mesh *of, size_t vertices, size_t places,
     of->def = weft_mesh_def_default();
     of->def.vertices = vertices;
     of->def.start = of->start;
-    of->def.places = places;
+    of->def.uv_count = places;
     of->def.rest = of->rest;
     of->def.triangles = triangles;
     of->def.corners = of->corners;
-    of->def.corner_places = of->places;
+    of->def.corner_uv = of->places;
     of->def.fabrics = of->fabrics;
     of->def.fabric_count = 1;
 }

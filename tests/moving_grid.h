@@ -35,9 +35,9 @@ static inline weft_cloth *moving_grid(size_t rows, size_t cols, unsigned with)
     def.scale = 1.02;
     def.pins = pins;
     def.pin_count = with % 4;
-    def.drag = 1e-5;
+    def.damping = 1e-5;
     def.wind_drag = (with & GRID_WIND) != 0 ? 0.5 : 0.0;
-    def.wind = (weft_track){ gust, 2 };
+    def.wind_table = (weft_table){ gust, 2 };
     shapes[0].normal[1] = 0.0, shapes[0].normal[2] = 1.0, shapes[0].at[2] = -3e-3;
     shapes[0].velocity[2] = 0.1, shapes[0].spin[2] = 1.0;
     shapes[1].at[0] = 0.3, shapes[1].at[1] = -0.3, shapes[1].at[2] = 0.104;

@@ -31,9 +31,9 @@ static inline weft_cloth_def cloth_definition(size_t rows)
     def.springs[WEFT_SHEAR]
         = (weft_spring_def){ .present = true, .stiffness = 5.0, .damping = 0.01 };
     def.wind_velocity[2] = 2.0;
-    def.wind = (weft_track){ gust, 3 };
+    def.wind_table = (weft_table){ gust, 3 };
     def.wind_drag = 0.2;
-    def.drag = 1e-3;
+    def.damping = 1e-3;
     def.pins = pins;
     def.pin_count = 2;
     return def;

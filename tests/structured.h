@@ -12,7 +12,7 @@ static inline void add_spring(const weft_structure *of, const double *planes, si
                               const size_t ends[2], const double *y, const double *dy,
                               double *out)
 {
-    const size_t n = of->particles, m = of->bond_count, p = ends[0], q = ends[1];
+    const size_t n = of->particles, m = of->pair_count, p = ends[0], q = ends[1];
     const double *u = planes + b;
     double square = 0.0, wu = 0.0, along = 0.0;
     for (size_t k = 0; k < 3; ++k) {
@@ -40,11 +40,11 @@ static inline void add_bend_damping(const weft_structure *of, const double *plan
                                     const double *dy, double *out)
 {
     const size_t n = of->particles, first = of->run_count - of->bend_runs;
-    size_t b = of->bond_count - of->bend_bonds;
-    for (const weft_bonds *run = of->runs + first; run < of->runs + of->run_count;
+    size_t b = of->pair_count - of->bend_pairs;
+    for (const weft_spring_run *run = of->runs + first; run < of->runs + of->run_count;
          ++run) {
         for (size_t i = 0; i < run->count; ++i, ++b) {
-            const double c = of->bend_damping * planes[4 * of->bond_count + b];
+            const double c = of->bend_damping * planes[4 * of->pair_count + b];
             for (size_t k = 3 * n; k < 6 * n; k += n) {
                 const double change = c * (dy[k + run->q + i] - dy[k + run->p + i]);
                 out[k + run->p + i] += change;
@@ -66,7 +66,7 @@ static inline void add_contact(size_t n, const double *blocks, const double *dy,
 }
 
 /* -A (dy_p - dy_q) to the rows of p, -A^T (dy_q - dy_p) to those of q. */
-static inline void add_link(size_t n, weft_link at, const double *block,
+static inline void add_link(size_t n, weft_block_coupling at, const double *block,
                             const double *dy, double *out)
 {
     for (size_t j = 0; j < 9; ++j) {
@@ -81,12 +81,13 @@ static inline void add_links(const weft_structure *of, const double *numbers,
                              const double *dy, double *out)
 {
     const size_t n = of->particles;
-    for (size_t e = 0; e < of->link_count; ++e, numbers += WEFT_LINK_NUMBERS) {
-        add_link(n, of->links[e], numbers, dy, out);
-        add_link(n, of->links[e], numbers + 9, dy + 3 * n, out);
+    for (size_t e = 0; e < of->block_coupling_count;
+         ++e, numbers += WEFT_COUPLING_NUMBERS) {
+        add_link(n, of->block_couplings[e], numbers, dy, out);
+        add_link(n, of->block_couplings[e], numbers + 9, dy + 3 * n, out);
     }
-    for (size_t e = 0; e < of->tie_count; ++e) {
-        const weft_tie *tie = &of->ties[e];
+    for (size_t e = 0; e < of->scalar_coupling_count; ++e) {
+        const weft_scalar_coupling *tie = &of->scalar_couplings[e];
         for (size_t k = 0; k < 3; ++k) {
             const double *x = dy + k * n, *v = x + 3 * n;
             double *to = out + (k + 3) * n;
@@ -99,17 +100,18 @@ static inline void add_links(const weft_structure *of, const double *numbers,
 }
 
 /* out[6 N] = J dy, from the structure and y alone. `room` holds the planes and blocks
- * of linearise and the numbers of linearise_links, WEFT_BOND_PLANES bond_count
- * + WEFT_BLOCK_PLANES N + WEFT_LINK_NUMBERS link_count. Returns as linearise. */
+ * of linearise and the numbers of linearise_blocks, WEFT_PAIR_PLANES pair_count
+ * + WEFT_BLOCK_PLANES N + WEFT_COUPLING_NUMBERS block_coupling_count. Returns as
+ * linearise. */
 static inline int structure_product(const weft_structure *of, double t, const double *y,
                                     const double *dy, double *room, double *out)
 {
     const size_t n = of->particles;
-    double *blocks = room + WEFT_BOND_PLANES * of->bond_count;
+    double *blocks = room + WEFT_PAIR_PLANES * of->pair_count;
     double *numbers = blocks + WEFT_BLOCK_PLANES * n;
     int failed = of->linearise(t, y, room, blocks, of->ctx);
-    if (failed == 0 && of->link_count > 0) {
-        failed = of->linearise_links(t, y, numbers, of->ctx);
+    if (failed == 0 && of->block_coupling_count > 0) {
+        failed = of->linearise_blocks(t, y, numbers, of->ctx);
     }
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] = of->mass[j % n] > 0.0 ? dy[3 * n + j] : 0.0;

@@ -20,7 +20,7 @@ static double answer(void *self, double mine)
 
 static bool agrees(const weft_stepper_type *type)
 {
-    return (type->flags & (uint32_t)WEFT_STEPPER_AGREES) != 0;
+    return (type->flags & (uint32_t)WEFT_STEPPER_DISTRIBUTED) != 0;
 }
 
 static void start_with(trial_run *r, const weft_stepper_type *type,

@@ -18,7 +18,7 @@ START_TEST(every_method_that_agrees_has_the_same_bits)
 {
     for (size_t i = 0; i < test_method_count(); ++i) {
         const weft_stepper_type *type = test_method(i);
-        if ((type->flags & WEFT_STEPPER_AGREES) != 0 && !test_is_spared(type)) {
+        if ((type->flags & WEFT_STEPPER_DISTRIBUTED) != 0 && !test_is_spared(type)) {
             scenario of = in_wind(11, 6, test_method_label(i));
             check_runs(&of);
             of.sim.config.norm = WEFT_NORM_RMS;
@@ -253,7 +253,7 @@ static scenario random_scenario(weft_pin some_pins[3], weft_load *load)
     of.cloth.pins = some_pins, of.cloth.pin_count = below(4);
     of.cloth.loads = load, of.cloth.load_count = below(2);
     of.cloth.wind_drag = below(2) > 0 ? 0.4 : 0.0;
-    of.cloth.drag = below(2) > 0 ? 1e-3 : 0.0;
+    of.cloth.damping = below(2) > 0 ? 1e-3 : 0.0;
     randomise_contact(&of);
     return of;
 }

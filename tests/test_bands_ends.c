@@ -132,7 +132,7 @@ START_TEST(refuses_what_needs_the_whole_state)
     for (size_t i = 0; i < test_method_count(); ++i) {
         def.method = test_method(i);
         def.config = test_config(def.method, good.config);
-        if ((def.method->flags & WEFT_STEPPER_AGREES) == 0) {
+        if ((def.method->flags & WEFT_STEPPER_DISTRIBUTED) == 0) {
             check_refused(def, WEFT_UNSUPPORTED, def.method->name);
         }
     }

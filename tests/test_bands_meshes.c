@@ -39,8 +39,8 @@ static scenario sewn(test_mesh *sheet, size_t rows, const char *method)
     of.cloth.gravity[1] = -9.81;
     of.cloth.pins = held, of.cloth.pin_count = 2;
     of.cloth.loads = &load, of.cloth.load_count = 1;
-    of.cloth.drag = 1e-4;
-    of.cloth.wind = grid.wind, of.cloth.wind_drag = grid.wind_drag;
+    of.cloth.damping = 1e-4;
+    of.cloth.wind_table = grid.wind_table, of.cloth.wind_drag = grid.wind_drag;
     of.duration = 0.002;
     if (of.sim.config.fixed_step > 0.0) {
         of.sim.config.fixed_step = 4e-5;

@@ -36,7 +36,7 @@ static void setup(void)
     model.wind_drag = 0.1;
     model.velocity[2] = 0.4;
     def = weft_sim_def_default();
-    def.dense = true;
+    def.interpolate = true;
 }
 
 static void start(const weft_stepper_type *method, double fixed_step)
@@ -154,11 +154,11 @@ START_TEST(times_outside_the_last_step_are_refused)
     ck_assert_int_eq(weft_sim_between(sim, 0.015, y, &err), WEFT_OK);
     ck_assert_int_eq(weft_sim_set_state(sim, NULL, NULL, &err), WEFT_OK);
     ck_assert_int_eq(weft_sim_between(sim, 0.015, y, &err), WEFT_INVALID);
-    def.dense = false;
+    def.interpolate = false;
     start(DORMAND_PRINCE, 0.01);
     step(1.0);
     ck_assert_int_eq(weft_sim_between(sim, 0.005, y, &err), WEFT_INVALID);
-    ck_assert_ptr_nonnull(strstr(err.message, "dense"));
+    ck_assert_ptr_nonnull(strstr(err.message, "interpolate"));
 }
 END_TEST
 
@@ -248,7 +248,7 @@ START_TEST(frames_from_within_steps_do_not_change_the_run)
     ck_assert_uint_eq(weft_sim_stats(sim).steps, steps);
     ck_assert_uint_eq(dense.frames, 501);
     ck_assert_uint_gt(dense.between, 501 - steps - 2);
-    def.dense = false;
+    def.interpolate = false;
     start(DORMAND_PRINCE, 0.0);
     ck_assert_uint_eq(play(1000.0, 0).between, 0);
     ck_assert_uint_ge(weft_sim_stats(sim).steps, 500);
@@ -262,7 +262,7 @@ START_TEST(checkpoints_fall_on_the_end_of_a_step)
     ck_assert_uint_eq(dense.frames, 501);
     ck_assert_uint_gt(dense.between, 300);
     const uint64_t steps = weft_sim_stats(sim).steps;
-    def.dense = true;
+    def.interpolate = true;
     start(DORMAND_PRINCE, 0.0);
     (void)play(10.0, 1);
     ck_assert_uint_eq(weft_sim_stats(sim).steps, steps);
@@ -304,7 +304,7 @@ static void fall(void)
     for (size_t f = 0; f < WEFT_FAMILIES; ++f) {
         model.springs[f].present = false;
     }
-    def.dense = false;
+    def.interpolate = false;
 }
 
 START_TEST(an_event_ends_the_step_where_the_function_is_0)
@@ -364,7 +364,7 @@ START_TEST(a_function_that_never_falls_changes_no_bit)
     static double below = -1e9;
     double y[DIM];
     weft_error err = { 0 };
-    def.dense = false;
+    def.interpolate = false;
     start(DORMAND_PRINCE, 0.0);
     ck_assert_int_eq(weft_sim_advance(sim, 0.5, &err), WEFT_OK);
     memcpy(y, weft_sim_state(sim), sizeof y);
@@ -397,7 +397,7 @@ START_TEST(an_event_that_must_hold_comes_so_long_after_it_began_also_when_saved)
     static unsigned char saved[65536];
     uint64_t hashes[2];
     weft_error err = { 0 };
-    def.dense = _i == 1;
+    def.interpolate = _i == 1;
     def.event = twice;
     def.event_hold = 0.25;
     start(DORMAND_PRINCE, 0.0625);
@@ -430,7 +430,7 @@ START_TEST(an_event_is_the_last_frame)
         = { .run = &run, .last = 50, .frame = on_any_frame, .ctx = last };
     def.event = clock_of;
     def.event_ctx = &moment;
-    def.dense = _i == 1;
+    def.interpolate = _i == 1;
     start(DORMAND_PRINCE, 0.0);
     ck_assert_int_eq(weft_sim_play(sim, &frames, &err), WEFT_OK);
     ck_assert(weft_sim_event(sim));

@@ -303,7 +303,7 @@ END_TEST
 /* Lets the sheet fall on what is below it and rest there. */
 static void land(double t)
 {
-    def.drag = 1e-3;
+    def.damping = 1e-3;
     springs(20.0, 0.02);
     def.contact.friction = 0.5;
     begin(1e-5);

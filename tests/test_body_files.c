@@ -53,7 +53,7 @@ START_TEST(v_and_f_alone_are_read)
     ck_assert_uint_eq(shape->body->vertices, 4);
     ck_assert_uint_eq(shape->body->triangles, 2);
     ck_assert_mem_eq(shape->body->corners, corners, sizeof corners);
-    ck_assert(shape->body->places[0] == -0.5 && shape->at[1] == -1.0);
+    ck_assert(shape->body->positions[0] == -0.5 && shape->at[1] == -1.0);
     ck_assert(shape->friction == 0.7);
     weft_scene_destroy(scene);
 }

@@ -35,9 +35,9 @@ static void same(const weft_sim *a, const weft_sim *b)
     ck_assert_uint_eq(p.factorisations, q.factorisations);
     ck_assert_uint_eq(p.newton_failures, q.newton_failures);
     ck_assert(p.last_step == q.last_step && p.next_step == q.next_step);
-    ck_assert(m.residual == n.residual && m.limit_work == n.limit_work);
-    ck_assert(m.outside_work == n.outside_work && m.wind_work == n.wind_work);
-    ck_assert(m.force_work == n.force_work);
+    ck_assert(m.residual == n.residual && m.work_limit == n.work_limit);
+    ck_assert(m.work_outside == n.work_outside && m.work_wind == n.work_wind);
+    ck_assert(m.work_force == n.work_force);
     ck_assert_uint_eq(u.corrected, v.corrected);
     ck_assert_uint_eq(u.sweeps, v.sweeps);
     ck_assert_uint_eq(u.unconverged, v.unconverged);

@@ -138,7 +138,7 @@ START_TEST(mass_on_a_spring_is_a_damped_oscillator)
 {
     const double zetas[] = { 0, 0.1, 1, 3 }, m = 0.5, w = 4.0, sag = G / (w * w);
     for (size_t i = 0; i < 2 * COUNT(zetas); ++i) {
-        double *c = i % 2 == 0 ? &def.drag : &def.springs[WEFT_STRETCH].damping;
+        double *c = i % 2 == 0 ? &def.damping : &def.springs[WEFT_STRETCH].damping;
         plain(2, 1, m, m * w * w, G, 1);
         *c = zetas[i / 2] * 2.0 * m * w;
         start(BEST);
@@ -178,7 +178,7 @@ START_TEST(euler_multiplies_by_1_minus_h_k)
     const double hk[] = { 0.1, 1.0, 1.5, 2.5 };
     for (size_t i = 0; i < COUNT(hk); ++i) {
         plain(1, 2, 0.25, 0.0, 0.0, 0);
-        def.drag = 1.0;
+        def.damping = 1.0;
         def.velocity[2] = 3.0;
         start(test_method_named("verlet/euler"), hk[i] / 4.0);
         for (int steps = 1; steps <= 60; ++steps) {
@@ -392,7 +392,7 @@ START_TEST(hanging_column_carries_what_is_below)
 {
     const double m = 0.1, k = 50.0, s = 0.5;
     plain(6, 1, m, k, G, 1); /* lowest frequency: 6.4 /s */
-    def.spacing[0] = s, def.drag = 2.0 * m * 6.4;
+    def.spacing[0] = s, def.damping = 2.0 * m * 6.4;
     relax(1e-3, 8.0);
     for (size_t i = 1; i < n; ++i) {
         const double carried = k * (x[3 * i - 2] - x[3 * i + 1] - s);
@@ -411,7 +411,7 @@ START_TEST(hanging_sheet_extends_alike_at_any_resolution)
         const double a = 1.0 / (double)springs;
         plain(springs + 1, 2, 0.0, 100.0 * 0.15 / a, G, 1);
         def.spacing[0] = a, def.spacing[1] = 0.3, def.density = 0.3;
-        def.drag = 28.7 * 0.3 * a * 0.15; /* lowest frequency: 28.7 /s */
+        def.damping = 28.7 * 0.3 * a * 0.15; /* lowest frequency: 28.7 /s */
         def.pins = &top;
         relax(1e-3, 3.0);
         near3(x + 3 * n - 6, 0.0, -1.014715, 0.0, 1e-13);
@@ -450,7 +450,7 @@ START_TEST(hanging_chain_is_the_discrete_catenary)
     near(node[3 * (int)count / 2 + 1], -sag, 1e-12);
     plain(1, (size_t)count + 1, 0.1 / count, 100.0 * count, G, 2);
     def.spacing[1] = 1.2 / count, def.scale = 1.0 / 1.2;
-    def.drag = 14.0 * def.mass;
+    def.damping = 14.0 * def.mass;
     relax(1e-3, 6.0);
     weft_cloth_force(cloth, 0.0, y, f);
     near(f[0], pull, 1e-10);
@@ -476,7 +476,7 @@ START_TEST(pins_at_rest_carry_the_weight)
     def.springs[WEFT_BEND]
         = (weft_spring_def){ .present = true, .stiffness = 10.0, .damping = 0.01 };
     def.spacing[0] = 0.5, def.gravity[0] = 1.5;
-    def.drag = 0.1;
+    def.damping = 0.1;
     relax(2e-3, 20.0);
     weft_cloth_force(cloth, 0.0, y, f);
     near(f[0] + f[4], 20 * 0.01 * 1.5, 1e-10);

@@ -326,7 +326,7 @@ START_TEST(no_number_may_be_nan_infinite_or_of_the_wrong_sign)
         FIELD(pins[1].amplitude, 3, ANY, "pin 1: amplitude "),
         FIELD(pins[1].frequency, 1, NOT_NEGATIVE, "pin 1: frequency "),
         FIELD(def.gravity, 3, ANY, "gravity "),
-        FIELD(def.drag, 1, NOT_NEGATIVE, "drag "),
+        FIELD(def.damping, 1, NOT_NEGATIVE, "damping "),
         FIELD(def.wind_velocity, 3, ANY, "wind_velocity "),
         FIELD(def.wind_drag, 1, NOT_NEGATIVE, "wind_drag "),
     };
@@ -388,7 +388,7 @@ START_TEST(refusals_name_the_field)
             b.pins[0].rows = (weft_range){ 2, 1 });
     REFUSED("pin 1: columns 4 to 4 are outside the grid of 4 columns",
             b.pins[1].cols = (weft_range){ 4, 4 });
-    REFUSED("drag -1 kg/s: must be >= 0", b.def.drag = -1.0);
+    REFUSED("damping -1 kg/s: must be >= 0", b.def.damping = -1.0);
     REFUSED("the masses are too large or too small for a double",
             b.def.density = 5e-324);
     REFUSED("pin 0: its motion is too large or too small for a double",

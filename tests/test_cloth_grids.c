@@ -42,7 +42,7 @@ static weft_cloth_def grid_of(size_t rows, size_t cols)
     out.bending = (weft_bending_def){ { 2e-5, 1e-5 }, 1e-5, 1e-3 };
     out.wind_velocity[2] = 3.0;
     out.wind_drag = 0.5;
-    out.drag = 1e-4;
+    out.damping = 1e-4;
     return out;
 }
 
@@ -73,7 +73,7 @@ static void make_outfit(outfit *at, bool self)
     at->veil.origin[2] = -3.0;
     at->mesh.vertices = ALL;
     at->mesh.start = at->start;
-    at->mesh.corner_places = at->sheet.def.corners;
+    at->mesh.corner_uv = at->sheet.def.corners;
     at->mesh.corners = at->corners;
     at->mesh.parts = at->parts, at->mesh.part_count = 3;
     at->mesh.grids = at->grids;
@@ -436,7 +436,7 @@ START_TEST(grids_and_a_mesh_push_each_other_apart_and_keep_momentum_and_energy)
     ck_assert_msg(weft_cloth_create(weft_scene_cloth(scene), &cloth, &err) == WEFT_OK,
                   "%s", err.message);
     ck_assert_uint_gt(touching_with_momentum_and_energy_kept(cloth), 200);
-    const weft_number_of_cloth number = { "number", cloth, cloth, 1.0 };
+    const weft_parameter number = { "number", cloth, cloth, 1.0 };
     const weft_sensitivity_def by = { 1, &number, true };
     weft_sim_def run = weft_sim_def_default();
     weft_sim *sim;

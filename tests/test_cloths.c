@@ -51,7 +51,7 @@ static void make_pair(pair *at, size_t rows, double spacing, double jitter)
         at->mesh.vertices += from->vertices;
         at->mesh.triangles += from->triangles;
     }
-    at->mesh.places = at->mesh.vertices;
+    at->mesh.uv_count = at->mesh.vertices;
     at->mesh.start = at->start;
     at->mesh.rest = at->rest;
     at->mesh.corners = at->corners;
@@ -304,8 +304,8 @@ START_TEST(a_part_keeps_its_numbers_its_pins_and_its_fabric)
     ck_assert_str_eq(mesh->parts[1].name, "skirt");
     ck_assert_uint_eq(mesh->parts[1].first, 30);
     ck_assert_double_eq(mesh->parts[1].velocity[1], 0.5);
-    ck_assert_uint_eq(mesh->names[0], 1);
-    ck_assert_uint_eq(mesh->names[30], 1);
+    ck_assert_uint_eq(mesh->file_index[0], 1);
+    ck_assert_uint_eq(mesh->file_index[30], 1);
     ck_assert_uint_eq(cloth->pin_count, 3);
     ck_assert_uint_eq(cloth->pins[1].vertices[0], 8); /* v 9, from 0 */
     ck_assert_uint_eq(cloth->pins[2].vertices[0], 34);

@@ -111,7 +111,7 @@ START_TEST(a_sheet_rests_at_its_gap)
     model.springs[WEFT_STRETCH]
         = (weft_spring_def){ .present = true, .stiffness = 100.0, .damping = 0.1 };
     model.spacing[0] = model.spacing[1] = 0.1;
-    model.drag = 5.0;
+    model.damping = 5.0;
     model.origin[1] = dh * (1.0 - s) + 1e-5;
     start();
     go(2.0);
@@ -357,7 +357,7 @@ START_TEST(a_roller_pulls_a_chain_by_the_law_of_capstans)
     shapes[0].radius = 0.1, shapes[0].at[2] = -1.0;
     shapes[0].to[0] = 0.0, shapes[0].to[2] = 1.0, shapes[0].spin[2] = 5.0;
     memset(model.gravity, 0, sizeof model.gravity);
-    model.cols = COUNT, model.mass = 1e-3, model.drag = 0.02, model.origin[1] = 1.0;
+    model.cols = COUNT, model.mass = 1e-3, model.damping = 0.02, model.origin[1] = 1.0;
     model.spacing[1] = 0.9 * length / LINKS;
     model.springs[WEFT_STRETCH]
         = (weft_spring_def){ .present = true, .stiffness = 1000.0, .damping = 0.3 };

@@ -333,7 +333,7 @@ START_TEST(shapes_are_added_moved_and_removed)
     ck_assert_uint_eq(weft_cloth_shapes(cloth), 0);
     const weft_ledger ledger = weft_sim_ledger(sim);
     ck_assert_double_gt(ledger.energy.contact, 0.0);
-    ck_assert_double_eq_tol(ledger.outside_work, ledger.energy.contact, 1e-15);
+    ck_assert_double_eq_tol(ledger.work_outside, ledger.energy.contact, 1e-15);
     weft_sim_shape_load(sim, 0, force, torque);
     ck_assert_double_lt(force[1], 0.0);
     go(0.2);

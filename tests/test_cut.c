@@ -78,7 +78,7 @@ static const weft_mesh_def *mesh_of(const weft_scene *scene)
 
 static const double *corner(const weft_mesh_def *mesh, size_t t, size_t k)
 {
-    return &mesh->rest[2 * mesh->corner_places[3 * t + k]];
+    return &mesh->rest[2 * mesh->corner_uv[3 * t + k]];
 }
 
 /* u v of each vertex, which has one place. */

@@ -14,7 +14,7 @@ static weft_cloth *make(size_t rows, size_t cols)
     weft_cloth *cloth = NULL;
     def.rows = rows;
     def.cols = cols;
-    def.drag = 0.01;
+    def.damping = 0.01;
     for (size_t k = 0; k < WEFT_FAMILIES; ++k) {
         def.springs[k] = (weft_spring_def){ .present = true,
                                             .stiffness = 10.0,

@@ -59,8 +59,8 @@ START_TEST(force_accelerates_free_particles_and_no_others)
         ck_assert_double_eq_tol(x[j] - rest[j], moved, 1e-13);
     }
     const weft_ledger ledger = weft_sim_ledger(sim);
-    ck_assert_double_gt(ledger.force_work, 1.0);
-    ck_assert_double_eq_tol(ledger.force_work, ledger.energy.kinetic, 1e-12);
+    ck_assert_double_gt(ledger.work_force, 1.0);
+    ck_assert_double_eq_tol(ledger.work_force, ledger.energy.kinetic, 1e-12);
     ck_assert_double_eq_tol(ledger.residual, 0.0, 1e-12);
 }
 END_TEST
@@ -540,7 +540,7 @@ START_TEST(no_callback_can_change_or_save_its_simulation)
     const weft_sim_def plain = run;
     for (int k = 0; k < CALLBACKS; ++k) {
         run = plain;
-        run.dense = k == FRAME || k == STEP;
+        run.interpolate = k == FRAME || k == STEP;
         run.stop = k == STOP ? stop : NULL;
         run.force = k == FORCE ? force : NULL;
         run.correct = k == CORRECT ? correction : NULL;

@@ -189,7 +189,7 @@ static weft_cloth *settled(weft_cloth_def def, double rate, double step, double 
     enum { STEPS = 15000 };
     static double dydt[6 * SHEET];
     const size_t n = def.rows * def.cols;
-    def.drag = rate * 0.2 / (double)((def.rows - 1) * (def.cols - 1));
+    def.damping = rate * 0.2 / (double)((def.rows - 1) * (def.cols - 1));
     weft_cloth *cloth = test_cloth(&def);
     weft_cloth_start(cloth, y);
     for (int i = 0; i < STEPS; ++i) {

@@ -299,7 +299,7 @@ START_TEST(dampers_follow_their_formula_and_take_power)
         same(m.f, f, 3 * m.n, 1e-13 * largest);
         ck_assert_double_lt(power, 0.0);
         near(weft_cloth_dissipation(m.cloth, 0.0, m.y), heat, 1e-13 * heat);
-        m.def.drag = 0.6; /* counts too, but not that of the pinned */
+        m.def.damping = 0.6; /* counts too, but not that of the pinned */
         m.pin = (weft_pin){ .rows = { 0, 0 }, .cols = { -1, -1 } };
         m.def.pin_count = 1;
         make(g);
@@ -378,7 +378,7 @@ START_TEST(wind_pushes_along_the_normal_and_drag_against_the_velocity)
         define(grids[g], 0, _i, ELASTIC);
         set(m.def.wind_velocity, 1.0, -2.0, 3.0);
         m.def.wind_drag = 0.8;
-        m.def.drag = chain ? 0.0 : 0.25;
+        m.def.damping = chain ? 0.0 : 0.25;
         m.pin = (weft_pin){ .rows = { 0, 0 } };
         m.def.pin_count = 1; /* makes no odds */
         make(g);
@@ -387,7 +387,7 @@ START_TEST(wind_pushes_along_the_normal_and_drag_against_the_velocity)
         for (size_t j = 0; j < 3 * m.n; ++j) {
             double wind[3];
             wind_on(j % m.n, wind);
-            wind[j / m.n] -= m.def.drag * m.y[3 * m.n + j];
+            wind[j / m.n] -= m.def.damping * m.y[3 * m.n + j];
             near(m.f[j], wind[j / m.n], 1e-14 * largest);
         }
     }
@@ -424,7 +424,7 @@ START_TEST(rhs_is_velocity_and_force_over_mass_but_for_pins)
     double expected[6 * MOST], dydt[6 * MOST];
     define(grids[2], 7, WEFT_LAW_HOOKE, DAMPED);
     set(m.def.gravity, 0.5, -9.81, 2.0);
-    m.def.drag = 0.1;
+    m.def.damping = 0.1;
     m.def.wind_drag = 0.3;
     m.pin = (weft_pin){ .rows = { 0, 0 },
                         .cols = { 0, 2 },

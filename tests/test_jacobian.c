@@ -72,7 +72,7 @@ static weft_cloth *make(size_t number)
         def.springs[WEFT_BEND].present = false;
         def.bending = (weft_bending_def){ { 0.02, 0.05 }, -1.0, 0.003 };
     }
-    def.drag = 0.01;
+    def.damping = 0.01;
     def.wind_drag = choice & 2 ? 0.5 : 0.0;
     def.wind_velocity[0] = 3.0, def.wind_velocity[2] = 2.0;
     def.contact.law = choice & 4 ? WEFT_FRICTION_COULOMB : WEFT_FRICTION_SMOOTH;
@@ -197,7 +197,7 @@ START_TEST(transposed_product_of_triangles_is_that_of_the_transpose)
     sheet.fabrics[0].damping[0] = 0.02, sheet.fabrics[0].damping[1] = 0.01;
     sheet.def.arc = _i == 1;
     weft_cloth_def def = mesh_cloth(&sheet);
-    def.drag = 0.01, def.wind_drag = 0.5, def.wind_velocity[2] = 2.0;
+    def.damping = 0.01, def.wind_drag = 0.5, def.wind_velocity[2] = 2.0;
     def.pins = &pin, def.pin_count = 1;
     def.contact.thickness = 0.1, def.contact.slip = 0.5;
     def.contact.shapes = &shape, def.contact.shape_count = 1;
@@ -220,7 +220,7 @@ START_TEST(transposed_product_of_a_spring_is_by_hand)
     weft_cloth_def def = weft_cloth_def_default();
     double y[12] = { 0 }, w[12] = { 0 }, out[12];
     def.rows = 2, def.cols = 1, def.spacing[0] = 1.0;
-    def.mass = 2.0, def.density = 0.0, def.drag = 0.5;
+    def.mass = 2.0, def.density = 0.0, def.damping = 0.5;
     def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 8.0, 4.0 };
     def.pins = &pin, def.pin_count = 1;
     weft_cloth *cloth = test_cloth(&def);
@@ -326,7 +326,7 @@ static weft_sim *look_with(const weft_cloth *cloth, uint32_t flags)
 
 static weft_sim *simulate(const weft_cloth *cloth)
 {
-    weft_sim *sim = look_with(cloth, WEFT_STEPPER_LINKS);
+    weft_sim *sim = look_with(cloth, WEFT_STEPPER_COUPLINGS);
     ck_assert_ptr_nonnull(seen.structure);
     ck_assert_uint_eq(seen.structure->struct_size, sizeof *seen.structure);
     return sim;
@@ -335,9 +335,9 @@ static weft_sim *simulate(const weft_cloth *cloth)
 /* The room for linearise. */
 static double *room(const weft_structure *of)
 {
-    const size_t count = WEFT_BOND_PLANES * of->bond_count
+    const size_t count = WEFT_PAIR_PLANES * of->pair_count
                          + WEFT_BLOCK_PLANES * of->particles
-                         + WEFT_LINK_NUMBERS * of->link_count;
+                         + WEFT_COUPLING_NUMBERS * of->block_coupling_count;
     double *planes = malloc(count * sizeof *planes);
     memset(planes, 0xff, count * sizeof *planes);
     return planes;
@@ -390,7 +390,7 @@ static weft_cloth *stretched(test_mesh *sheet, double *y, double *dy)
     }
     sheet->def.fabric_of = fabrics;
     weft_cloth_def def = mesh_cloth(sheet);
-    def.drag = 0.01;
+    def.damping = 0.01;
     def.pins = &pin, def.pin_count = 1;
     weft_cloth *cloth = test_cloth(&def);
     weft_cloth_start(cloth, y);
@@ -407,9 +407,9 @@ START_TEST(structure_of_triangles_has_the_jacobian_of_the_cloth)
     test_mesh sheet;
     weft_cloth *cloth = stretched(&sheet, y, dy);
     weft_sim *sim = simulate(cloth);
-    ck_assert_uint_eq(seen.structure->bond_count, 0);
-    ck_assert_uint_gt(seen.structure->link_count, 0);
-    ck_assert_uint_gt(seen.structure->tie_count, 0);
+    ck_assert_uint_eq(seen.structure->pair_count, 0);
+    ck_assert_uint_gt(seen.structure->block_coupling_count, 0);
+    ck_assert_uint_gt(seen.structure->scalar_coupling_count, 0);
     ck_assert_int_eq(weft_cloth_jacobian_product(cloth, 0.0, y, dy, whole), 0);
     structured(seen.structure, 0.0, y, dy, parts);
     ck_assert(distance(parts, whole, 6 * N) <= 1e-11 * largest(whole, 6 * N));
@@ -425,7 +425,9 @@ START_TEST(links_are_for_methods_that_know_them)
     test_mesh sheet;
     weft_cloth *cloth = stretched(&sheet, y, dy);
     weft_sim *sim = look_with(cloth, 0);
-    ck_assert_uint_eq(seen.structure->link_count + seen.structure->tie_count, 0);
+    ck_assert_uint_eq(seen.structure->block_coupling_count
+                          + seen.structure->scalar_coupling_count,
+                      0);
     weft_sim_destroy(sim);
     sim = look_with(cloth, WEFT_STEPPER_IMPLICIT);
     ck_assert_ptr_null(seen.structure);
@@ -487,7 +489,7 @@ START_TEST(runs_list_every_spring_once)
     const weft_structure *of = seen.structure;
     bool joined[40][40] = { { false } };
     size_t count = 0;
-    for (const weft_bonds *run = of->runs; run < of->runs + of->run_count; ++run) {
+    for (const weft_spring_run *run = of->runs; run < of->runs + of->run_count; ++run) {
         for (size_t i = 0; i < run->count; ++i, ++count) {
             const size_t p = run->p + i, q = run->q + i, cols = def.cols;
             const size_t down = q / cols - p / cols;
@@ -499,7 +501,7 @@ START_TEST(runs_list_every_spring_once)
             joined[p][q] = true;
         }
     }
-    ck_assert_uint_eq(count, of->bond_count);
+    ck_assert_uint_eq(count, of->pair_count);
     ck_assert_uint_eq(count, weft_cloth_springs(cloth, WEFT_STRETCH)
                                  + weft_cloth_springs(cloth, WEFT_SHEAR)
                                  + weft_cloth_springs(cloth, WEFT_BEND));
@@ -544,7 +546,7 @@ START_TEST(springs_of_no_length_are_zeros)
         y[j] = 0.5;
     }
     ck_assert_int_eq(of->linearise(0.0, y, planes, NULL, of->ctx), 0);
-    ck_assert(largest(planes, WEFT_BOND_PLANES * of->bond_count) == 0.0);
+    ck_assert(largest(planes, WEFT_PAIR_PLANES * of->pair_count) == 0.0);
     ck_assert_int_eq(weft_cloth_jacobian_product(cloth, 0.0, y, dy, out), 0);
     const double drag = 0.01 / weft_cloth_particle_mass(cloth, N / 2);
     ck_assert(fabs(out[4 * N + N / 2] + drag * dy[4 * N + N / 2]) < 1e-14 * drag);
@@ -633,7 +635,7 @@ START_TEST(linearise_refuses_a_particle_in_a_shape)
     weft_cloth *cloth = make(1);
     weft_sim *sim = simulate(cloth);
     const weft_structure *of = seen.structure;
-    double *planes = room(of), *blocks = planes + WEFT_BOND_PLANES * of->bond_count;
+    double *planes = room(of), *blocks = planes + WEFT_PAIR_PLANES * of->pair_count;
     state(cloth, y, dy);
     y[2 * N + 24] = -0.3;
     ck_assert_int_eq(of->linearise(0.0, y, planes, NULL, of->ctx), 0);

@@ -137,7 +137,7 @@ static void define(uint64_t *seed)
         m.def.across[f].damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
     }
     m.def.rim_half = chance(seed) < 0.5;
-    m.def.drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
+    m.def.damping = chance(seed) < 0.5 ? chance(seed) : 0.0;
     m.def.wind_drag = chance(seed) < 0.5 ? chance(seed) : 0.0;
     fill(m.def.wind_velocity, 5.0, seed);
     fill(m.def.gravity, 10.0, seed);

@@ -32,8 +32,8 @@ static void near(double is, double wanted, double tol)
 static void only(const weft_ledger *l, const double *one, const double *other)
 {
     const double *all[]
-        = { &l->dissipated_springs, &l->dissipated_drag, &l->wind_work,
-            &l->pin_work,           &l->limit_work,      &l->outside_work };
+        = { &l->dissipated_springs, &l->dissipated_drag, &l->work_wind,
+            &l->work_pins,          &l->work_limit,      &l->work_outside };
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i) {
         ck_assert(all[i] == one || all[i] == other || *all[i] == 0.0);
     }
@@ -82,7 +82,7 @@ END_TEST
 START_TEST(drag_turns_speed_into_heat)
 {
     two_particles();
-    model.drag = 0.05;
+    model.damping = 0.05;
     model.velocity[2] = 3.0;
     const weft_ledger l = after(fine[_i], 1.0);
     only(&l, &l.dissipated_drag, NULL);
@@ -105,8 +105,8 @@ START_TEST(a_damper_turns_relative_speed_into_heat)
     ck_assert_int_eq(weft_sim_set_state(sim, NULL, v, &err), WEFT_OK);
     go(sim, 1.001);
     const weft_ledger l = weft_sim_ledger(sim);
-    only(&l, &l.dissipated_springs, &l.outside_work);
-    near(l.outside_work, 0.5 * 0.1 * w * w, 1e-17);
+    only(&l, &l.dissipated_springs, &l.work_outside);
+    near(l.work_outside, 0.5 * 0.1 * w * w, 1e-17);
     near(l.dissipated_springs, 0.5 * mu * w * w * -expm1(-2.0 * c / mu), good(_i));
     near(l.residual, 0.0, good(_i));
 }
@@ -126,7 +126,7 @@ START_TEST(a_pin_that_lifts_works_against_gravity)
     model.pins = pins;
     model.pin_count = 1;
     const weft_ledger l = after(fine[_i], 1.0);
-    near(l.pin_work, 0.1 * 9.81 * speed * 1.0, 1e-12);
+    near(l.work_pins, 0.1 * 9.81 * speed * 1.0, 1e-12);
     near(l.dissipated_springs, 0.0, 1e-12);
     near(l.residual, 0.0, 1e-12);
 }
@@ -149,9 +149,9 @@ START_TEST(a_swinging_pin_works_against_spring_and_damper)
     const weft_ledger l = after(fine[_i], 1.0);
     const double heat
         = c * amplitude * amplitude * w * w * (0.5 + sin(2.0 * w) / (4.0 * w));
-    only(&l, &l.dissipated_springs, &l.pin_work);
+    only(&l, &l.dissipated_springs, &l.work_pins);
     near(l.dissipated_springs, heat, good(_i));
-    near(l.pin_work, 0.5 * k * x * x + heat, good(_i));
+    near(l.work_pins, 0.5 * k * x * x + heat, good(_i));
     near(l.residual, 0.0, good(_i));
 }
 END_TEST
@@ -172,8 +172,8 @@ START_TEST(wind_pushes_a_flat_sheet)
     model.wind_drag = 0.3;
     const double v = 4.0 * -expm1(-0.3 / 0.2), mass = 0.2 * 1.5 * 1.0;
     const weft_ledger l = after(fine[_i], 1.0);
-    only(&l, &l.wind_work, NULL);
-    near(l.wind_work, 0.5 * mass * v * v, good(_i));
+    only(&l, &l.work_wind, NULL);
+    near(l.work_wind, 0.5 * mass * v * v, good(_i));
     near(l.residual, 0.0, good(_i));
 }
 END_TEST
@@ -196,7 +196,7 @@ START_TEST(a_failed_step_leaves_it_untouched)
     ck_assert_mem_eq(&l.energy, &before.energy, sizeof l.energy);
     ck_assert(l.dissipated_springs == before.dissipated_springs);
     ck_assert(l.dissipated_drag == before.dissipated_drag);
-    ck_assert(l.wind_work == before.wind_work && l.pin_work == before.pin_work);
+    ck_assert(l.work_wind == before.work_wind && l.work_pins == before.work_pins);
 }
 END_TEST
 
@@ -239,9 +239,9 @@ START_TEST(corrections_are_accounted_for)
         go(sim, 1.0);
         const weft_ledger l = weft_sim_ledger(sim);
         ck_assert(tells == 0 || on.taken > 0.01);
-        near(l.outside_work, -on.taken, 1e-13);
+        near(l.work_outside, -on.taken, 1e-13);
         near(l.residual, 0.0, 1e-5);
-        ck_assert(l.limit_work == 0.0);
+        ck_assert(l.work_limit == 0.0);
     }
 }
 END_TEST
@@ -263,7 +263,7 @@ START_TEST(a_state_from_outside_is_gone_on_with)
     ck_assert_int_eq(weft_sim_set_state(sim, x, v, &err), WEFT_OK);
     const weft_ledger edited = weft_sim_ledger(sim);
     ck_assert(edited.dissipated_drag == before.dissipated_drag);
-    ck_assert_double_gt(edited.outside_work, 0.1);
+    ck_assert_double_gt(edited.work_outside, 0.1);
     near(edited.residual, before.residual, 1e-14);
     go(sim, 1.0);
     const weft_ledger l = weft_sim_ledger(sim);

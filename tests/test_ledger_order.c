@@ -102,7 +102,7 @@ START_TEST(state_and_steps_are_the_same_without_it)
         ck_assert_uint_eq(a.rhs_calls, b.rhs_calls);
         const weft_ledger none = weft_sim_ledger(plain), kept = weft_sim_ledger(with);
         ck_assert(!none.kept && kept.kept);
-        ck_assert(none.residual == 0.0 && none.wind_work == 0.0);
+        ck_assert(none.residual == 0.0 && none.work_wind == 0.0);
         ck_assert_mem_eq(&none.energy, &kept.energy, sizeof none.energy);
         weft_sim_destroy(with);
         weft_sim_destroy(plain);

@@ -231,11 +231,12 @@ START_TEST(runs_of_one_spring_have_the_same_solution)
 {
     fall(17, 0.05);
     weft_structure ones = *of;
-    weft_bonds *runs = calloc(of->bond_count, sizeof *runs);
+    weft_spring_run *runs = calloc(of->pair_count, sizeof *runs);
     size_t count = 0;
     for (size_t k = 0; k < of->run_count; ++k) {
         for (size_t i = 0; i < of->runs[k].count; ++i) {
-            runs[count++] = (weft_bonds){ of->runs[k].p + i, of->runs[k].q + i, 1 };
+            runs[count++]
+                = (weft_spring_run){ of->runs[k].p + i, of->runs[k].q + i, 1 };
         }
     }
     ones.runs = runs;
@@ -259,7 +260,7 @@ END_TEST
 /* Springs of a graph without any order: a ring, chords of all lengths, a star and two
  * particles that nothing holds. */
 enum { RING = 997, LONE = 2, BONDS = 4 * RING };
-static weft_bonds chords[BONDS];
+static weft_spring_run chords[BONDS];
 
 static int chord_planes(double t, const double *y, double *planes, double *blocks,
                         void *ctx)
@@ -288,13 +289,13 @@ START_TEST(any_graph_is_solved)
             = { (i + 1) % RING, (i * 31 + 5) % RING, 0, (i + 2) % RING };
         for (size_t k = 0; k < 4; ++k) {
             chords[4 * i + k]
-                = (weft_bonds){ i, far[k] != i ? far[k] : (i + 3) % RING, 1 };
+                = (weft_spring_run){ i, far[k] != i ? far[k] : (i + 3) % RING, 1 };
         }
     }
     const weft_structure graph = { .struct_size = sizeof graph,
                                    .particles = N,
                                    .run_count = BONDS,
-                                   .bond_count = BONDS,
+                                   .pair_count = BONDS,
                                    .runs = chords,
                                    .mass = mass,
                                    .drag = drag,
@@ -321,8 +322,8 @@ END_TEST
  * makes K = k g g^T: blocks of links that are not symmetric. Plates are second
  * differences. */
 enum { BEADS = 61, TRIPLES = BEADS, LINKS = 3 * TRIPLES };
-static weft_link shape_links[LINKS];
-static weft_tie shape_ties[LINKS];
+static weft_block_coupling shape_links[LINKS];
+static weft_scalar_coupling shape_ties[LINKS];
 static const double shape_k = 3e3, shape_c = 7.0;
 
 static void triple(size_t i, const double *y, size_t at[3], double g[3][3])
@@ -347,7 +348,7 @@ static void triple_link(const size_t at[3], size_t link, size_t *a, size_t *b)
 static int shape_numbers(double t, const double *y, double *numbers, void *ctx)
 {
     (void)t, (void)ctx;
-    for (size_t e = 0; e < LINKS; ++e, numbers += WEFT_LINK_NUMBERS) {
+    for (size_t e = 0; e < LINKS; ++e, numbers += WEFT_COUPLING_NUMBERS) {
         size_t at[3], a, b;
         double g[3][3];
         triple(e / 3, y, at, g);
@@ -400,19 +401,19 @@ static weft_structure shape(const double *mass, const double *drag)
         triple(e / 3, y, at, g);
         triple_link(at, e % 3, &a, &b);
         const uint32_t p = (uint32_t)at[a], q = (uint32_t)at[b];
-        shape_links[e] = (weft_link){ p, q };
-        shape_ties[e] = (weft_tie){ p, q, sign * 50.0, sign * 0.2 };
+        shape_links[e] = (weft_block_coupling){ p, q };
+        shape_ties[e] = (weft_scalar_coupling){ p, q, sign * 50.0, sign * 0.2 };
     }
     return (weft_structure){ .struct_size = sizeof(weft_structure),
                              .particles = BEADS,
                              .mass = mass,
                              .drag = drag,
                              .linearise = no_springs,
-                             .link_count = LINKS,
-                             .tie_count = LINKS,
-                             .links = shape_links,
-                             .ties = shape_ties,
-                             .linearise_links = shape_numbers };
+                             .block_coupling_count = LINKS,
+                             .scalar_coupling_count = LINKS,
+                             .block_couplings = shape_links,
+                             .scalar_couplings = shape_ties,
+                             .linearise_blocks = shape_numbers };
 }
 
 /* With held particles that move. */
@@ -421,7 +422,7 @@ START_TEST(links_and_ties_are_multiplied_and_solved)
     enum { N = BEADS };
     const double gamma = 0.02;
     double mass[N], drag[N], y[6 * N], side[6 * N], x[6 * N], jx[6 * N], force[6 * N];
-    double room[WEFT_BLOCK_PLANES * N + WEFT_LINK_NUMBERS * LINKS];
+    double room[WEFT_BLOCK_PLANES * N + WEFT_COUPLING_NUMBERS * LINKS];
     for (size_t i = 0; i < N; ++i) {
         mass[i] = i % 20 == 7 ? 0.0 : 0.01 * (double)(1 + i % 3);
         drag[i] = 0.03;
@@ -452,7 +453,7 @@ static double curvature(const double *planes, double gamma)
     weft__pile pile = { .memory = memory };
     weft__network net = { .n = n,
                           .run_count = of->run_count,
-                          .bond_count = of->bond_count,
+                          .pair_count = of->pair_count,
                           .runs = of->runs };
     weft__network_take(&net, &pile);
     double *p = weft__pile_take(&pile, 3 * n, sizeof *p);
@@ -476,14 +477,14 @@ START_TEST(a_squeezed_sheet_needs_the_filter)
     fall(20, 0.0);
     const double gamma = 2e-3;
     double *y = calloc(6 * n, sizeof *y);
-    double *planes = calloc(6 * of->bond_count, sizeof *planes);
+    double *planes = calloc(6 * of->pair_count, sizeof *planes);
     memcpy(y, weft_sim_state(sim), 6 * n * sizeof *y);
     for (size_t i = 0; i < n; ++i) {
         y[i] *= 0.6, y[2 * n + i] *= 0.6;
     }
     ck_assert_int_eq(of->linearise(0.0, y, planes, NULL, of->ctx), 0);
     ck_assert_double_lt(curvature(planes, gamma), 0.0);
-    weft__filter_bonds(planes, of->bond_count);
+    weft__filter_bonds(planes, of->pair_count);
     ck_assert_double_gt(curvature(planes, gamma), 0.0);
     for (int i = 0; i < 2; ++i) {
         weft__linear *linear

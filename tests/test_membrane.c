@@ -498,13 +498,13 @@ END_TEST
 static void multiply_links(size_t first, const double *x, double *out)
 {
     const size_t count = weft__list_links(m.cloth, NULL), n = m.n;
-    weft_link *links = malloc(count * sizeof *links);
-    double *numbers = malloc(WEFT_LINK_NUMBERS * count * sizeof *numbers);
+    weft_block_coupling *links = malloc(count * sizeof *links);
+    double *numbers = malloc(WEFT_COUPLING_NUMBERS * count * sizeof *numbers);
     (void)weft__list_links(m.cloth, links);
     ck_assert_int_eq(weft__linearise_links(m.cloth, 0.0, m.y, numbers), 0);
     memset(out, 0, 3 * n * sizeof *out);
     for (size_t l = 0; l < count; ++l) {
-        const double *a = numbers + WEFT_LINK_NUMBERS * l + first;
+        const double *a = numbers + WEFT_COUPLING_NUMBERS * l + first;
         const size_t p = links[l].p, q = links[l].q;
         ck_assert_uint_lt(p, q);
         for (size_t j = 0; j < 9; ++j) {

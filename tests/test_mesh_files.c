@@ -520,7 +520,7 @@ START_TEST(triangles_of_a_body_without_area_are_left_out_with_their_vertices)
     ck_assert_uint_eq(body->triangles, 1);
     ck_assert_uint_eq(body->vertices, 3);
     ck_assert_mem_eq(body->corners, corners, sizeof corners);
-    ck_assert_mem_eq(body->places, places, sizeof places);
+    ck_assert_mem_eq(body->positions, places, sizeof places);
     stands(0, "2 triangles of this body have no area, the first here, and are left out",
            "body.obj", 6, "f 1 2 5");
     weft_scene_destroy(scene);
@@ -541,7 +541,7 @@ START_TEST(a_triangle_that_is_flat_at_one_key_is_left_out_at_all)
     const weft_body *body = body_of(scene);
     ck_assert_uint_eq(body->triangles, 1);
     ck_assert_uint_eq(body->vertices, 3);
-    ck_assert_mem_eq(body->places, places, sizeof places);
+    ck_assert_mem_eq(body->positions, places, sizeof places);
     stands(0,
            "1 triangle of this body has no area, the first here, and is left out of "
            "every key frame",

@@ -50,9 +50,9 @@ static weft_cloth *make_flag(bool natural)
     weft_cloth_def def = mesh_cloth(&mesh);
     def.pins = &pin, def.pin_count = 1, def.pin_size = sizeof pin;
     def.gravity[1] = -9.81;
-    def.wind = (weft_track){ gust, 3 };
+    def.wind_table = (weft_table){ gust, 3 };
     def.wind_drag = 0.5;
-    def.wind_natural = natural;
+    def.wind_table_natural = natural;
     weft_cloth *made = test_cloth(&def);
     mesh_free(&mesh);
     return made;

@@ -425,7 +425,7 @@ START_TEST(a_step_with_sensitivities_of_contact_allocates_nothing)
         def.contact.thickness = 0.02 * (1.0 + 1e-6 * ((double)i - 1.0));
         ck_assert_int_eq(weft_cloth_create(&def, &cloths[i], NULL), WEFT_OK);
     }
-    const weft_number_of_cloth number = { "thickness", cloths[0], cloths[2], 2e-6 };
+    const weft_parameter number = { "thickness", cloths[0], cloths[2], 2e-6 };
     const weft_sensitivity_def by = { 1, &number, true };
     run.cloth = cloths[1], run.sensitivity = &by;
     run.method = test_method_named("verlet/velocity_verlet");

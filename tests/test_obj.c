@@ -42,10 +42,10 @@ START_TEST(a_triangle_is_read_as_it_is_written)
     static const double start[] = { 1, 2, 3, 4.5, -0.5, 0.5, 7, 800, 0.001 };
     static const double rest[] = { 0.25, 0.5, 1, 0, 0, 1 };
     ck_assert_uint_eq(obj.def.vertices, 3);
-    ck_assert_uint_eq(obj.def.places, 3);
+    ck_assert_uint_eq(obj.def.uv_count, 3);
     ck_assert_mem_eq(obj.def.start, start, sizeof start);
     ck_assert_mem_eq(obj.def.rest, rest, sizeof rest);
-    ck_assert_ptr_null(obj.def.names);
+    ck_assert_ptr_null(obj.def.file_index);
     corners_are((const uint32_t[]){ 0, 1, 2 }, 1);
     ck_assert_uint_eq(found.count, 0);
     obj_end();
@@ -67,7 +67,7 @@ START_TEST(line_ends_continuations_and_blanks_make_no_difference)
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i) {
         static const double rest[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
         read_good(same[i]);
-        ck_assert_uint_eq(obj.def.places, 4);
+        ck_assert_uint_eq(obj.def.uv_count, 4);
         ck_assert_mem_eq(obj.def.rest, rest, sizeof rest);
         corners_are((const uint32_t[]){ 0, 1, 2, 0, 2, 3 }, 2);
         obj_end();
@@ -142,8 +142,8 @@ START_TEST(a_vertex_with_several_vt_has_a_place_for_each)
     read_good(SQUARE "vt 5 0\nvt 5 1\nvt 6 1\nvt 5.0 1.0\n"
                      "f 1/1 2/2 3/3\nf 1/5 3/6 4/7\nf 1/5 3/8 4/7\n");
     static const uint32_t places[] = { 0, 1, 2, 3, 4, 5, 3, 4, 5 };
-    ck_assert_uint_eq(obj.def.places, 6); /* equal ones are one place */
-    ck_assert_mem_eq(obj.def.corner_places, places, sizeof places);
+    ck_assert_uint_eq(obj.def.uv_count, 6); /* equal ones are one place */
+    ck_assert_mem_eq(obj.def.corner_uv, places, sizeof places);
     obj_end();
 }
 END_TEST
@@ -154,7 +154,7 @@ START_TEST(unused_vertices_are_dropped_and_others_keep_their_numbers)
     read_good("v 9 9 9\nv 0 0 0\nv 8 8 8\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
               "f 2/1 4/2 5/3\n");
     ck_assert_uint_eq(obj.def.vertices, 3);
-    ck_assert_mem_eq(obj.def.names, names, sizeof names);
+    ck_assert_mem_eq(obj.def.file_index, names, sizeof names);
     ck_assert(obj.def.start[3] == 1.0);
     corners_are((const uint32_t[]){ 0, 1, 2 }, 1);
     obj_end();
@@ -434,7 +434,7 @@ START_TEST(a_scene_takes_its_mesh_from_the_file_beside_it)
     const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
     ck_assert_uint_eq(mesh->vertices, 5);
     ck_assert_uint_eq(mesh->triangles, 4);
-    ck_assert_uint_eq(mesh->names[0], 1);
+    ck_assert_uint_eq(mesh->file_index[0], 1);
     ck_assert(mesh->seams == WEFT_SEAM_HINGE && !mesh->arc);
     ck_assert(mesh->start[3] == 0.5 && mesh->start[5] == 1.0);
     ck_assert_uint_eq(mesh->fabric_count, 1);

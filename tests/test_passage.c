@@ -363,7 +363,7 @@ static double volume_of(const weft_body *body)
         const double *x[3];
         double cross[3];
         for (size_t k = 0; k < 3; ++k) {
-            x[k] = body->places + 3 * (size_t)body->corners[3 * t + k];
+            x[k] = body->positions + 3 * (size_t)body->corners[3 * t + k];
         }
         weft__cross(x[1], x[2], cross);
         sum += weft__dot(x[0], cross) / 6.0;
@@ -391,7 +391,7 @@ START_TEST(triangles_of_a_shape_are_closed_and_lie_on_it)
     for (size_t i = 0; i < body->vertices; ++i) {
         double x[3];
         for (size_t k = 0; k < 3; ++k) {
-            x[k] = as_was.at[k] + body->places[3 * i + k];
+            x[k] = as_was.at[k] + body->positions[3 * i + k];
         }
         ck_assert_double_eq_tol(gap_of(&as_was, x), 0.0, 1e-15);
     }
@@ -400,8 +400,8 @@ START_TEST(triangles_of_a_shape_are_closed_and_lie_on_it)
         const uint32_t p = body->corners[j], q = body->corners[next];
         double square = 0.0, x[3];
         for (size_t k = 0; k < 3; ++k) {
-            const double a = body->places[3 * (size_t)p + k],
-                         b = body->places[3 * (size_t)q + k];
+            const double a = body->positions[3 * (size_t)p + k],
+                         b = body->positions[3 * (size_t)q + k];
             square += (b - a) * (b - a);
             x[k] = as_was.at[k] + 0.5 * (a + b);
         }

@@ -397,11 +397,11 @@ START_TEST(changes_of_pins_are_accounted_for)
         }
         ledger = weft_sim_ledger(sim);
         jump += total(&ledger.energy) - before;
-        ck_assert_double_eq_tol(ledger.outside_work, jump, 1e-12);
+        ck_assert_double_eq_tol(ledger.work_outside, jump, 1e-12);
     }
     go(sim, 0.6);
     const weft_ledger ledger = weft_sim_ledger(sim);
-    ck_assert_double_gt(fabs(ledger.pin_work), 1e-3);
+    ck_assert_double_gt(fabs(ledger.work_pins), 1e-3);
     ck_assert_double_eq_tol(ledger.residual, 0.0, 1e-5);
 }
 END_TEST

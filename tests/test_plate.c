@@ -241,7 +241,7 @@ START_TEST(panels_of_any_shape_have_three_zero_modes)
         mesh_sheet(&mesh, (size_t)random_whole(&seed, 2, 5),
                    (size_t)random_whole(&seed, 2, 5), 0.01, MESH_RANDOM, 0.25, seed);
         const double aspect = exp(4.0 * random_uniform(&seed));
-        for (size_t k = 0; k < mesh.def.places; ++k) {
+        for (size_t k = 0; k < mesh.def.uv_count; ++k) {
             mesh.rest[2 * k] *= aspect;
         }
         mesh.fabrics[0] = isotropic;
@@ -665,7 +665,7 @@ static double sag(size_t cells, bool arc)
     const weft_pin pin = { .vertices = held, .vertex_count = 2 * rows };
     def.pins = &pin, def.pin_count = 1, def.pin_size = sizeof pin;
     def.gravity[2] = -8.0;
-    def.drag = 8.0 / (double)(cells * cells);
+    def.damping = 8.0 / (double)(cells * cells);
     weft_cloth *cloth = test_cloth(&def);
     weft_stepper_config config = weft_stepper_config_default();
     config.fixed_step = 3.2e-3 / (double)cells;
@@ -1009,7 +1009,7 @@ START_TEST(ties_are_the_matrix)
     sample_init(&of, _i);
     const weft__plate *plate = &of.cloth->plate;
     const size_t count = weft__plate_force.ties(plate, NULL);
-    weft_tie *ties = malloc(count * sizeof *ties);
+    weft_scalar_coupling *ties = malloc(count * sizeof *ties);
     ck_assert_uint_eq(weft__plate_force.ties(plate, ties), count);
     push(&of, of.y, of.force);
     double apart = 0.0, size = 0.0;

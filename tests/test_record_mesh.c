@@ -173,7 +173,7 @@ START_TEST(frames_of_a_mesh_have_its_triangles_and_names)
     ck_assert_uint_eq(read->places, N + ROWS); /* a seam of ROWS vertices */
     ck_assert_uint_eq(made.places, read->places);
     ck_assert_mem_eq(read->uv, made.uv, 2 * read->places * sizeof *read->uv);
-    ck_assert_mem_eq(read->corner_places, made.corner_places,
+    ck_assert_mem_eq(read->corner_uv, made.corner_uv,
                      3 * read->triangles * sizeof *made.corners);
     for (size_t i = 0; i < N; ++i) {
         ck_assert_uint_eq(record_name(read, i), names[i]);

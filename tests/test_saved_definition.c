@@ -75,10 +75,10 @@ START_TEST(every_other_cloth_is_refused)
         pins[1].amplitude[1] = i == SWING ? 0.01 : 0.0;
         pins[1].frequency = i == SWING ? 1.0 : 0.0;
         def.gravity[0] += i == GRAVITY ? 1e-9 : 0.0;
-        def.drag += i == DRAG ? 1e-9 : 0.0;
+        def.damping += i == DRAG ? 1e-9 : 0.0;
         def.wind_velocity[1] += i == WIND ? 1e-9 : 0.0;
         def.wind_drag += i == WIND_DRAG ? 1e-9 : 0.0;
-        def.wind.count -= i == WIND_TABLE ? 1 : 0;
+        def.wind_table.count -= i == WIND_TABLE ? 1 : 0;
         pins[1].path.count -= i == PATH ? 1 : 0;
         weft_cloth *other = test_cloth(&def);
         const weft_sim_def other_sim = same_definition(other);

@@ -133,7 +133,7 @@ static void check_forces_and_limit(const weft_cloth_def *cloth,
 {
     vector_is(cloth->gravity, 0.0, -1.62, 0.0);
     vector_is(cloth->wind_velocity, 0.0, 0.0, 3.0);
-    ck_assert(cloth->drag == 0.003 && cloth->wind_drag == 0.5);
+    ck_assert(cloth->damping == 0.003 && cloth->wind_drag == 0.5);
     ck_assert_int_eq(limit->method, WEFT_LIMIT_PROVOT);
     ck_assert(limit->strain == 0.15 && limit->tolerance == 2.0e-3);
     ck_assert(limit->families[WEFT_STRETCH] && !limit->families[WEFT_SHEAR]
@@ -200,7 +200,7 @@ START_TEST(defaults_are_those_of_the_definition_structs)
     ck_assert_mem_eq(cloth->velocity, wanted.velocity, sizeof wanted.velocity);
     ck_assert_mem_eq(cloth->gravity, wanted.gravity, sizeof wanted.gravity);
     ck_assert_mem_eq(cloth->springs, wanted.springs, sizeof wanted.springs);
-    ck_assert(cloth->scale == wanted.scale && cloth->drag == wanted.drag);
+    ck_assert(cloth->scale == wanted.scale && cloth->damping == wanted.damping);
     ck_assert(cloth->wind_drag == wanted.wind_drag && cloth->law == wanted.law);
     ck_assert(cloth->spacing[0] == 0.1 && cloth->spacing[1] == 0.1);
     ck_assert_ptr_null(cloth->pins);
@@ -316,8 +316,8 @@ START_TEST(tables_of_times_are_read_row_by_row)
     const weft_cloth_def *def = weft_scene_cloth(scene);
     ck_assert_uint_eq(def->pins[0].path.count, 2);
     ck_assert_mem_eq(def->pins[0].path.rows, path, sizeof path);
-    ck_assert_uint_eq(def->wind.count, 1);
-    ck_assert_mem_eq(def->wind.rows, gust, sizeof gust);
+    ck_assert_uint_eq(def->wind_table.count, 1);
+    ck_assert_mem_eq(def->wind_table.rows, gust, sizeof gust);
     weft_scene_destroy(scene);
 }
 END_TEST
@@ -339,8 +339,8 @@ START_TEST(tables_of_times_are_read_from_files)
     const weft_cloth_def *def = weft_scene_cloth(scene);
     ck_assert_uint_eq(def->pins[0].path.count, 2);
     ck_assert_mem_eq(def->pins[0].path.rows, rows, sizeof rows);
-    ck_assert_mem_eq(def->wind.rows, rows, sizeof rows);
-    ck_assert(def->pins[0].path_natural && !def->wind_natural);
+    ck_assert_mem_eq(def->wind_table.rows, rows, sizeof rows);
+    ck_assert(def->pins[0].path_natural && !def->wind_table_natural);
     ck_assert_ptr_null(strstr(weft_scene_text(scene), ".csv"));
     ck_assert_ptr_nonnull(strstr(weft_scene_text(scene), "- [2.5, 1, 2, 3]"));
     weft_scene_destroy(scene);

@@ -7,7 +7,7 @@ static const weft_plugin *find_own(void *ctx, const char *id, weft_error *err)
 {
     static const weft_stepper_type together
         = { .name = "together",
-            .flags = WEFT_STEPPER_AGREES | WEFT_STEPPER_QUADRATURES };
+            .flags = WEFT_STEPPER_DISTRIBUTED | WEFT_STEPPER_QUADRATURES };
     static const weft_stepper_type alone = { .name = "alone" };
     static const weft_stepper_type *const types[] = { &together, &alone, NULL };
     static const weft_plugin plugin = { .id = "own", .types = types };

@@ -179,7 +179,7 @@ START_TEST(a_shape_with_triangles_is_a_mesh)
         weft_scene *again = good_text(weft_scene_text(scene));
         const weft_shape *same = &weft_scene_cloth(again)->contact.shapes[0];
         ck_assert(!mesh
-                  || memcmp(same->body->places, shape->body->places,
+                  || memcmp(same->body->positions, shape->body->positions,
                             3 * shape->body->vertices * sizeof(double))
                          == 0);
         weft_scene_destroy(again);

@@ -63,7 +63,7 @@ static void choose_springs(trial *of, bool damped)
         of->def.springs[k] = (weft_spring_def){ true, k0, k0 * time };
     }
     of->def.density = about(of, 0.05, 1.0);
-    of->def.drag = about(of, 1e-6, 1e-4);
+    of->def.damping = about(of, 1e-6, 1e-4);
 }
 
 static void choose_contact(trial *of)

@@ -118,7 +118,7 @@ static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err
 /* A run of a scene, at its end. */
 typedef struct end {
     weft_scene *scene;
-    weft_scene_twins *twins;
+    weft_scene_perturbed *twins;
     weft_cloth *cloth;
     weft_sim *sim;
 } end;
@@ -133,13 +133,14 @@ static end begin(const char *text, const char *const *sets, size_t count)
     def.set_count = count;
     of.scene = good_scene(&def);
     of.cloth = test_cloth(weft_scene_cloth(of.scene));
-    ck_assert_msg(weft_scene_twins_create(of.scene, &def, &of.twins, &err) == WEFT_OK,
+    ck_assert_msg(weft_scene_perturbed_create(of.scene, &def, &of.twins, &err)
+                      == WEFT_OK,
                   "%s", err.message);
     weft_sim_def sim = weft_sim_def_default();
     sim.cloth = of.cloth;
     sim.method = weft_scene_method_type(of.scene);
     sim.config = *weft_scene_config(of.scene);
-    sim.sensitivity = weft_scene_twins_def(of.twins);
+    sim.sensitivity = weft_scene_perturbed_def(of.twins);
     ck_assert_msg(weft_sim_create(&sim, &of.sim, &err) == WEFT_OK, "%s", err.message);
     return of;
 }
@@ -160,7 +161,7 @@ static end run(const char *text, const char *const *sets, size_t count)
 static void finish(end *of)
 {
     weft_sim_destroy(of->sim);
-    weft_scene_twins_destroy(of->twins);
+    weft_scene_perturbed_destroy(of->twins);
     weft_cloth_destroy(of->cloth);
     weft_scene_destroy(of->scene);
 }
@@ -648,7 +649,7 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
     write_square(4);
     end of = run(text, NULL, 0);
     const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of.scene);
-    const weft_sensitivity_def *def = weft_scene_twins_def(of.twins);
+    const weft_sensitivity_def *def = weft_scene_perturbed_def(of.twins);
     const size_t dim = weft_cloth_dim(of.cloth);
     const double t = weft_sim_time(of.sim), *y = weft_sim_state(of.sim);
     double *out = malloc(2 * dim * sizeof *out), *slope = out + dim, rate = 0.0;
@@ -657,7 +658,7 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
         rate = fmax(rate, fabs(out[i]));
     }
     for (size_t j = 0; j < def->count; ++j) {
-        const weft_number_of_cloth *number = &def->numbers[j];
+        const weft_parameter *number = &def->parameters[j];
         const double roundoff = DBL_EPSILON * rate / number->span;
         double most = 0.0, error = 0.0, along, sum = 0.0;
         ck_assert_int_eq(weft_cloth_parameter_product(number->less, number->more,
@@ -678,7 +679,7 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
         ck_assert_double_eq(along, sum);
     }
     ck_assert_int_eq(
-        weft_cloth_parameter_product(of.cloth, def->numbers[0].more, 0.0, t, y, out),
+        weft_cloth_parameter_product(of.cloth, def->parameters[0].more, 0.0, t, y, out),
         -1);
     free(out);
     finish(&of);
@@ -707,7 +708,7 @@ static int objective(void *ctx, size_t frame, double t, const double *y, double 
  * apart than those of a scene, so that their differences have less roundoff, and both
  * modes the same derivative of f. */
 typedef struct wide {
-    weft_number_of_cloth numbers[WEFT_SENSITIVITIES];
+    weft_parameter numbers[WEFT_SENSITIVITIES];
     end ends[2 * WEFT_SENSITIVITIES];
     weft_sensitivity_def def;
 } wide;
@@ -724,8 +725,8 @@ static weft_sim_def definition(const end *of, const char *text, const char *step
                        numbers->values[i / 2] * (i % 2 == 0 ? 1.0 - 1e-3 : 1.0 + 1e-3));
         to->ends[i] = begin(text, sets, 3);
         to->numbers[i / 2]
-            = (weft_number_of_cloth){ numbers->keys[i / 2], to->ends[i - i % 2].cloth,
-                                      to->ends[i].cloth, 2e-3 };
+            = (weft_parameter){ numbers->keys[i / 2], to->ends[i - i % 2].cloth,
+                                to->ends[i].cloth, 2e-3 };
     }
     to->def = (weft_sensitivity_def){ numbers->count, to->numbers, false };
     def.cloth = of->cloth;
@@ -743,17 +744,18 @@ static uint64_t check_gradient(const char *text, const char *stepper)
     const double end_time = weft_scene_run(of.scene)->duration;
     const double times[FRAMES] = { 0.0, 0.4 * end_time, end_time };
     double value = 0.0, whole, sums[WEFT_SENSITIVITIES] = { 0.0 }, most = 0.0;
-    double by_number[WEFT_SENSITIVITIES], *slope = calloc(2 * dim, sizeof *slope);
+    double by_parameter[WEFT_SENSITIVITIES], *slope = calloc(2 * dim, sizeof *slope);
     weft_error err = { 0 };
     weft_sim *sim;
     static wide twins;
     const weft_sensitivity_def *numbers = &twins.def;
     const weft_sim_def run = definition(&of, text, stepper, &twins);
     weft_gradient_def def = weft_gradient_def_default();
-    def.sim = &run, def.count = numbers->count, def.numbers = numbers->numbers;
+    def.sim = &run, def.count = numbers->count, def.parameters = numbers->parameters;
     def.frames = FRAMES, def.times = times;
     def.objective = objective, def.ctx = &dim;
-    ck_assert_msg(weft_gradient(&def, &whole, by_number, slope + dim, &err) == WEFT_OK,
+    ck_assert_msg(weft_gradient(&def, &whole, by_parameter, slope + dim, &err)
+                      == WEFT_OK,
                   "%s", err.message);
     ck_assert_msg(weft_sim_create(&run, &sim, &err) == WEFT_OK, "%s", err.message);
     for (size_t frame = 0; frame < FRAMES; ++frame) {
@@ -771,9 +773,10 @@ static uint64_t check_gradient(const char *text, const char *stepper)
     ck_assert_double_eq_tol(whole, value, 1e-11 * fabs(value));
     for (size_t j = 0; j < numbers->count; ++j) {
         most = fmax(most, fabs(sums[j]));
-        ck_assert_msg(
-            fabs(by_number[j] - sums[j]) <= 1e-10 * fabs(sums[j]) + 1e-12 * most,
-            "%s: %.17g, not %.17g", numbers->numbers[j].name, by_number[j], sums[j]);
+        ck_assert_msg(fabs(by_parameter[j] - sums[j])
+                          <= 1e-10 * fabs(sums[j]) + 1e-12 * most,
+                      "%s: %.17g, not %.17g", numbers->parameters[j].name,
+                      by_parameter[j], sums[j]);
     }
     ck_assert_double_gt(most, 0.0);
     for (size_t i = 0; i < 2 * numbers->count; ++i) {
@@ -877,42 +880,47 @@ START_TEST(gradient_of_a_fall_is_exact)
                    NULL, 0);
     const double times[] = { 0.0, 0.5, 0.5 }, falling[] = { 0.5, 0.4 };
     size_t stops_at = 3;
-    double value, by_number, by_start[12];
+    double value, by_parameter, by_start[12];
     weft_error err = { 0 };
     wide twins = { .def = { 0, NULL, false } };
     weft_sim_def run = definition(&of, NULL, "", &twins);
     weft_gradient_def def = weft_gradient_def_default();
     def.sim = &run, def.count = 1,
-    def.numbers = weft_scene_twins_def(of.twins)->numbers;
+    def.parameters = weft_scene_perturbed_def(of.twins)->parameters;
     def.frames = 3, def.times = times, def.objective = height, def.ctx = &stops_at;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, by_start, &err), WEFT_OK);
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, by_start, &err),
+                     WEFT_OK);
     ck_assert_double_eq_tol(value, 1.5625, 1e-12);
-    ck_assert_double_eq_tol(by_number, 3.125, 1e-9);
+    ck_assert_double_eq_tol(by_parameter, 3.125, 1e-9);
     ck_assert_double_eq_tol(by_start[2], -2.5, 1e-12);
     ck_assert_double_eq_tol(by_start[8], -1.25, 1e-12); /* by vy */
     ck_assert(by_start[0] == 0.0);
     stops_at = 1;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_STOPPED);
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
+                     WEFT_STOPPED);
     ck_assert_ptr_nonnull(strstr(err.message, "frame 1, t = 0.5 s"));
-    weft_number_of_cloth nameless = def.numbers[0]; /* and without cloths */
+    weft_parameter nameless = def.parameters[0]; /* and without cloths */
     nameless.name = NULL;
     nameless.less = NULL;
-    def.numbers = &nameless;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    def.parameters = &nameless;
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
+                     WEFT_INVALID);
     ck_assert_ptr_nonnull(
         strstr(err.message, "gradient by number 0, unnamed: two cloths"));
-    def.numbers = weft_scene_twins_def(of.twins)->numbers;
+    def.parameters = weft_scene_perturbed_def(of.twins)->parameters;
     def.times = falling, def.frames = 2;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
+                     WEFT_INVALID);
     ck_assert_ptr_nonnull(strstr(err.message, "times[1] = 0.4 s"));
     def.times = times;
     ck_assert_int_eq(weft_gradient(&def, &value, NULL, NULL, &err), WEFT_INVALID);
-    ck_assert_ptr_nonnull(strstr(err.message, "by_number"));
+    ck_assert_ptr_nonnull(strstr(err.message, "by_parameter"));
     def.objective = NULL;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_INVALID);
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
+                     WEFT_INVALID);
     def.objective = height, def.frames = 0;
-    ck_assert_int_eq(weft_gradient(&def, &value, &by_number, NULL, &err), WEFT_OK);
-    ck_assert(value == 0.0 && by_number == 0.0);
+    ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err), WEFT_OK);
+    ck_assert(value == 0.0 && by_parameter == 0.0);
     finish(&of);
 }
 END_TEST
@@ -1043,13 +1051,13 @@ START_TEST(what_has_no_derivative_is_refused)
     def.cloth = of.cloth;
     def.method = weft_scene_method_type(of.scene);
     def.config = *weft_scene_config(of.scene);
-    def.sensitivity = weft_scene_twins_def(of.twins);
+    def.sensitivity = weft_scene_perturbed_def(of.twins);
     start = def;
     def.correct = keep, refuse(&def, "`correct`"), def = start;
     def.force = push, refuse(&def, "`force`"), def = start;
     def.event = never, refuse(&def, "event"), def = start;
     def.ledger = true, refuse(&def, "ledger"), def = start;
-    def.dense = true, refuse(&def, "dense"), def = start;
+    def.interpolate = true, refuse(&def, "interpolate"), def = start;
     def.limit.method = WEFT_LIMIT_PROVOT, refuse(&def, "strain limit"), def = start;
     def.method = test_method_named("gsl/msadams"), refuse(&def, "history"), def = start;
     weft_sensitivity_def uncontrolled = *def.sensitivity;
@@ -1071,7 +1079,7 @@ START_TEST(times_at_which_a_natural_spline_begins_or_ends_are_refused)
             other = begin(table_numbers, &times[i], 1);
         weft_error err = { 0 };
         weft_sim *sim = NULL;
-        const weft_number_of_cloth number = { "a time", one.cloth, other.cloth, 1e-3 };
+        const weft_parameter number = { "a time", one.cloth, other.cloth, 1e-3 };
         const weft_sensitivity_def numbers = { 1, &number, true };
         weft_sim_def def = weft_sim_def_default();
         def.cloth = one.cloth;
@@ -1093,7 +1101,7 @@ START_TEST(wrong_numbers_are_refused)
     end of = begin(SHEET ADAPTIVE, NULL, 0);
     weft_error err = { 0 };
     weft_sim *sim = NULL;
-    weft_number_of_cloth numbers[WEFT_SENSITIVITIES + 1] = { { "a", NULL, NULL, 1.0 } };
+    weft_parameter numbers[WEFT_SENSITIVITIES + 1] = { { "a", NULL, NULL, 1.0 } };
     weft_sensitivity_def none = { 1, numbers, true };
     weft_sim_def def = weft_sim_def_default();
     def.cloth = of.cloth;
@@ -1137,7 +1145,7 @@ START_TEST(numbers_that_cannot_change_alone_are_named)
         char set[80];
         const char *const sets[] = { set };
         weft_error err = { 0 };
-        weft_scene_twins *twins = NULL;
+        weft_scene_perturbed *twins = NULL;
         (void)snprintf(set, sizeof set, "sensitivity={of: [%s], scale: none}",
                        keys[i][0]);
         weft_scene_def def = scene_of_text(
@@ -1149,7 +1157,8 @@ START_TEST(numbers_that_cannot_change_alone_are_named)
             "spin: [0, 2, 0]}]}\n" RK4 "run: {duration: 1}\n");
         def.find_plugin = find_linked, def.sets = sets, def.set_count = 1;
         weft_scene *scene = good_scene(&def);
-        ck_assert_int_ne(weft_scene_twins_create(scene, &def, &twins, &err), WEFT_OK);
+        ck_assert_int_ne(weft_scene_perturbed_create(scene, &def, &twins, &err),
+                         WEFT_OK);
         ck_assert_ptr_null(twins);
         ck_assert_ptr_nonnull(strstr(err.message, keys[i][0]));
         ck_assert_ptr_nonnull(strstr(err.message, keys[i][1]));

@@ -30,7 +30,7 @@ static void setup(void)
     rest = (weft_pin){ .rows = { 0, 0 }, .cols = { 0, 0 } };
     model.pins = &rest;
     model.pin_count = 1;
-    model.drag = 0.02;
+    model.damping = 0.02;
     model.velocity[2] = 0.5;
 }
 

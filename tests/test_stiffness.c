@@ -237,7 +237,7 @@ START_TEST(bound_of_a_single_spring_is_exact_for_any_masses)
     def.pins = &pin;
     def.pin_count = 1;
     expect_bound(&def, 100.0 * 5.0, 0.3 * 5.0);
-    def.drag = 0.1;
+    def.damping = 0.1;
     expect_bound(&def, 100.0 * 5.0, 0.3 * 5.0 + 0.1 * 5.0);
     def.pins = (weft_pin[]){ { .rows = ALL, .cols = ALL } };
     expect_bound(&def, 0.0, 0.0);

@@ -34,7 +34,7 @@ START_TEST(particles_of_a_grid_are_named_by_row_and_column)
     for (size_t i = 0; i < 12; ++i) {
         ck_assert_uint_eq(weft_cloth_index(cloth, i), i);
         ck_assert_uint_eq(weft_cloth_vertex(cloth, i), i);
-        ck_assert_uint_eq(weft_cloth_name(cloth, i), i);
+        ck_assert_uint_eq(weft_cloth_file_index(cloth, i), i);
     }
 }
 END_TEST
@@ -48,7 +48,7 @@ START_TEST(a_grid_has_two_triangles_for_each_cell)
     ck_assert_uint_eq(weft_cloth_triangles(cloth, corners), 12);
     ck_assert_uint_eq(weft_cloth_edges(cloth, NULL), 23);
     ck_assert_uint_eq(weft_cloth_edges(cloth, ends), 23);
-    ck_assert_uint_eq(weft_cloth_places(cloth, places, uv), 12);
+    ck_assert_uint_eq(weft_cloth_uv(cloth, places, uv), 12);
     ck_assert_mem_eq(places, corners, sizeof corners);
     for (size_t cell = 0; cell < 6; ++cell) {
         const uint32_t a = (uint32_t)(cell / 3 * 4 + cell % 3);
@@ -82,7 +82,7 @@ START_TEST(vertices_of_a_mesh_have_their_names)
     const weft_spring spring = { WEFT_STRETCH, 0, 3, 0.0 };
     const weft_primitive edge = { 2, { 1, 2 } }, triangle = { 3, { 3, 0, 1 } };
     char text[64];
-    mesh.def.names = names;
+    mesh.def.file_index = names;
     const weft_cloth_def def = mesh_cloth(&mesh);
     cloth = test_cloth(&def);
     ck_assert_uint_eq(weft_cloth_rows(cloth) + weft_cloth_cols(cloth), 0);
@@ -131,7 +131,7 @@ START_TEST(a_mesh_gives_back_what_defined_it)
     const weft_cloth_def def = mesh_cloth(&mesh);
     cloth = test_cloth(&def);
     ck_assert_uint_eq(weft_cloth_triangles(cloth, corners), TRIANGLES);
-    ck_assert_uint_eq(weft_cloth_places(cloth, places, uv), PLACES);
+    ck_assert_uint_eq(weft_cloth_uv(cloth, places, uv), PLACES);
     for (size_t j = 0; j < 3 * TRIANGLES; ++j) {
         size_t at = 0; /* a corner of the same vertex at the same place */
         while (mesh.corners[at] != corners[j]

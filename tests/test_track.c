@@ -17,12 +17,12 @@ static const double rows[] = {
     2.25, 0.5, 3.0,  0.0,  //
 };
 enum { ROWS = 5, MOST = 40 };
-static const weft_track track = { rows, ROWS };
+static const weft_table track = { rows, ROWS };
 static double slopes[WEFT__CURVE_WIDTH * MOST];
 
 /* A table of random rows at uneven times from -1 s on; some have the value of the row
  * before. */
-static weft_track random_track(uint64_t *seed, double some[4 * MOST], size_t count)
+static weft_table random_track(uint64_t *seed, double some[4 * MOST], size_t count)
 {
     double t = -1.0;
     for (size_t i = 0; i < count; ++i, t += 1e-3 + pow(random_uniform(seed), 6.0)) {
@@ -32,7 +32,7 @@ static weft_track random_track(uint64_t *seed, double some[4 * MOST], size_t cou
             some[4 * i + k] = rests ? some[4 * (i - 1) + k] : random_uniform(seed);
         }
     }
-    return (weft_track){ some, count };
+    return (weft_table){ some, count };
 }
 
 static void value_at(const weft__curve *of, double t, double value[3][3])
@@ -106,7 +106,7 @@ START_TEST(track_stays_between_its_rows_and_rests_between_equal_ones)
     uint64_t seed = 11;
     for (size_t trial = 0; trial < 200; ++trial) {
         double some[4 * MOST];
-        const weft_track from = random_track(&seed, some, MOST);
+        const weft_table from = random_track(&seed, some, MOST);
         const weft__curve of = weft__curve_make(&from, false, slopes);
         for (size_t i = 0; i + 1 < MOST; ++i) {
             const double *a = &some[4 * i], *b = a + 4;
@@ -165,7 +165,7 @@ END_TEST
 START_TEST(two_rows_are_a_smooth_ramp)
 {
     const double ramp[] = { 1.0, 0.0, 8.0, 0.0, 3.0, 16.0, 8.0, -32.0 };
-    const weft_track two = { ramp, 2 };
+    const weft_table two = { ramp, 2 };
     const weft__curve of = weft__curve_make(&two, false, slopes);
     double value[3][3];
     value_at(&of, 2.0, value);
@@ -181,7 +181,7 @@ END_TEST
 
 START_TEST(one_row_is_a_constant)
 {
-    const weft_track one = { rows, 1 };
+    const weft_table one = { rows, 1 };
     const weft__curve of = weft__curve_make(&one, _i == 1, slopes);
     double value[3][3];
     for (double t = -1.0; t < 2.0; t += 0.5) {
@@ -257,7 +257,7 @@ static weft_cloth_def sheet(bool grid)
         def.springs[WEFT_STRETCH] = (weft_spring_def){ true, 20.0, 0.02 };
     }
     def.pins = &pin, def.pin_count = 1;
-    def.drag = 1e-3;
+    def.damping = 1e-3;
     return def;
 }
 
@@ -330,7 +330,7 @@ START_TEST(a_pin_that_holds_moves_and_holds_does_that)
     weft_stepper_config config = weft_stepper_config_default();
     config.rtol = config.atol_position = config.atol_velocity = 1e-3;
     model = sheet(true);
-    pin.path = (weft_track){ _i == 0 ? held : jerk, 4 };
+    pin.path = (weft_table){ _i == 0 ? held : jerk, 4 };
     cloth = test_cloth(&model);
     sim = test_sim(cloth, test_method_named("gsl/rkf45"), &config);
     weft_sim_positions(sim, first);
@@ -357,7 +357,7 @@ START_TEST(a_gust_blows_between_its_rows_alone)
     model = sheet(true);
     model.pin_count = 0;
     model.gravity[0] = model.gravity[1] = model.gravity[2] = 0.0;
-    model.wind = (weft_track){ gust, 4 };
+    model.wind_table = (weft_table){ gust, 4 };
     model.wind_drag = 0.5;
     start("gsl/rkf45");
     weft_sim_positions(sim, before);
@@ -386,7 +386,7 @@ START_TEST(pins_jump_at_the_ends_of_a_natural_spline)
     weft_stepper_config config = weft_stepper_config_default();
     weft_sim_def def = weft_sim_def_default();
     cloth = test_cloth(&model);
-    def.cloth = cloth, def.config = config, def.dense = true;
+    def.cloth = cloth, def.config = config, def.interpolate = true;
     def.method = test_method_named("gsl/rkf45");
     ck_assert_int_eq(weft_sim_create(&def, &sim, &err), WEFT_OK);
     const size_t i = model.mesh == NULL ? 0 : pin.vertices[0];
@@ -431,7 +431,7 @@ START_TEST(a_pin_that_has_come_to_rest_has_no_velocity)
     double v[3 * N];
     for (size_t m = 0; m < sizeof methods / sizeof methods[0]; ++m) {
         model = sheet(true);
-        pin.path = (weft_track){ moves, 4 };
+        pin.path = (weft_table){ moves, 4 };
         start(methods[m]);
         go(sim, 0.05);
         weft_sim_velocities(sim, v);
@@ -480,11 +480,11 @@ START_TEST(wind_has_the_velocity_of_its_table)
     static double y[6 * N], dy[6 * N], is[2][6 * N];
     uint64_t seed = 7;
     model = sheet(_i == 0);
-    model.wind = track;
+    model.wind_table = track;
     model.wind_drag = 0.4;
     const weft__curve of = weft__curve_make(&track, false, slopes);
     cloth = test_cloth(&model);
-    model.wind.count = 0;
+    model.wind_table.count = 0;
     weft_cloth_start(cloth, y);
     for (size_t j = 0; j < 6 * N; ++j) {
         y[j] += 0.02 * random_uniform(&seed);
@@ -521,7 +521,7 @@ START_TEST(steps_end_at_the_rows_of_all_tracks)
     const double wanted[] = { 0.25, 0.5, 0.75, 1.0, 1.1, 2.0, 2.25, 3.0 };
     size_t met = 0;
     model = sheet(true);
-    model.wind = (weft_track){ gusts, 3 };
+    model.wind_table = (weft_table){ gusts, 3 };
     model.wind_drag = 0.1;
     start(_i == 0 ? "verlet/velocity_verlet" : "gsl/rkf45");
     while (weft_sim_time(sim) < 3.0) {
@@ -538,13 +538,13 @@ START_TEST(a_wind_that_was_set_replaces_the_table_until_it_is_taken_back)
 {
     const double value[3] = { 1.0, 2.0, 3.0 };
     model = sheet(_i == 0);
-    model.wind = track;
+    model.wind_table = track;
     model.wind_drag = 0.4;
     start("verlet/velocity_verlet");
     weft_sim *free_of_it = sim, *kept;
     sim = NULL;
     weft_cloth *shared = cloth;
-    model.wind.count = 0;
+    model.wind_table.count = 0;
     memcpy(model.wind_velocity, value, sizeof value);
     start("verlet/velocity_verlet");
     ck_assert_int_eq(weft_sim_set_wind(free_of_it, value, 0.4, NULL), WEFT_OK);
@@ -572,11 +572,11 @@ START_TEST(rows_of_the_caller_are_needed_at_creation_alone)
     model = sheet(_i == 0);
     model.wind_drag = 0.4;
     memcpy(own, rows, sizeof own);
-    pin.path.rows = model.wind.rows = own;
-    model.wind.count = 5;
+    pin.path.rows = model.wind_table.rows = own;
+    model.wind_table.count = 5;
     other = test_cloth(&model);
     memset(own, 0xff, sizeof own);
-    pin.path.rows = model.wind.rows = rows;
+    pin.path.rows = model.wind_table.rows = rows;
     start("verlet/velocity_verlet");
     go(sim, 0.6);
     memcpy(y, weft_sim_state(sim), sizeof y);
@@ -605,17 +605,17 @@ START_TEST(rows_that_make_no_sense_are_refused)
     weft_error err = { 0 };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         model = sheet(i % 2 == 0);
-        pin.path = (weft_track){ wrong[i].rows, 2 };
+        pin.path = (weft_table){ wrong[i].rows, 2 };
         ck_assert_int_eq(weft_cloth_create(&model, &cloth, &err), WEFT_INVALID);
         ck_assert_ptr_nonnull(strstr(err.message, "pin 0: path: row"));
         ck_assert_ptr_nonnull(strstr(err.message, wrong[i].text));
         pin.path.count = 0;
-        model.wind = (weft_track){ wrong[i].rows, 2 };
+        model.wind_table = (weft_table){ wrong[i].rows, 2 };
         ck_assert_int_eq(weft_cloth_create(&model, &cloth, &err), WEFT_INVALID);
         ck_assert_ptr_nonnull(strstr(err.message, "wind: row"));
         ck_assert_ptr_nonnull(strstr(err.message, wrong[i].text));
     }
-    model.wind = (weft_track){ NULL, 2 };
+    model.wind_table = (weft_table){ NULL, 2 };
     ck_assert_int_eq(weft_cloth_create(&model, &cloth, &err), WEFT_INVALID);
     ck_assert_ptr_nonnull(strstr(err.message, "is NULL"));
 }

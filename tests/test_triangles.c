@@ -131,7 +131,7 @@ START_TEST(a_mirrored_piece_shares_places_with_its_twin)
     const double rest[] = { 0, 0, 1, 0, 0, 1 };
     const uint32_t corners[] = { 0, 1, 2, 0, 2, 1 };
     weft_mesh_def def = weft_mesh_def_default();
-    def.vertices = def.places = 3, def.triangles = 2;
+    def.vertices = def.uv_count = 3, def.triangles = 2;
     def.start = start, def.rest = rest, def.corners = corners;
     def.fabrics = &mesh_fabric, def.fabric_count = 1;
     weft_cloth_def cloth_def = weft_cloth_def_default();
@@ -141,7 +141,7 @@ START_TEST(a_mirrored_piece_shares_places_with_its_twin)
                   err.message);
     const double twice[] = { 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1 };
     const uint32_t places[] = { 0, 1, 2, 3, 5, 4 };
-    def.rest = twice, def.places = 6, def.corner_places = places;
+    def.rest = twice, def.uv_count = 6, def.corner_uv = places;
     weft_cloth *cloth = NULL;
     ck_assert_msg(weft_cloth_create(&cloth_def, &cloth, &err) == WEFT_OK, "%s",
                   err.message);
@@ -215,7 +215,7 @@ static void thrice(test_mesh *of)
     const uint32_t third[] = { 0, 3, 1 };
     of->corners = realloc(of->corners, 9 * sizeof *of->corners);
     memcpy(&of->corners[6], third, sizeof third);
-    of->def.corners = of->corners, of->def.corner_places = NULL, of->def.triangles = 3;
+    of->def.corners = of->corners, of->def.corner_uv = NULL, of->def.triangles = 3;
 }
 
 static void thin(test_mesh *of)

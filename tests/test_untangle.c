@@ -54,7 +54,7 @@ static void sheets(double (*height)(double u, double v))
     }
     parts[0] = (weft_cloth_part){ .name = "lower", .count = SIDE * SIDE };
     parts[1] = (weft_cloth_part){ "upper", SIDE * SIDE, UPPER * UPPER, { 0.1, 0, 0 } };
-    mesh.vertices = mesh.places = N;
+    mesh.vertices = mesh.uv_count = N;
     mesh.start = start, mesh.rest = rest, mesh.corners = corners;
     mesh.fabrics = &fabric, mesh.fabric_count = 1;
     mesh.parts = parts, mesh.part_count = 2;
@@ -405,9 +405,9 @@ START_TEST(a_given_start_is_taken_as_it_is)
     ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_OK);
     ck_assert_mem_eq(weft_sim_state(sim), y, sizeof y);
     weft_sim_destroy(sim);
-    const weft_number_of_cloth number
+    const weft_parameter number
         = { .name = "n", .less = cloth, .more = cloth, .span = 1.0 };
-    const weft_sensitivity_def by = { .count = 1, .numbers = &number };
+    const weft_sensitivity_def by = { .count = 1, .parameters = &number };
     run.sensitivity = &by;
     ck_assert_int_eq(weft_sim_create(&run, &sim, &err), WEFT_UNSUPPORTED);
 }

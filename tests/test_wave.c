@@ -351,10 +351,10 @@ static void create(twins *both, weft_sim_def def)
     def.stop_ctx = both;
     for (int i = 0; i < 2; ++i) {
         weft_error err;
-        def.config.sweep = i == 0 ? NULL : &none;
+        def.config.pass = i == 0 ? NULL : &none;
         ck_assert_msg(weft_sim_create(&def, &both->of[i], &err) == WEFT_OK, "%s",
                       err.message);
-        ck_assert((both->of[i]->config.sweep != NULL) == (i == 0));
+        ck_assert((both->of[i]->config.pass != NULL) == (i == 0));
     }
 }
 
@@ -527,7 +527,7 @@ START_TEST(no_pass_where_it_would_change_something)
         def.method = i == 4 ? test_method_named("gsl/rkf45") : def.method;
         weft_sim *sim = NULL;
         ck_assert_int_eq(weft_sim_create(&def, &sim, NULL), WEFT_OK);
-        ck_assert((sim->config.sweep != NULL) == (i == 5));
+        ck_assert((sim->config.pass != NULL) == (i == 5));
         weft_sim_destroy(sim);
     }
     weft_cloth_destroy(small);
@@ -566,7 +566,7 @@ START_TEST(a_run_takes_the_memory_that_stats_say)
     weft_cloth *cloth = moving_grid(400, 400, 1);
     weft_sim_def def = plain_def(cloth, kept[_i].method);
     def.config.fixed_step = kept[_i].fixed_step;
-    def.config.sweep = kept[_i].by_stages ? &none : NULL;
+    def.config.pass = kept[_i].by_stages ? &none : NULL;
     const double before = resident();
     weft_sim *sim = test_sim(cloth, def.method, &def.config);
     for (int i = 0; i < 4; ++i) {

@@ -153,7 +153,7 @@ static weft_cloth_def sail_def(bool grid, const weft_pin *pin)
             = (weft_spring_def){ .present = true, .stiffness = 20.0 };
         def.pins = pin, def.pin_count = 1;
     }
-    def.drag = 1e-3;
+    def.damping = 1e-3;
     return def;
 }
 

@@ -75,10 +75,10 @@ typedef struct weft_load {
  * and no step passes the time of a row (docs/theory/model.md). Where a struct says so,
  * it is a natural cubic spline instead: with two continuous derivatives between its
  * ends, where its velocity jumps, and beyond the range of its rows. Fixed for ever. */
-typedef struct weft_track {
+typedef struct weft_table {
     const double *rows; /* 4 count numbers; count 0: none */
     size_t count;
-} weft_track;
+} weft_table;
 
 /* Particles that follow x(t) = x(0) + velocity t + amplitude sin(2 pi frequency t) +
  * path(t) - path(0). */
@@ -89,7 +89,7 @@ typedef struct weft_pin {
     double frequency;       /* [Hz] >= 0 */
     const size_t *vertices; /* of triangles: vertex_count of them */
     size_t vertex_count;
-    weft_track path;   /* [m] */
+    weft_table path;   /* [m] */
     bool path_natural; /* it is a natural spline */
 } weft_pin;
 
@@ -122,7 +122,7 @@ typedef struct weft_turn {
  * they rest. Arrays are copied by weft_cloth_create. Fixed for ever. */
 typedef struct weft_body {
     size_t vertices, triangles, keys; /* >= 3, >= 1, >= 1 */
-    const double *places;             /* [m] from `at`: x y z of each vertex, by keys */
+    const double *positions;          /* [m] from `at`: x y z of each vertex, by keys */
     const uint32_t *corners;          /* vertices, 3 of each triangle */
     double fps;                       /* [1/s] finite, > 0 with several keys */
 } weft_body;
@@ -241,21 +241,21 @@ typedef struct weft_cloth_part {
 
 /* Triangles of fabric instead of a grid of springs; docs/guides/cut-and-sew.md. The
  * rest shape lies in the plane (u, v), u along the weft, v along the warp. A vertex may
- * have several places there: its triangles are sewn then. A piece is a set of triangles
- * joined through edges whose two ends have the same places on both sides; another edge
- * of two triangles is a seam. Arrays are copied by weft_cloth_create. */
+ * have several UV coordinates: its triangles are sewn then. A panel is a set of
+ * triangles joined through edges whose two ends have the same ones on both sides;
+ * another edge of two triangles is a seam. Arrays are copied by weft_cloth_create. */
 typedef struct weft_mesh_def {
     uint32_t struct_size, fabric_size; /* [bytes]; of an element of `fabrics` */
     size_t vertices;                   /* N, each a corner of a triangle */
-    const double *start; /* [m] where they are at t = 0: x y z of each, 3 N */
-    const size_t *names; /* N numbers that messages have for them; NULL: 0, 1, ...
-                          */
-    size_t places;
-    const double *rest;            /* [m] u v of each place */
-    size_t triangles;              /* T */
-    const uint32_t *corners;       /* vertices, 3 T: in one order all over a piece */
-    const uint32_t *corner_places; /* places, 3 T; NULL: as `corners` */
-    const uint32_t *fabric_of;     /* T indices of `fabrics`; NULL: 0 for all */
+    const double *start;      /* [m] where they are at t = 0: x y z of each, 3 N */
+    const size_t *file_index; /* N indices that messages have for them; NULL: 0, 1, ...
+                               */
+    size_t uv_count;
+    const double *rest;        /* [m] u v of each of them */
+    size_t triangles;          /* T */
+    const uint32_t *corners;   /* vertices, 3 T: in one order all over a piece */
+    const uint32_t *corner_uv; /* indices of `rest`, 3 T; NULL: as `corners` */
+    const uint32_t *fabric_of; /* T indices of `fabrics`; NULL: 0 for all */
     const weft_fabric *fabrics;
     size_t fabric_count;
     weft_seam seams;
@@ -301,7 +301,7 @@ typedef struct weft_cloth_def {
     const weft_pin *pins; /* pin_count of them; a later one overrides an earlier one */
     size_t pin_count;
     double gravity[3];       /* [m/s^2] */
-    double drag;             /* [kg/s] >= 0, viscous: F = -drag v on each particle */
+    double damping;          /* [kg/s] >= 0, viscous: F = -damping v on each particle */
     double wind_velocity[3]; /* [m/s] */
     double wind_drag;        /* [kg/(m^2 s)] >= 0; 0: no wind */
     const weft_allocator *allocator; /* NULL: malloc's */
@@ -320,14 +320,14 @@ typedef struct weft_cloth_def {
     const weft_mesh_def *mesh; /* triangles instead of a grid; NULL: a grid. Then rows
                        to scale, mass, density, law, springs, across, bending and
                        rim_half are not used, and pins and loads have vertices */
-    weft_track wind;           /* [m/s] unless count is 0, instead of wind_velocity */
-    double untangle;   /* [s] >= 0; > 0: a start may pass through itself and shapes, and
-                         weft_sim_create calls weft_cloth_untangle */
-    bool wind_natural; /* the wind's table is a natural spline */
-    bool strict;       /* cloth that passes through a shape between its particles
-                         (weft_cloth_passages) is an error: at the start, and at frames
-                         (weft_sim_check_frame) */
-    weft_log log;      /* progress of weft_cloth_untangle, at least once a second */
+    weft_table wind_table;     /* [m/s] unless count is 0, instead of wind_velocity */
+    double untangle; /* [s] >= 0; > 0: a start may pass through itself and shapes, and
+                       weft_sim_create calls weft_cloth_untangle */
+    bool wind_table_natural; /* the wind's table is a natural spline */
+    bool strict;             /* cloth that passes through a shape between its particles
+                               (weft_cloth_passages) is an error: at the start, and at frames
+                               (weft_sim_check_frame) */
+    weft_log log;       /* progress of weft_cloth_untangle, at least once a second */
     weft_stop_fn *stop; /* asked while the cloth is made, which takes a minute for a
                        million triangles, and by weft_cloth_untangle; NULL: none */
     void *stop_ctx;
@@ -517,8 +517,8 @@ WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
 WEFT_API size_t weft_cloth_index(const weft_cloth *cloth, size_t vertex);
 WEFT_API size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index);
 
-/* The number that files and messages have for a vertex: weft_mesh_def.names. */
-WEFT_API size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex);
+/* The index that files and messages have for a vertex: weft_mesh_def.file_index. */
+WEFT_API size_t weft_cloth_file_index(const weft_cloth *cloth, size_t vertex);
 
 /* The number of weft_mesh_def.parts, part k < weft_cloth_parts, the part of a name, or
  * SIZE_MAX, and that of a vertex; 0 of a cloth without parts. A part's vertices are
@@ -537,15 +537,14 @@ WEFT_API size_t weft_cloth_triangles(const weft_cloth *cloth, uint32_t *corners)
 WEFT_API size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends);
 
 /* The flat rest shape: returns the number P of its places, and writes those of the
- * corners of all triangles to corner_places[3 T] and u v [m] of each to uv[2 P], unless
+ * corners of all triangles to corner_uv[3 T] and u v [m] of each to uv[2 P], unless
  * NULL. Two triangles that share an edge, but not its places, are sewn there. A
  * particle (r, c) of a grid is a place, at c spacing[1], -r spacing[0]. */
-WEFT_API size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places,
-                                  double *uv);
+WEFT_API size_t weft_cloth_uv(const weft_cloth *cloth, uint32_t *corner_uv, double *uv);
 
 /* The number of pieces of the rest shape, 1 of a grid, and of edges along which they
  * are sewn, with the length [m] of these. */
-WEFT_API size_t weft_cloth_pieces(const weft_cloth *cloth, size_t *sewn,
+WEFT_API size_t weft_cloth_panels(const weft_cloth *cloth, size_t *sewn,
                                   double *length);
 
 /* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
@@ -566,7 +565,7 @@ WEFT_API const char *weft_primitive_text(const weft_cloth *cloth,
 /* Writes the state at t = 0 to y[6 N]. */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
-/* Rest positions [m], 3 N; of triangles, whose rest shape is flat (weft_cloth_places),
+/* Rest positions [m], 3 N; of triangles, whose rest shape is flat (weft_cloth_uv),
  * where they are at t = 0. */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 

@@ -21,7 +21,7 @@ typedef struct weft_gradient_def {
     const weft_sim_def *sim; /* without `sensitivity`, which is not looked at; explicit
                                 one-step methods, in fixed or adaptive steps */
     size_t count;            /* of numbers; any */
-    const weft_number_of_cloth *numbers;
+    const weft_parameter *parameters;
     size_t frames;                /* of times, which ascend from 0 or above */
     const double *times;          /* [s] */
     weft_objective_fn *objective; /* of each frame, the last one first */
@@ -33,9 +33,9 @@ typedef struct weft_gradient_def {
 WEFT_DEFAULT(weft_gradient_def)
 
 /* Runs a simulation to its last frame and goes back through its steps: *value is the
- * sum of the objective over all frames, by_number[count] its derivative by each number
- * [per unit of its span], by_start[6 N] (or NULL) that by the state at t = 0. It is the
- * derivative of the discrete map, with the steps of an adaptive method held, as
+ * sum of the objective over all frames, by_parameter[count] its derivative by each
+ * number [per unit of its span], by_start[6 N] (or NULL) that by the state at t = 0. It
+ * is the derivative of the discrete map, with the steps of an adaptive method held, as
  * sensitivities are, at a cost that hardly depends on the number of springs' and
  * weight's numbers: some four runs, and for each other number up to two more. Memory:
  * some 3 sqrt(steps x stages) states. The simulation has the threads of its config;
@@ -47,7 +47,7 @@ WEFT_DEFAULT(weft_gradient_def)
  * sensitivities refuse, a method that is no sum of the rates of its stages;
  * WEFT_STOPPED, the objective; WEFT_NOT_FINITE. */
 WEFT_API weft_status weft_gradient(const weft_gradient_def *def, double *value,
-                                   double *by_number, double *by_start,
+                                   double *by_parameter, double *by_start,
                                    weft_error *err);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft/pass.h -- a step in one pass over the state, for plugins that say their table or
- * give their loops: weft_stepper_config.sweep. Part of weft/stepper.h. */
+ * give their loops: weft_stepper_config.pass. Part of weft/stepper.h. */
 #ifndef WEFT_PASS_H
 #define WEFT_PASS_H
 

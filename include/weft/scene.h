@@ -89,7 +89,7 @@ typedef struct weft_cut {
  * ever. */
 typedef struct weft_cut_mesh {
     size_t vertices, triangles, edges;
-    double *places;     /* [m] u v of each vertex */
+    double *uv;         /* [m] u v of each vertex */
     uint32_t *corners;  /* 3 of each triangle, counterclockwise */
     uint32_t *edge;     /* on the lines: its two vertices and the line */
     double least_angle; /* [degrees] of all corners but those of the border itself */
@@ -196,17 +196,19 @@ WEFT_API const char *weft_scene_text(const weft_scene *scene);
 
 /* The cloths with less and more of each number by which a scene is differentiated, for
  * weft_sim_def: p (1 -+ 2^-22), of a p that is 0 -+ 2^-22, in the number's unit; the
- * scene's own p where a value is out of range. u of weft_number_of_cloth is p, or 1
+ * scene's own p where a value is out of range. u of weft_parameter is p, or 1
  * where that is 0. `def`: find_plugin, mesh_cut, refine and allocator of it are used,
  * as the scene was loaded. */
-typedef struct weft_scene_twins weft_scene_twins;
-WEFT_API weft_status weft_scene_twins_create(const weft_scene *scene,
-                                             const weft_scene_def *def,
-                                             weft_scene_twins **out, weft_error *err);
-WEFT_API void weft_scene_twins_destroy(weft_scene_twins *twins); /* NULL is allowed */
+typedef struct weft_scene_perturbed weft_scene_perturbed;
+WEFT_API weft_status weft_scene_perturbed_create(const weft_scene *scene,
+                                                 const weft_scene_def *def,
+                                                 weft_scene_perturbed **out,
+                                                 weft_error *err);
+WEFT_API void
+weft_scene_perturbed_destroy(weft_scene_perturbed *twins); /* NULL is allowed */
 /* NULL: the scene has no `sensitivity`. */
 WEFT_API const weft_sensitivity_def *
-weft_scene_twins_def(const weft_scene_twins *twins);
+weft_scene_perturbed_def(const weft_scene_perturbed *twins);
 
 /* A scene file with `sweep`: {key.path: [value, ...], ...} describes many runs: every
  * combination of the values, the last key varying fastest, or, with zip: true, one run

@@ -59,12 +59,12 @@ typedef double weft_event_fn(void *ctx, const weft_cloth *cloth, double t,
 /* A number of the definition by which a simulation is differentiated: two cloths with
  * less and more of it, which must outlive the simulation and differ from its cloth in
  * that number alone, by some 2e-7 of it. Fixed for ever. */
-typedef struct weft_number_of_cloth {
+typedef struct weft_parameter {
     const char *name; /* in messages */
     const weft_cloth *less, *more;
     double span; /* > 0: of the number between the two, in the unit u of
                     s = u dy/dp; u = p, the derivative by log p: 2 d for p (1 +- d) */
-} weft_number_of_cloth;
+} weft_parameter;
 
 enum { WEFT_SENSITIVITIES = 16 }; /* the most */
 
@@ -73,7 +73,7 @@ enum { WEFT_SENSITIVITIES = 16 }; /* the most */
  * the discrete map in fixed steps, of the map with its steps held in adaptive ones. */
 typedef struct weft_sensitivity_def {
     size_t count; /* 1 to WEFT_SENSITIVITIES */
-    const weft_number_of_cloth *numbers;
+    const weft_parameter *parameters;
     bool control; /* s takes part in error control, at the tolerances of the state.
                      false: the steps and the state are those without; not with the rms
                      norm */
@@ -109,8 +109,8 @@ typedef struct weft_sim_def {
     void *stop_ctx;
     const weft_comm *comm; /* joins the bands of a cloth, and must outlive the
                               simulation; the cloth is this band. NULL: it is whole */
-    bool dense; /* keep what weft_sim_between needs: some 8 states. weft_sim_play then
-                   takes frames from within steps. Not with a limit or `correct` */
+    bool interpolate; /* keep what weft_sim_between needs: some 8 states. weft_sim_play
+                   then takes frames from within steps. Not with a limit or `correct` */
     weft_event_fn *event; /* NULL: none. Not with a limit or `correct` */
     void *event_ctx;
     double event_hold; /* [s] > 0: the event is when the function has been 0 or below
@@ -118,8 +118,8 @@ typedef struct weft_sim_def {
                           when it falls to 0, as weft_event_fn says */
     const weft_sensitivity_def *sensitivity; /* NULL: none. One-step methods;
                           not with a limit, `correct`, `force`, `event`, a ledger,
-                          `dense`, a comm or an untangled start: WEFT_UNSUPPORTED. Then
-                          no function may change state, pins, wind or shapes */
+                          `interpolate`, a comm or an untangled start: WEFT_UNSUPPORTED.
+                          Then no function may change state, pins, wind or shapes */
     const double *start; /* [m, m/s] y[6 N] at t = 0 instead of weft_cloth_start, which
                             is then not relaxed either; copied. Pins are at their
                             places. For a start that you relaxed yourself, or a
@@ -139,8 +139,8 @@ typedef struct weft_sim_def {
  * weft_cloth_band describes. Callbacks of weft_play must return the same on all bands;
  * a `stop` of one stops all.
  *
- * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_AGREES, a strain limit, `correct`,
- * `force`; functions that change the state, pins or shapes. */
+ * WEFT_UNSUPPORTED: methods without WEFT_STEPPER_DISTRIBUTED, a strain limit,
+ * `correct`, `force`; functions that change the state, pins or shapes. */
 
 /* All energy gained and lost since t = 0, in [J]. Without a ledger in the definition
  * only `energy` is filled, and the rest is 0. */
@@ -148,13 +148,13 @@ typedef struct weft_ledger {
     bool kept;
     weft_energy energy; /* at present */
     double dissipated_springs, dissipated_drag;
-    double wind_work, pin_work; /* done on the cloth: may be negative */
-    double limit_work;          /* added by the strain limit */
-    double outside_work; /* added by `correct`, weft_sim_set_state, changes of pins and
+    double work_wind, work_pins; /* done on the cloth: may be negative */
+    double work_limit;           /* added by the strain limit */
+    double work_outside; /* added by `correct`, weft_sim_set_state, changes of pins and
                             shapes */
     double residual;     /* energy - energy at t = 0 + dissipated - work: 0 but for the
                             errors of the integration */
-    double force_work;   /* done on the free particles by `force` */
+    double work_force;   /* done on the free particles by `force` */
     double dissipated_contact, dissipated_friction;
     double shape_work; /* done by moving shapes */
 } weft_ledger;
@@ -205,8 +205,8 @@ WEFT_API bool weft_sim_event(const weft_sim *sim);
 /* Writes the state at t [s], within the last step or at its end, to y[6 N], with an
  * order of at least that of the method less one, up to 7: see docs/theory/model.md.
  * Costs evaluations of the right-hand side once a step: 2, and up to 10 for methods of
- * high order; weft_sim_stats counts them. Errors: WEFT_INVALID (without `dense`; t is
- * elsewhere; the state was changed since), WEFT_STOPPED, WEFT_NOT_FINITE. */
+ * high order; weft_sim_stats counts them. Errors: WEFT_INVALID (without `interpolate`;
+ * t is elsewhere; the state was changed since), WEFT_STOPPED, WEFT_NOT_FINITE. */
 WEFT_API weft_status weft_sim_between(weft_sim *sim, double t, double *y,
                                       weft_error *err);
 
@@ -263,8 +263,8 @@ WEFT_API double weft_run_step(const weft_run_def *run, double h);
 
 /* Its callbacks are called between two steps: they may change pins, shapes and the
  * state, restart and save, but not step or restore. Nothing may change from `frame` if
- * weft_sim_is_between, and from `step` with `dense`, because frames within the last
- * step are still to come. What they may not do returns WEFT_INVALID. */
+ * weft_sim_is_between, and from `step` with `interpolate`, because frames within the
+ * last step are still to come. What they may not do returns WEFT_INVALID. */
 typedef struct weft_play {
     const weft_run_def *run;
     size_t first, last; /* frames; the time is at most that of `first` */
@@ -278,11 +278,11 @@ typedef struct weft_play {
 } weft_play;
 
 /* Steps from frame to frame and calls `frame` at each, as `weft run` does; with
- * `dense`, steps that no frame cuts, up to the next checkpoint. An event is the last
- * frame, at its own time. A checkpoint restarts the stepper, which changes results: by
- * this function a run has the same bits whether checkpoints are kept or not. Errors:
- * WEFT_INVALID (no run or frame callback, fps or duration not finite or not > 0), those
- * of weft_sim_step and callbacks. */
+ * `interpolate`, steps that no frame cuts, up to the next checkpoint. An event is the
+ * last frame, at its own time. A checkpoint restarts the stepper, which changes
+ * results: by this function a run has the same bits whether checkpoints are kept or
+ * not. Errors: WEFT_INVALID (no run or frame callback, fps or duration not finite or
+ * not > 0), those of weft_sim_step and callbacks. */
 WEFT_API weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *play,
                                          size_t size, weft_error *err);
 static inline weft_status weft_sim_play(weft_sim *sim, const weft_play *play,
@@ -452,7 +452,7 @@ WEFT_API weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3],
 /* These functions change shapes between two steps, each in O(N). Every simulation has
  * its own shapes, which obey the contact of its cloth: the definition's cloth, and
  * other simulations that share it, do not change. The change of the energy is
- * outside_work in the ledger. Errors: WEFT_INVALID (no such shape, a mistake in its
+ * work_outside in the ledger. Errors: WEFT_INVALID (no such shape, a mistake in its
  * definition, a free particle would be in a shape; the message names both),
  * WEFT_NO_MEMORY; then nothing changes. weft_cloth_shape_pose of weft_sim_cloth returns
  * the present places. */

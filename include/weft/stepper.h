@@ -93,30 +93,33 @@ typedef struct weft_team {
                 size_t parts);
 } weft_team;
 
-/* Pairs of particles (p + i, q + i), i < count, that springs join. A grid has about six
- * runs a row; any graph can be given, with runs of 1. */
-typedef struct weft_bonds {
+/* A run of spring couplings: pairs of particles (p + i, q + i), i < count, that springs
+ * join. A grid has about six runs a row; any graph can be given, with runs of 1. */
+typedef struct weft_spring_run {
     size_t p, q, count;
-} weft_bonds;
+} weft_spring_run;
 
-/* Particles p < q of a cloth of triangles that its membrane joins. */
-typedef struct weft_link {
+/* A 3 x 3 block of the Jacobian: particles p < q that the membrane of triangles
+ * couples. */
+typedef struct weft_block_coupling {
     uint32_t p, q;
-} weft_link;
+} weft_block_coupling;
 
-/* Particles p < q that its bending joins. */
-typedef struct weft_tie {
+/* A multiple of the 3 x 3 identity: particles p < q that the bending of triangles
+ * couples. */
+typedef struct weft_scalar_coupling {
     uint32_t p, q;
     double k, c; /* [N/m], [kg/s] of either sign */
-} weft_tie;
+} weft_scalar_coupling;
 
-/* Planes of weft_structure::linearise: per spring, per particle; the numbers of
- * linearise_links per link; and the corners that weft_structure::modes may have. */
+/* Planes of weft_structure::linearise: per pair, per particle; the values of
+ * linearise_blocks per coupling; and the corners that weft_structure::modes may have.
+ */
 enum {
-    WEFT_BOND_PLANES = 6,
+    WEFT_PAIR_PLANES = 6,
     WEFT_BLOCK_PLANES = 15,
     WEFT_MODES_CORNERS = 40,
-    WEFT_LINK_NUMBERS = 18
+    WEFT_COUPLING_NUMBERS = 18
 };
 
 /* The structure of a cloth's right-hand side, for implicit and stabilised methods:
@@ -143,15 +146,15 @@ enum {
  * with them the values of mass and block_planes: ode_changed announces it. */
 typedef struct weft_structure {
     uint32_t struct_size;
-    size_t particles;       /* N; y begins with its 6 N numbers */
-    size_t run_count;       /* of runs */
-    size_t bond_count;      /* springs: the sum of all counts */
-    const weft_bonds *runs; /* in the order of the planes of linearise */
-    const double *mass;     /* [kg] N; 0: prescribed, x and v follow their own law */
-    const double *drag;     /* [kg/s] N: viscous, part of C, >= 0 */
-    size_t block_planes;    /* 0, or WEFT_BLOCK_PLANES: there are shapes to touch */
+    size_t particles;            /* N; y begins with its 6 N numbers */
+    size_t run_count;            /* of runs */
+    size_t pair_count;           /* the sum of all counts */
+    const weft_spring_run *runs; /* in the order of the planes of linearise */
+    const double *mass;  /* [kg] N; 0: prescribed, x and v follow their own law */
+    const double *drag;  /* [kg/s] N: viscous, part of C, >= 0 */
+    size_t block_planes; /* 0, or WEFT_BLOCK_PLANES: there are shapes to touch */
 
-    /* Writes the springs' part of J in (t, y) to planes[6 bond_count]: u_x, u_y, u_z,
+    /* Writes the springs' part of J in (t, y) to planes[6 pair_count]: u_x, u_y, u_z,
      * k - q [N/m], q [N/m], c [kg/s]; unfiltered, all 0 for a spring of length 0. z
      * follows from c, u and y. Under the strain law k is that law's by the rest length.
      *
@@ -177,28 +180,29 @@ typedef struct weft_structure {
                     void *ctx);
     void *ctx;
 
-    /* The last of the runs, with the last of the bonds, are bending rigidity: u, k - q
+    /* The last of the runs, with the last of the pairs, are bending rigidity: u, k - q
      * and c are 0, q is constant and may be negative. Together they are a matrix B that
      * never is; it belongs to K, and bend_damping B to C. 0 without. */
-    size_t bend_runs, bend_bonds;
+    size_t bend_runs, bend_pairs;
     double bend_damping; /* [s] */
 
-    /* A cloth of triangles has no runs, but links and ties; others have none. K x has
+    /* A cloth of triangles has no runs, but block and scalar couplings; others have
+     * none of these. K x has
      * A (x_p - x_q) in the rows of p and A^T (x_q - x_p) in those of q for each of
      * them, with a 3 x 3 block A, and so has C. One A need not be symmetric and may be
      * negative; together they are symmetric and never negative.
      *
-     * linearise_links writes, for each of `links`, A of K row by row [N/m], without
-     * stresses that press, and A of C likewise [kg/s], without what it has to do with
-     * x, to numbers[18 link_count]. Returns as linearise. Ties have A = k I and c I,
-     * the same in all states.
+     * linearise_blocks writes, for each of `block_couplings`, A of K row by row [N/m],
+     * without stresses that press, and A of C likewise [kg/s], without what it has to
+     * do with x, to numbers[18 block_coupling_count]. Returns as linearise. A scalar
+     * coupling has A = k I and c I, the same in all states.
      *
-     * They are there for methods with WEFT_STEPPER_LINKS. An implicit method without
-     * that flag has no structure on triangles. */
-    size_t link_count, tie_count;
-    const weft_link *links;
-    const weft_tie *ties;
-    int (*linearise_links)(double t, const double *y, double *numbers, void *ctx);
+     * They are there for methods with WEFT_STEPPER_COUPLINGS. An implicit method
+     * without that flag has no structure on triangles. */
+    size_t block_coupling_count, scalar_coupling_count;
+    const weft_block_coupling *block_couplings;
+    const weft_scalar_coupling *scalar_couplings;
+    int (*linearise_blocks)(double t, const double *y, double *numbers, void *ctx);
 } weft_structure;
 
 /* How an implicit method solves its linear systems. AUTO: the blocks of the diagonal
@@ -256,12 +260,13 @@ typedef struct weft_stepper_config {
     const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
                                         known. A simulation gives that of its cloth */
     const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
-    const weft_agree *agree; /* NULL: the state is whole. Needs WEFT_STEPPER_AGREES, and
-                                for the rms norm `rms` */
-    const weft_pass *sweep; /* see weft_stepper_sweep. In the definition of a simulation
+    const weft_agree
+        *agree;            /* NULL: the state is whole. Needs
+                              WEFT_STEPPER_DISTRIBUTED, and         for the rms norm `rms` */
+    const weft_pass *pass; /* see weft_stepper_pass. In the definition of a simulation
                                NULL: its own, where faster; one without run: none */
-    const weft_rms *rms;    /* NULL: the solver's own sum. A simulation gives its own to
-                               methods with WEFT_STEPPER_AGREES */
+    const weft_rms *rms;   /* NULL: the solver's own sum. A simulation gives its own to
+                              methods with WEFT_STEPPER_DISTRIBUTED */
 } weft_stepper_config;
 
 enum {
@@ -282,11 +287,11 @@ enum {
     WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
     WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
                                              refuses fixed_step */
-    WEFT_STEPPER_LINEAR = 1 << 13, /* takes config->linear, and reports as options
-                                      which of its members it uses */
-    WEFT_STEPPER_AGREES = 1 << 14, /* takes config->agree and config->rms */
-    WEFT_STEPPER_LINKS = 1 << 15,  /* knows the links and ties of config->structure */
-    WEFT_STEPPER_SWEEP = 1 << 16   /* may use config->sweep */
+    WEFT_STEPPER_LINEAR = 1 << 13,      /* takes config->linear, and reports as options
+                                           which of its members it uses */
+    WEFT_STEPPER_DISTRIBUTED = 1 << 14, /* takes config->agree and config->rms */
+    WEFT_STEPPER_COUPLINGS = 1 << 15,   /* uses the couplings of config->structure */
+    WEFT_STEPPER_PASS = 1 << 16         /* may use config->pass */
 };
 
 /* The fields that every version of the struct has. */
@@ -322,10 +327,10 @@ static inline const weft_agree *weft_stepper_agree(const weft_stepper_config *co
 }
 
 /* The pass of the ode, or NULL. */
-static inline const weft_pass *weft_stepper_sweep(const weft_stepper_config *config)
+static inline const weft_pass *weft_stepper_pass(const weft_stepper_config *config)
 {
     const weft_pass *pass
-        = WEFT_HAS(config, weft_stepper_config, sweep) ? config->sweep : NULL;
+        = WEFT_HAS(config, weft_stepper_config, pass) ? config->pass : NULL;
     return pass != NULL && pass->run != NULL ? pass : NULL;
 }
 
@@ -479,7 +484,7 @@ static inline const char *weft_stepper_agree_mistake(const weft_stepper_type *ty
 {
     const weft_agree *agree = weft_stepper_agree(c);
     return agree == NULL ? NULL
-           : (type->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
+           : (type->flags & (uint32_t)WEFT_STEPPER_DISTRIBUTED) == 0
                ? "cannot integrate a part of a state (agree)"
            : agree->max == NULL ? "agree without max"
            : c->fixed_step == 0.0 && c->norm == WEFT_NORM_RMS

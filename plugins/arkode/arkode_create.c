@@ -118,7 +118,7 @@ static bool make_solver(arkode_stepper *self, const weft_stepper_config *config,
     } else if (made && self->implicit) {
         weft__sun_judge_by(self->y, WEFT_NORM_MAX, 2 * self->half);
     }
-    const weft_pass *pass = weft_stepper_sweep(config);
+    const weft_pass *pass = weft_stepper_pass(config);
     const bool max = self->fixed_step > 0.0 || config->norm == WEFT_NORM_MAX;
     if (made && pass != NULL && max && table != NULL && !self->implicit
         && self->agree == NULL && self->ode.dim == 2 * self->half) {

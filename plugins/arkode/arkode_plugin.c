@@ -15,7 +15,7 @@ enum {
     FIXED = WEFT_STEPPER_FIXED_ONLY,
     FSAL = WEFT_STEPPER_FSAL,
     CUSTOM = WEFT_STEPPER_BUTCHER,
-    IMPLICIT = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR | WEFT_STEPPER_LINKS
+    IMPLICIT = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR | WEFT_STEPPER_COUPLINGS
 };
 
 /* Methods with an error estimate have a controller. Weighted norms can leave
@@ -26,7 +26,7 @@ enum {
     ((flags) | ((flags)&IMPLICIT ? 0 : WEFT_STEPPER_QUADRATURES)                       \
      | ((flags) & (IMPLICIT | WEFT_STEPPER_STRUCTURE)                                  \
             ? 0                                                                        \
-            : WEFT_STEPPER_AGREES | WEFT_STEPPER_SWEEP)                                \
+            : WEFT_STEPPER_DISTRIBUTED | WEFT_STEPPER_PASS)                            \
      | ((flags)&FIXED ? 0 : WEFT_STEPPER_CONTROLLER))
 
 /* X(name, ARKODE's name after ARKODE_, order, error order, RHS calls, flags, source).

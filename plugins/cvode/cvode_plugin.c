@@ -30,7 +30,7 @@ enum {
 
 /* Of order 3 and more BDF is not A-stable: lightly damped modes bind the step. */
 static const cvode_method bdf = {
-    TYPE("bdf", "CV_BDF", 2, WEFT_STEPPER_LINEAR | WEFT_STEPPER_LINKS,
+    TYPE("bdf", "CV_BDF", 2, WEFT_STEPPER_LINEAR | WEFT_STEPPER_COUPLINGS,
          "A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005; C. W. Gear, "
          "Prentice-Hall, 1971"),
     .formulas = CV_BDF,

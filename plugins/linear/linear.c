@@ -40,21 +40,21 @@ static bool take_memory(weft__linear *self)
     double **vectors[] = { &self->b, &self->x, &self->z, &self->p, &self->q };
     weft__network_take(&self->net, &self->pile);
     self->net.held = weft__pile_take(&self->pile, n, sizeof *self->net.held);
-    self->planes = weft__pile_take(&self->pile, self->of->bond_count,
-                                   WEFT_BOND_PLANES * sizeof(double));
+    self->planes = weft__pile_take(&self->pile, self->of->pair_count,
+                                   WEFT_PAIR_PLANES * sizeof(double));
     self->blocks = weft__pile_take(&self->pile, n, WEFT_BLOCK_PLANES * sizeof(double));
-    self->numbers = weft__pile_take(&self->pile, self->net.link_count,
-                                    WEFT_LINK_NUMBERS * sizeof(double));
+    self->numbers = weft__pile_take(&self->pile, self->net.block_coupling_count,
+                                    WEFT_COUPLING_NUMBERS * sizeof(double));
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
         *vectors[i] = weft__pile_take(&self->pile, n, 3 * sizeof(double));
     }
     if (self->preconditioner == WEFT_PRECONDITIONER_JACOBI) {
         return !self->pile.failed;
     }
-    if (self->net.link_count + self->net.tie_count > 0) {
+    if (self->net.block_coupling_count + self->net.scalar_coupling_count > 0) {
         self->place = weft__pile_take(&self->pile, n, 3 * sizeof(double));
-        self->smoothed
-            = weft__smoothed_create(&self->net, self->net.link_count, &self->pile);
+        self->smoothed = weft__smoothed_create(
+            &self->net, self->net.block_coupling_count, &self->pile);
     } else {
         self->multigrid = weft__multigrid_create(&self->net, &self->pile);
     }
@@ -71,7 +71,7 @@ static void find_bending(weft__linear *self)
         self->bend = self->net;
         self->bend.runs = of->runs + first;
         self->bend.run_count = of->bend_runs;
-        self->bend_at = of->bond_count - of->bend_bonds;
+        self->bend_at = of->pair_count - of->bend_pairs;
         self->bend_damping = of->bend_damping;
     }
 }
@@ -79,9 +79,11 @@ static void find_bending(weft__linear *self)
 static void find_links(weft__linear *self)
 {
     const weft_structure *of = self->of;
-    if (WEFT_HAS(of, weft_structure, linearise_links)) {
-        self->net.links = of->links, self->net.link_count = of->link_count;
-        self->net.ties = of->ties, self->net.tie_count = of->tie_count;
+    if (WEFT_HAS(of, weft_structure, linearise_blocks)) {
+        self->net.links = of->block_couplings,
+        self->net.block_coupling_count = of->block_coupling_count;
+        self->net.ties = of->scalar_couplings,
+        self->net.scalar_coupling_count = of->scalar_coupling_count;
     }
 }
 
@@ -95,13 +97,13 @@ weft_status weft__linear_create(const weft_structure *structure,
     bool taken = false;
     *out = NULL;
     if (self != NULL && structure->particles < UINT32_MAX / 4
-        && structure->bond_count < UINT32_MAX / 4) {
+        && structure->pair_count < UINT32_MAX / 4) {
         *self = (weft__linear){ .of = structure,
                                 .preconditioner = preconditioner,
                                 .pile = pile,
                                 .net = { .n = structure->particles,
                                          .run_count = structure->run_count,
-                                         .bond_count = structure->bond_count,
+                                         .pair_count = structure->pair_count,
                                          .runs = structure->runs } };
         find_links(self);
         find_bending(self);
@@ -136,8 +138,8 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
     const weft_structure *of = self->of;
     double *blocks = of->block_planes > 0 ? self->blocks : NULL;
     int failed = of->linearise(t, y, self->planes, blocks, of->ctx);
-    if (failed == 0 && self->net.link_count > 0) {
-        failed = of->linearise_links(t, y, self->numbers, of->ctx);
+    if (failed == 0 && self->net.block_coupling_count > 0) {
+        failed = of->linearise_blocks(t, y, self->numbers, of->ctx);
     }
     if (failed != 0) {
         return failed;
@@ -145,7 +147,7 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
     if (self->place != NULL) {
         memcpy(self->place, y, 3 * of->particles * sizeof *y);
     }
-    weft__filter_bonds(self->planes, of->bond_count);
+    weft__filter_bonds(self->planes, of->pair_count);
     if (blocks != NULL) {
         weft__filter_blocks(blocks, of->particles);
     }
@@ -174,7 +176,7 @@ WIDE static void fill_bonds(const double *planes, size_t n, double gamma, double
 /* Adds gamma times the damping of bending. */
 static void add_bend_damping(weft__linear *self, double gamma)
 {
-    const size_t n = self->of->bond_count, first = self->bend_at;
+    const size_t n = self->of->pair_count, first = self->bend_at;
     const double *q = self->planes + 4 * n;
     for (size_t i = first; self->bend_damping != 0.0 && i < n; ++i) {
         const double damping = gamma * self->bend_damping * q[i];
@@ -186,8 +188,8 @@ static void add_bend_damping(weft__linear *self, double gamma)
 
 static void fill_links(weft__linear *self, double gamma)
 {
-    for (size_t j = 0; j < 9 * self->net.link_count; ++j) {
-        const double *a = self->numbers + j / 9 * WEFT_LINK_NUMBERS + j % 9;
+    for (size_t j = 0; j < 9 * self->net.block_coupling_count; ++j) {
+        const double *a = self->numbers + j / 9 * WEFT_COUPLING_NUMBERS + j % 9;
         self->net.link[j] = gamma * gamma * a[0] + gamma * a[9];
     }
     self->net.tie_k = gamma * gamma, self->net.tie_c = gamma;
@@ -216,7 +218,7 @@ static void fill_points(weft__linear *self, double gamma)
 void weft__linear_prepare(weft__linear *self, double gamma)
 {
     self->gamma = gamma;
-    fill_bonds(self->planes, self->of->bond_count, gamma, self->net.bond);
+    fill_bonds(self->planes, self->of->pair_count, gamma, self->net.bond);
     add_bend_damping(self, gamma);
     fill_links(self, gamma);
     fill_points(self, gamma);
@@ -309,8 +311,8 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
     double *b = self->b, *known = self->z;
     memset(b, 0, 3 * n * sizeof *b);
     weft__network_add_stiffness(&self->net, self->planes, -self->gamma, rx, b);
-    weft__network_add_links(&self->net, self->numbers, WEFT_LINK_NUMBERS, -self->gamma,
-                            rx, b);
+    weft__network_add_links(&self->net, self->numbers, WEFT_COUPLING_NUMBERS,
+                            -self->gamma, rx, b);
     weft__network_add_ties(&self->net, -self->gamma, 0.0, rx, b);
     for (size_t i = 0; self->of->block_planes > 0 && i < n; ++i) {
         const double *k = self->blocks + i;
@@ -330,7 +332,7 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
         weft__network_add_damping(&self->net, self->planes, -self->gamma, known, b);
         weft__network_add_stiffness(&self->bend, self->planes + self->bend_at,
                                     -self->gamma * self->bend_damping, known, b);
-        weft__network_add_links(&self->net, self->numbers + 9, WEFT_LINK_NUMBERS,
+        weft__network_add_links(&self->net, self->numbers + 9, WEFT_COUPLING_NUMBERS,
                                 -self->gamma, known, b);
         weft__network_add_ties(&self->net, 0.0, -self->gamma, known, b);
     }

@@ -40,7 +40,7 @@ struct weft__multigrid {
 
 static void graph_of(const weft__network *net, weft__graph *out, weft__pile *scratch)
 {
-    *out = (weft__graph){ .n = (uint32_t)net->n, .m = (uint32_t)net->bond_count };
+    *out = (weft__graph){ .n = (uint32_t)net->n, .m = (uint32_t)net->pair_count };
     weft__graph_take(out, scratch);
     for (size_t r = 0, e = 0; !scratch->failed && r < net->run_count; ++r) {
         for (size_t i = 0; i < net->runs[r].count; ++i, ++e) {
@@ -53,7 +53,7 @@ static void graph_of(const weft__network *net, weft__graph *out, weft__pile *scr
 
 /* Edges that follow one another along the particles are a run; runs NULL: only counts.
  */
-static size_t find_runs(const weft__graph *g, weft_bonds *runs)
+static size_t find_runs(const weft__graph *g, weft_spring_run *runs)
 {
     size_t count = 0;
     for (uint32_t e = 0; e < g->m; ++e) {
@@ -61,9 +61,9 @@ static size_t find_runs(const weft__graph *g, weft_bonds *runs)
             = e > 0 && g->a[e] == g->a[e - 1] + 1 && g->b[e] == g->b[e - 1] + 1;
         count += follows ? 0 : 1;
         if (runs != NULL) {
-            weft_bonds *run = &runs[count - 1];
-            *run = follows ? (weft_bonds){ run->p, run->q, run->count + 1 }
-                           : (weft_bonds){ g->a[e], g->b[e], 1 };
+            weft_spring_run *run = &runs[count - 1];
+            *run = follows ? (weft_spring_run){ run->p, run->q, run->count + 1 }
+                           : (weft_spring_run){ g->a[e], g->b[e], 1 };
         }
     }
     return count;
@@ -80,9 +80,9 @@ static void take_vectors(level *self, bool coarse, weft__pile *pile)
 /* The level below, of graph g. */
 static void begin_level(level *self, const weft__graph *g, weft__pile *pile)
 {
-    weft_bonds *runs = weft__pile_take(pile, find_runs(g, NULL), sizeof *runs);
+    weft_spring_run *runs = weft__pile_take(pile, find_runs(g, NULL), sizeof *runs);
     self->net = &self->own;
-    self->own = (weft__network){ .n = g->n, .bond_count = g->m, .runs = runs };
+    self->own = (weft__network){ .n = g->n, .pair_count = g->m, .runs = runs };
     if (runs != NULL) {
         self->own.run_count = find_runs(g, runs);
     }
@@ -145,7 +145,7 @@ static void add_springs(const level *self, const double *mass, weft__network *co
 {
     const weft__network *fine = self->net;
     for (size_t r = 0, e = 0; r < fine->run_count; ++r) {
-        const weft_bonds *run = &fine->runs[r];
+        const weft_spring_run *run = &fine->runs[r];
         for (size_t i = 0; i < run->count; ++i, ++e) {
             const size_t p = run->p + i, q = run->q + i;
             const bool free_p = mass == NULL || mass[p] > 0.0;
@@ -155,10 +155,10 @@ static void add_springs(const level *self, const double *mass, weft__network *co
             }
             if (free_p != free_q) {
                 add_block(coarse->point, coarse->n, self->to[free_p ? p : q],
-                          fine->bond, fine->bond_count, e);
+                          fine->bond, fine->pair_count, e);
             } else if (free_p && self->target[e] != WEFT__WITHIN) {
-                add_block(coarse->bond, coarse->bond_count, self->target[e], fine->bond,
-                          fine->bond_count, e);
+                add_block(coarse->bond, coarse->pair_count, self->target[e], fine->bond,
+                          fine->pair_count, e);
             }
         }
     }
@@ -168,7 +168,7 @@ static void galerkin(const level *self, const double *mass, weft__network *coars
 {
     const weft__network *fine = self->net;
     memset(coarse->point, 0, 6 * coarse->n * sizeof *coarse->point);
-    memset(coarse->bond, 0, 6 * coarse->bond_count * sizeof *coarse->bond);
+    memset(coarse->bond, 0, 6 * coarse->pair_count * sizeof *coarse->bond);
     for (size_t i = 0; i < fine->n; ++i) {
         if (mass == NULL || mass[i] > 0.0) {
             add_block(coarse->point, coarse->n, self->to[i], fine->point, fine->n, i);

@@ -12,8 +12,8 @@ void weft__network_take(weft__network *self, weft__pile *pile)
 {
     self->point = weft__pile_take(pile, self->n, 6 * sizeof(double));
     self->inverse = weft__pile_take(pile, self->n, 6 * sizeof(double));
-    self->bond = weft__pile_take(pile, self->bond_count, 6 * sizeof(double));
-    self->link = weft__pile_take(pile, self->link_count, 9 * sizeof(double));
+    self->bond = weft__pile_take(pile, self->pair_count, 6 * sizeof(double));
+    self->link = weft__pile_take(pile, self->block_coupling_count, 9 * sizeof(double));
 }
 
 /* ---- the diagonal ---------------------------------------------------------------- */
@@ -40,7 +40,7 @@ static void add_links_diagonal(const weft__network *self, double *d)
 {
     static const size_t place[6] = { 0, 1, 2, 4, 5, 8 };
     static const size_t mirror[6] = { 0, 3, 6, 4, 7, 8 }, square[3] = { 0, 3, 5 };
-    for (size_t e = 0; e < self->link_count; ++e) {
+    for (size_t e = 0; e < self->block_coupling_count; ++e) {
         const double *a = self->link + 9 * e;
         for (size_t k = 0; k < 6; ++k) {
             const double entry = 0.5 * (a[place[k]] + a[mirror[k]]);
@@ -48,8 +48,8 @@ static void add_links_diagonal(const weft__network *self, double *d)
             d[k * self->n + self->links[e].q] += entry;
         }
     }
-    for (size_t e = 0; e < self->tie_count; ++e) {
-        const weft_tie *tie = &self->ties[e];
+    for (size_t e = 0; e < self->scalar_coupling_count; ++e) {
+        const weft_scalar_coupling *tie = &self->ties[e];
         const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
         for (size_t k = 0; k < 3; ++k) {
             d[square[k] * self->n + tie->p] += entry;
@@ -62,11 +62,11 @@ static void diagonal(const weft__network *self, double *d)
 {
     memcpy(d, self->point, 6 * self->n * sizeof *d);
     for (size_t plane = 0; plane < 6; ++plane) {
-        const double *bond = self->bond + plane * self->bond_count;
+        const double *bond = self->bond + plane * self->pair_count;
         double *to = d + plane * self->n;
         const bool square = plane == 0 || plane == 3 || plane == 5; /* xx, yy, zz */
         for (size_t r = 0; r < self->run_count; ++r) {
-            const weft_bonds *run = &self->runs[r];
+            const weft_spring_run *run = &self->runs[r];
             (square ? add_positive : add_to)(to + run->p, bond, run->count);
             (square ? add_positive : add_to)(to + run->q, bond, run->count);
             bond += run->count;
@@ -193,10 +193,10 @@ WIDE static void pull(double *p, double *q, size_t n, size_t count, double f[3][
 static void add_bonds(const weft__network *self, const part *of, const double *x,
                       double *y)
 {
-    const size_t n = self->n, stride = self->bond_count;
+    const size_t n = self->n, stride = self->pair_count;
     double f[3][PIECE];
     for (size_t r = 0, at = 0; r < self->run_count; at += self->runs[r++].count) {
-        const weft_bonds *run = &self->runs[r];
+        const weft_spring_run *run = &self->runs[r];
         for (size_t i = 0; i < run->count; i += PIECE) {
             const size_t count = run->count - i < PIECE ? run->count - i : PIECE;
             const size_t p = run->p + i, q = run->q + i;
@@ -226,7 +226,7 @@ void weft__network_add_links(const weft__network *self, const double *blocks,
                              size_t stride, double scale, const double *x, double *y)
 {
     const size_t n = self->n;
-    for (size_t e = 0; e < self->link_count; ++e) {
+    for (size_t e = 0; e < self->block_coupling_count; ++e) {
         const double *a = blocks + stride * e;
         const size_t p = self->links[e].p, q = self->links[e].q;
         double d[3];
@@ -244,8 +244,8 @@ void weft__network_add_ties(const weft__network *self, double k, double c,
                             const double *x, double *y)
 {
     for (size_t plane = 0; plane < 3; ++plane, x += self->n, y += self->n) {
-        for (size_t e = 0; e < self->tie_count; ++e) {
-            const weft_tie *tie = &self->ties[e];
+        for (size_t e = 0; e < self->scalar_coupling_count; ++e) {
+            const weft_scalar_coupling *tie = &self->ties[e];
             const double force = (k * tie->k + c * tie->c) * (x[tie->p] - x[tie->q]);
             y[tie->p] += force;
             y[tie->q] -= force;
@@ -272,18 +272,18 @@ size_t weft__network_edges(const weft__network *self, uint32_t (*ends)[2])
 {
     size_t at = 0;
     for (size_t r = 0; ends != NULL && r < self->run_count; ++r) {
-        const weft_bonds *run = &self->runs[r];
+        const weft_spring_run *run = &self->runs[r];
         for (size_t i = 0; i < run->count; ++i, ++at) {
             ends[at][0] = (uint32_t)(run->p + i), ends[at][1] = (uint32_t)(run->q + i);
         }
     }
-    for (size_t e = 0; ends != NULL && e < self->link_count; ++e, ++at) {
+    for (size_t e = 0; ends != NULL && e < self->block_coupling_count; ++e, ++at) {
         ends[at][0] = self->links[e].p, ends[at][1] = self->links[e].q;
     }
-    for (size_t e = 0; ends != NULL && e < self->tie_count; ++e, ++at) {
+    for (size_t e = 0; ends != NULL && e < self->scalar_coupling_count; ++e, ++at) {
         ends[at][0] = self->ties[e].p, ends[at][1] = self->ties[e].q;
     }
-    return self->bond_count + self->link_count + self->tie_count;
+    return self->pair_count + self->block_coupling_count + self->scalar_coupling_count;
 }
 
 static void symmetric(const double *planes, size_t n, size_t i, double block[9])
@@ -306,16 +306,16 @@ void weft__network_inverse(const weft__network *self, size_t i, double block[9])
 
 void weft__network_block(const weft__network *self, size_t half, double block[9])
 {
-    const size_t e = half / 2, links = self->bond_count + self->link_count;
-    if (e < self->bond_count) {
-        symmetric(self->bond, self->bond_count, e, block);
+    const size_t e = half / 2, links = self->pair_count + self->block_coupling_count;
+    if (e < self->pair_count) {
+        symmetric(self->bond, self->pair_count, e, block);
     } else if (e < links) {
-        const double *a = self->link + 9 * (e - self->bond_count);
+        const double *a = self->link + 9 * (e - self->pair_count);
         for (size_t k = 0; k < 9; ++k) {
             block[k] = a[half % 2 == 0 ? k : k % 3 * 3 + k / 3];
         }
     } else {
-        const weft_tie *tie = &self->ties[e - links];
+        const weft_scalar_coupling *tie = &self->ties[e - links];
         const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
         for (size_t k = 0; k < 9; ++k) {
             block[k] = k % 4 == 0 ? entry : 0.0;

@@ -13,13 +13,13 @@
 #include "pile.h"
 
 typedef struct weft__network {
-    size_t n, run_count, bond_count;
-    const weft_bonds *runs;
-    size_t link_count, tie_count;
-    const weft_link *links;
-    const weft_tie *ties;
-    double *point, *bond; /* 6 n, 6 bond_count */
-    double *link;         /* 9 link_count: the block of each, row by row */
+    size_t n, run_count, pair_count;
+    const weft_spring_run *runs;
+    size_t block_coupling_count, scalar_coupling_count;
+    const weft_block_coupling *links;
+    const weft_scalar_coupling *ties;
+    double *point, *bond; /* 6 n, 6 pair_count */
+    double *link;         /* 9 block_coupling_count: the block of each, row by row */
     double tie_k, tie_c;  /* a tie's block is (tie_k k + tie_c c) I */
     double *inverse;      /* 6 n: of the blocks of the diagonal; 0 where that is 0 */
     uint32_t *held;       /* NULL: none */

@@ -153,7 +153,7 @@ static void options(const void *instance, weft_option_fn *tell, void *ctx)
 
 enum {
     FLAGS = WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_STRUCTURE,
-    SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR | WEFT_STEPPER_LINKS
+    SOLVES = WEFT_STEPPER_IMPLICIT | WEFT_STEPPER_LINEAR | WEFT_STEPPER_COUPLINGS
 };
 
 #define METHOD(id, p, error_p, calls, more, before, source)                            \
@@ -178,7 +178,8 @@ enum {
     }
 
 static const stiff_method methods[] = {
-    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL | WEFT_STEPPER_AGREES, weft__rkc2_prepare,
+    METHOD(rkc2, 2, 2, 0, WEFT_STEPPER_FSAL | WEFT_STEPPER_DISTRIBUTED,
+           weft__rkc2_prepare,
            "B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88, "
            "1998"),
     METHOD(ros2, 2, 1, 2, SOLVES, NULL,

@@ -292,7 +292,7 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
         return weft_error_set(err, WEFT_INVALID, "%s: %s", type->name, wrong);
     }
     const weft_allocator memory = weft_stepper_memory(config);
-    const weft_pass *pass = weft_stepper_sweep(config);
+    const weft_pass *pass = weft_stepper_pass(config);
     const size_t array = ode->dim + (pass != NULL ? APART : 0);
     const bool verlet = (type->flags & (uint32_t)WEFT_STEPPER_FSAL) != 0;
     const size_t touched
@@ -371,7 +371,8 @@ static void destroy(void *instance)
 }
 
 enum {
-    FLAGS = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_AGREES
+    FLAGS
+    = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_QUADRATURES | WEFT_STEPPER_DISTRIBUTED
 };
 
 #define METHOD(id, p, calls, more, source)                                             \
@@ -394,9 +395,9 @@ enum {
     }
 
 static const method methods[] = {
-    METHOD(symplectic_euler, 1, 1, WEFT_STEPPER_SWEEP,
+    METHOD(symplectic_euler, 1, 1, WEFT_STEPPER_PASS,
            "X. Provot, Graphics Interface, 1995"),
-    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL | WEFT_STEPPER_SWEEP,
+    METHOD(velocity_verlet, 2, 1, WEFT_STEPPER_FSAL | WEFT_STEPPER_PASS,
            "W. C. Swope et al., J. Chem. Phys. 76, 1982"),
     METHOD(euler, 1, 1, 0, "L. Euler, Institutiones calculi integralis I, 1768"),
     METHOD(midpoint, 2, 2, 0, "C. Runge, Math. Ann. 46, 1895"),

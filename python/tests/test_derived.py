@@ -103,7 +103,7 @@ def test_a_ball_has_the_normals_of_its_radii():
 def test_a_state_within_a_step_of_a_free_fall_lies_on_its_parabola(scene, method):
     del scene["cloth"]["springs"], scene["cloth"]["pins"]
     scene["stepper"].update(method=method, fixed_step=1e-2)
-    sim = weft.load(scene, dense=True)
+    sim = weft.load(scene, interpolate=True)
     for _ in range(10):
         sim.step()
     t = sim.time - 0.4 * sim.stats.last_step
@@ -115,7 +115,7 @@ def test_a_state_within_a_step_of_a_free_fall_lies_on_its_parabola(scene, method
         sim.between(0.0)
     plain = weft.load(scene)
     plain.step()
-    with pytest.raises(weft.Error, match="dense"):
+    with pytest.raises(weft.Error, match="interpolate"):
         plain.between(plain.time / 2)
 
 

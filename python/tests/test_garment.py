@@ -53,7 +53,7 @@ def rims(mesh):
 
 
 def area(mesh):
-    a, b = (mesh.rest[mesh.places[:, k]] - mesh.rest[mesh.places[:, 0]] for k in (1, 2))
+    a, b = (mesh.rest[mesh.corner_uv[:, k]] - mesh.rest[mesh.corner_uv[:, 0]] for k in (1, 2))
     return float(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)
 
 

@@ -32,17 +32,17 @@ def value(overrides, start=lambda sim: None):
 def test_it_is_the_derivative_of_runs():
     found = weft.gradient(sheet(), distance, KEYS, times=[0.1, 0.2])
     assert found.value == pytest.approx(value({}), rel=1e-12)
-    assert list(found.numbers) == KEYS
+    assert list(found.parameters) == KEYS
     for key, p in zip(KEYS, (100, 0.2, -9.81)):
         before = {"forces.gravity": [0, -9.81, 0]} if "gravity" in key else {}
         h = 1e-4 * p
         at = [value({**before, key: p + s * h}) for s in (-2, -1, 1, 2)]
-        assert found.numbers[key] == pytest.approx((at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * h), rel=1e-7)
+        assert found.parameters[key] == pytest.approx((at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * h), rel=1e-7)
 
 
 def test_it_is_the_derivative_by_the_first_state():
     found = weft.gradient(sheet(), distance, times=[0.1, 0.2])
-    assert found.numbers == {}
+    assert found.parameters == {}
     rng = np.random.default_rng(1)
     free = ~weft.load(sheet()).pinned[:, None]
     dx, dv = free * rng.standard_normal(found.x.shape), free * rng.standard_normal(found.v.shape)
@@ -101,8 +101,8 @@ def test_bodies_and_meshes_of_arrays_and_of_files_have_the_same_gradient(tmp_pat
     (tmp_path / "drape.yaml").write_text(json.dumps({**drape("body.obj"), "weft": 1}))
     found = [weft.gradient(scene, low, ["cloth.density", "contact.thickness"])
              for scene in (drape(OCTAHEDRON), drape("body.obj"), drape(tmp_path / "body.obj"), "drape.yaml")]
-    assert found[0].numbers["cloth.density"] != 0.0
-    assert all(one.value == found[0].value and one.numbers == found[0].numbers for one in found)
+    assert found[0].parameters["cloth.density"] != 0.0
+    assert all(one.value == found[0].value and one.parameters == found[0].parameters for one in found)
     uv = np.array([[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1], [0.05, 0.05]])
     mesh = weft.Mesh(uv, None, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
     mesh.write("cloth.obj")
@@ -110,7 +110,7 @@ def test_bodies_and_meshes_of_arrays_and_of_files_have_the_same_gradient(tmp_pat
     free = {key: of for key, of in drape(OCTAHEDRON).items() if key != "contact"}
     first, second = (weft.gradient({**free, "cloth": {"mesh": one, **cloth}}, low, ["cloth.fabric.density"])
                      for one in (mesh, {"file": "cloth.obj"}))
-    assert first.numbers == second.numbers and first.numbers["cloth.fabric.density"] != 0.0
+    assert first.parameters == second.parameters and first.parameters["cloth.fabric.density"] != 0.0
 
 
 @pytest.mark.parametrize("densities, touching, kinks", [((0.2, 0.2), True, 1), ((0.2, 0.201), True, 0), ((0.2, 0.2), False, 0)])

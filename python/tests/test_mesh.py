@@ -89,9 +89,9 @@ def test_a_batch_takes_arrays_and_keeps_them_with_each_run(tmp_path):
 
 def test_a_seam_shares_vertices_but_not_places(tmp_path):
     rest, start, triangles, places = two_panels()
-    by_places = Mesh(rest, start, triangles, places=places, groups={"top": [0, 9]})
+    by_places = Mesh(rest, start, triangles, corner_uv=places, groups={"top": [0, 9]})
     by_corners = Mesh(rest[places], start, triangles, groups={"top": [0, 9]})
-    assert len(by_corners.rest) == 18 and (by_corners.rest[by_corners.places] == rest[places]).all()
+    assert len(by_corners.rest) == 18 and (by_corners.rest[by_corners.corner_uv] == rest[places]).all()
     scenes = [hung(by_places), hung(by_corners), from_file(hung(by_corners), tmp_path)]
     first, *others = [hashes(weft.load(scene)) for scene in scenes]
     assert all(other == first for other in others)
@@ -204,7 +204,7 @@ def test_wrong_arrays_are_refused_in_a_sentence(error, words, arguments):
 
 
 @pytest.mark.parametrize("error, words, more", [
-    (IndexError, r"places\[0\]\[0\] is 9, but there are 4 places", {"places": TRIANGLES + 9}),
+    (IndexError, r"corner_uv\[0\]\[0\] is 9, but there are 4 rows of rest", {"corner_uv": TRIANGLES + 9}),
     (IndexError, r"group 'a'\[0\] is 4, but there are 4 vertices", {"groups": {"a": [4]}}),
     (ValueError, "one word without blanks", {"groups": {"a b": [1]}}),
     (TypeError, "groups are {NAME: vertices}, not a list", {"groups": [1]}),
@@ -266,17 +266,17 @@ def test_a_trimesh_has_its_rest_shape_in_uv_and_its_seams_are_sewn():
     divided = trimesh.Trimesh(apart, places, visual=trimesh.visual.TextureVisuals(uv=rest), process=False)
     assert len(Mesh.of(divided).start) == 15 and len(Mesh.from_trimesh(divided, sew=False).start) == 18
     again = Mesh.of(divided)
-    assert (again.start[again.triangles] == start[sewn]).all() and (again.rest[again.places] == rest[places]).all()
+    assert (again.start[again.triangles] == start[sewn]).all() and (again.rest[again.corner_uv] == rest[places]).all()
 
 
 def test_a_file_with_seams_comes_back_through_trimesh(tmp_path):
     trimesh = pytest.importorskip("trimesh")
     rest, start, triangles, places = two_panels()
-    Mesh(rest, start, triangles, places=places).write(tmp_path / "seam.obj")
+    Mesh(rest, start, triangles, corner_uv=places).write(tmp_path / "seam.obj")
     again = Mesh.of(trimesh.load(tmp_path / "seam.obj", process=False))
     assert len(again.start) == 15 and len(again.rest) == 18
     lengths = [np.linalg.norm(np.roll(x, 1, axis=1) - x, axis=2).round(12).tolist()
-               for x in (again.rest[again.places], rest[places], again.start[again.triangles], start[triangles])]
+               for x in (again.rest[again.corner_uv], rest[places], again.start[again.triangles], start[triangles])]
     assert sorted(lengths[0]) == sorted(lengths[1]) and sorted(lengths[2]) == sorted(lengths[3])
 
 

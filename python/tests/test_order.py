@@ -44,7 +44,7 @@ def pillow(n=6, side=0.2, seed=5):
     order = np.random.default_rng(seed).permutation(len(start))
     number = np.argsort(order)
     return weft.Mesh(rest, start[order], number[np.concatenate([up, below[down]])],
-                     places=np.concatenate([up, n * n + down]))
+                     corner_uv=np.concatenate([up, n * n + down]))
 
 
 def pressure(mesh, p):

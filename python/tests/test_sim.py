@@ -368,22 +368,45 @@ def test_shapes_turn(scene):
     assert rotation == pytest.approx(by(angle)) and omega[2] == pytest.approx(0.5 + 0.4 * np.pi * np.cos(0.4 * np.pi))
     place = sim.shape_pose(k)[0]
     assert place == pytest.approx([np.cos(angle), np.sin(angle) - 3, 0])
-    sim.move_shape(k, turn={"axis": [0, 0, 1], "rate": -2}, velocity=[0, 0, 1])  # about its own centre, from how it stands
+    sim.drive_shape(k, turn={"axis": [0, 0, 1], "rate": -2}, velocity=[0, 0, 1])  # about its own centre, from how it stands
     assert sim.shape_rotation(k)[0] == pytest.approx(by(angle)) and sim.shape_pose(k)[0] == pytest.approx(place)
     sim.advance(0.3)
     assert sim.shape_rotation(k)[0] == pytest.approx(by(angle - 0.4))
     assert sim.shape_pose(k)[0] == pytest.approx(place + [0, 0, 0.2])
-    sim.move_shape(k, velocity=[0, 0, 0])  # stops the turn too
+    sim.drive_shape(k)  # stops the turn too
     sim.advance(0.4)
     assert sim.shape_rotation(k)[0] == pytest.approx(by(angle - 0.4)) and sim.shape_rotation(k)[1].tolist() == [0, 0, 0]
     other = weft.load(scene)
     assert other.add_shape(**sim.shapes[k]) == 0 and other.shape_rotation(0)[0] == pytest.approx(by(angle - 0.4))
     with pytest.raises(TypeError, match="a turn has no 'speed'; it has axis"):
         sim.add_shape("sphere", turn={"speed": 1})
-    with pytest.raises(TypeError, match="a motion with at has no 'turn'"):
+    with pytest.raises(TypeError, match=r"move_shape\(\) has no 'turn'; drive_shape"):
         sim.move_shape(k, at=[0, -5, 0], turn={"axis": [0, 0, 1]})
     with pytest.raises(weft.Error, match="turn: frequency"):
-        sim.move_shape(k, turn={"axis": [0, 0, 1], "frequency": -1})
+        sim.drive_shape(k, turn={"axis": [0, 0, 1], "frequency": -1})
+    with pytest.raises(TypeError, match="a motion has no 'spin'"):
+        sim.drive_shape(k, spin=[0, 0, 1])
+
+
+def test_names_of_earlier_versions_warn_and_work(scene):
+    scene["record"] = {"ledger": True}
+    with pytest.deprecated_call(match="load.dense=. is deprecated: use interpolate="):
+        sim = weft.load(scene, dense=True)
+    sim.advance(0.1)
+    assert sim.between(0.1).shape == sim.state.shape
+    for old, new in {"wind_work": "work_wind", "pin_work": "work_pins", "limit_work": "work_limit",
+                     "outside_work": "work_outside", "force_work": "work_force"}.items():
+        with pytest.deprecated_call(match="Ledger.%s is deprecated: use %s" % (old, new)):
+            assert getattr(sim.ledger, old) == getattr(sim.ledger, new)
+    k = sim.add_shape("sphere", at=[0, -9, 0])
+    with pytest.deprecated_call(match="Sim.move_shape.turn=. is deprecated: use Sim.drive_shape"):
+        sim.move_shape(k, turn={"axis": [0, 0, 1], "rate": 2}, velocity=[0, 0, 1])
+    assert sim.shape_rotation(k)[1][2] == 2 and sim.shape_pose(k)[1].tolist() == [0, 0, 1]
+    square = [[0, 0], [1, 0], [1, 1]], [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]]
+    with pytest.deprecated_call(match="Mesh.places=. is deprecated: use corner_uv="):
+        mesh = weft.Mesh(*square, places=[[0, 1, 2]])
+    with pytest.deprecated_call(match="Mesh.places is deprecated: use corner_uv"):
+        assert mesh.places is mesh.corner_uv
 
 
 # ---- solvers of Python ----------------------------------------------------------------

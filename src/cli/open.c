@@ -187,13 +187,13 @@ static weft_scene_def scene_def(const arguments *given)
 }
 
 weft_status twins_create(const arguments *given, const weft_scene *scene,
-                         weft_scene_twins **out, weft_error *err)
+                         weft_scene_perturbed **out, weft_error *err)
 {
     const weft_scene_def def = scene_def(given);
     *out = NULL;
     return weft_scene_sensitivities(scene)->count == 0
                ? WEFT_OK
-               : weft_scene_twins_create(scene, &def, out, err);
+               : weft_scene_perturbed_create(scene, &def, out, err);
 }
 
 static int load_scene(const char *file, const arguments *given, weft_scene **scene,
@@ -410,7 +410,7 @@ weft_status band_sim_create(const weft_scene *scene, const weft_comm *comm,
     const weft_run_def *run = weft_scene_run(scene);
     def.log = log;
     def.sensitivity = sensitivity;
-    def.dense = run->interpolate;
+    def.interpolate = run->interpolate;
     define_stop(run, &def);
     def.start = start;
     return weft_sim_create(&def, sim, err);

@@ -246,16 +246,16 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
     *out = (matrix){ .lists = NULL };
     out->lists = weft__list_structure(cloth, true, memory, of);
     out->y = weft__zeroed(memory, 6 * n, sizeof *out->y);
-    out->planes = weft__alloc(memory, of->bond_count, 6 * sizeof *out->planes);
-    out->numbers
-        = weft__alloc(memory, of->link_count, WEFT_LINK_NUMBERS * sizeof *out->numbers);
+    out->planes = weft__alloc(memory, of->pair_count, 6 * sizeof *out->planes);
+    out->numbers = weft__alloc(memory, of->block_coupling_count,
+                               WEFT_COUPLING_NUMBERS * sizeof *out->numbers);
     if (out->lists == NULL || out->y == NULL || out->planes == NULL
         || out->numbers == NULL) {
         return false;
     }
     memcpy(out->y, at->y, 3 * n * sizeof *out->y);
     const weft__state still = { .t = at->t, .y = out->y };
-    (void)weft__linearise(cloth, NULL, &still, out->planes, of->bond_count, NULL);
+    (void)weft__linearise(cloth, NULL, &still, out->planes, of->pair_count, NULL);
     (void)weft__linearise_links(cloth, at->t, out->y, out->numbers);
     return true;
 }
@@ -264,13 +264,13 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
 static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
                            double b, const double *x, double *out)
 {
-    const size_t n = cloth->mesh.particles, all = of->of.bond_count;
+    const size_t n = cloth->mesh.particles, all = of->of.pair_count;
     for (size_t r = 0, e = 0; r < of->of.run_count; ++r) {
         for (size_t i = 0; i < of->of.runs[r].count; ++i, ++e) {
             const size_t p = of->of.runs[r].p + i, q = of->of.runs[r].q + i;
             const double *u = of->planes + e, pull = u[4 * all], k = u[3 * all] + pull;
             const double bent
-                = e < all - of->of.bend_bonds ? 0.0 : b * cloth->bending.damping;
+                = e < all - of->of.bend_pairs ? 0.0 : b * cloth->bending.damping;
             const double across = (a + bent) * fmin(fmax(pull, 0.0), k);
             double rate = 0.0;
             for (size_t j = 0; j < 3; ++j) {
@@ -290,16 +290,17 @@ static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
 static void multiply_links(const matrix *of, size_t n, double a, double b,
                            const double *x, double *out)
 {
-    for (size_t j = 0; j < 9 * of->of.link_count; ++j) {
-        const double *at = of->numbers + j / 9 * WEFT_LINK_NUMBERS + j % 9;
-        const size_t p = of->of.links[j / 9].p, q = of->of.links[j / 9].q;
+    for (size_t j = 0; j < 9 * of->of.block_coupling_count; ++j) {
+        const double *at = of->numbers + j / 9 * WEFT_COUPLING_NUMBERS + j % 9;
+        const size_t p = of->of.block_couplings[j / 9].p,
+                     q = of->of.block_couplings[j / 9].q;
         const size_t r = j % 9 / 3 * n, c = j % 3 * n;
         const double entry = a * at[0] + b * at[9];
         out[r + p] += entry * (x[c + p] - x[c + q]);
         out[c + q] += entry * (x[r + q] - x[r + p]);
     }
-    for (size_t j = 0; j < 3 * of->of.tie_count; ++j) {
-        const weft_tie *tie = &of->of.ties[j / 3];
+    for (size_t j = 0; j < 3 * of->of.scalar_coupling_count; ++j) {
+        const weft_scalar_coupling *tie = &of->of.scalar_couplings[j / 3];
         const size_t p = j % 3 * n + tie->p, q = j % 3 * n + tie->q;
         const double force = (a * tie->k + b * tie->c) * (x[p] - x[q]);
         out[p] += force;

@@ -134,7 +134,7 @@ const char *weft_cloth_isa(const weft_cloth *cloth)
 static weft_status make_rows(weft_cloth *cloth, const weft_cloth_def *def,
                              weft_error *err)
 {
-    size_t count = def->wind.count;
+    size_t count = def->wind_table.count;
     for (size_t i = 0; i < def->pin_count; ++i) {
         count += def->pins[i].path.count;
     }
@@ -155,7 +155,8 @@ static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error
     TRY(allocate(cloth, err));
     TRY(make_rows(cloth, def, err));
     double *rows = weft__mesh_fill(&cloth->mesh, def, cloth->rows);
-    cloth->wind.track = weft__curve_make(&def->wind, def->wind_natural, rows);
+    cloth->wind.track
+        = weft__curve_make(&def->wind_table, def->wind_table_natural, rows);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__stops(stop)
             || !weft__table[k].force->init(weft__own_of(cloth, k), def,

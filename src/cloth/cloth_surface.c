@@ -17,7 +17,7 @@ size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index)
     return weft__shown(&cloth->mesh, index);
 }
 
-size_t weft_cloth_name(const weft_cloth *cloth, size_t vertex)
+size_t weft_cloth_file_index(const weft_cloth *cloth, size_t vertex)
 {
     const weft__triangles *of = cloth->mesh.triangles;
     return of != NULL && of->name != NULL ? of->name[vertex] : vertex;
@@ -63,12 +63,12 @@ size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends)
     return weft__surface_edges(&cloth->mesh, ends);
 }
 
-size_t weft_cloth_places(const weft_cloth *cloth, uint32_t *corner_places, double *uv)
+size_t weft_cloth_uv(const weft_cloth *cloth, uint32_t *corner_uv, double *uv)
 {
-    return weft__surface_places(&cloth->mesh, corner_places, uv);
+    return weft__surface_places(&cloth->mesh, corner_uv, uv);
 }
 
-size_t weft_cloth_pieces(const weft_cloth *cloth, size_t *sewn, double *length)
+size_t weft_cloth_panels(const weft_cloth *cloth, size_t *sewn, double *length)
 {
     return weft__surface_pieces(&cloth->mesh, sewn, length);
 }

@@ -6,25 +6,26 @@
 #include "cloth/grids.h"
 
 /* Unless runs is NULL, which only counts, writes some of particles from `first` on. */
-static void add_runs(const weft_bonds *some, size_t count, size_t first,
-                     weft_bonds *runs, weft_structure *of)
+static void add_runs(const weft_spring_run *some, size_t count, size_t first,
+                     weft_spring_run *runs, weft_structure *of)
 {
     for (size_t i = 0; i < count; ++i, ++of->run_count) {
-        of->bond_count += some[i].count;
+        of->pair_count += some[i].count;
         if (runs != NULL) {
-            runs[of->run_count]
-                = (weft_bonds){ some[i].p + first, some[i].q + first, some[i].count };
+            runs[of->run_count] = (weft_spring_run){ some[i].p + first,
+                                                     some[i].q + first, some[i].count };
         }
     }
 }
 
-static void list_runs(const weft_cloth *cloth, weft_bonds *runs, weft_structure *of)
+static void list_runs(const weft_cloth *cloth, weft_spring_run *runs,
+                      weft_structure *of)
 {
-    of->run_count = of->bond_count = 0;
+    of->run_count = of->pair_count = 0;
     for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
         weft__grid_row row = { 0 };
         while (weft__grids_next(cloth, &(weft__state){ .t = 0.0 }, b, &row)) {
-            weft_bonds some[WEFT_GROUPS];
+            weft_spring_run some[WEFT_GROUPS];
             add_runs(some, weft__springs_runs(&row.cloth->springs, row.row, some),
                      row.cloth->first, runs, of);
         }
@@ -32,14 +33,14 @@ static void list_runs(const weft_cloth *cloth, weft_bonds *runs, weft_structure 
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const bool has = force != NULL && force->runs != NULL;
-        const size_t runs_before = of->run_count, bonds_before = of->bond_count;
-        weft_bonds some[WEFT_GROUPS];
+        const size_t runs_before = of->run_count, bonds_before = of->pair_count;
+        weft_spring_run some[WEFT_GROUPS];
         for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
             add_runs(some, force->runs(weft__own(cloth, k), b, some), 0, runs, of);
         }
         if (k == WEFT__FORCE_bending) {
             of->bend_runs = of->run_count - runs_before;
-            of->bend_bonds = of->bond_count - bonds_before;
+            of->bend_pairs = of->pair_count - bonds_before;
         }
     }
 }
@@ -48,21 +49,23 @@ void *weft__list_structure(const weft_cloth *cloth, bool links,
                            const weft_allocator *memory, weft_structure *out)
 {
     list_runs(cloth, NULL, out);
-    out->link_count = links ? weft__list_links(cloth, NULL) : 0;
-    out->tie_count = links ? weft__list_ties(cloth, NULL) : 0;
+    out->block_coupling_count = links ? weft__list_links(cloth, NULL) : 0;
+    out->scalar_coupling_count = links ? weft__list_ties(cloth, NULL) : 0;
     const size_t run_bytes = out->run_count * sizeof *out->runs;
-    const size_t bytes = run_bytes + out->tie_count * sizeof *out->ties;
-    char *room = weft__alloc(memory, bytes + out->link_count * sizeof *out->links, 1);
+    const size_t bytes
+        = run_bytes + out->scalar_coupling_count * sizeof *out->scalar_couplings;
+    char *room = weft__alloc(
+        memory, bytes + out->block_coupling_count * sizeof *out->block_couplings, 1);
     if (room != NULL) {
-        weft_bonds *runs = (void *)room;
-        weft_tie *ties = (void *)(room + run_bytes);
-        weft_link *to = (void *)(room + bytes);
+        weft_spring_run *runs = (void *)room;
+        weft_scalar_coupling *ties = (void *)(room + run_bytes);
+        weft_block_coupling *to = (void *)(room + bytes);
         list_runs(cloth, runs, out);
         if (links) {
             (void)weft__list_links(cloth, to);
             (void)weft__list_ties(cloth, ties);
         }
-        out->runs = runs, out->links = to, out->ties = ties;
+        out->runs = runs, out->block_couplings = to, out->scalar_couplings = ties;
     }
     return room;
 }
@@ -96,14 +99,14 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__st
     return bad == 0.0 ? failed : 1;
 }
 
-size_t weft__list_links(const weft_cloth *cloth, weft_link *links)
+size_t weft__list_links(const weft_cloth *cloth, weft_block_coupling *links)
 {
     size_t count = 0;
     WEFT__FROM_EACH_FORCE(count +=, cloth, links, links != NULL ? links + count : NULL)
     return count;
 }
 
-size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties)
+size_t weft__list_ties(const weft_cloth *cloth, weft_scalar_coupling *ties)
 {
     size_t count = 0;
     WEFT__FROM_EACH_FORCE(count +=, cloth, ties, ties != NULL ? ties + count : NULL)

@@ -197,10 +197,10 @@ void *weft__list_structure(const weft_cloth *cloth, bool links,
                            const weft_allocator *memory, weft_structure *out);
 
 /* The links and the ties of all forces; NULL: their number alone. */
-size_t weft__list_links(const weft_cloth *cloth, weft_link *links);
-size_t weft__list_ties(const weft_cloth *cloth, weft_tie *ties);
+size_t weft__list_links(const weft_cloth *cloth, weft_block_coupling *links);
+size_t weft__list_ties(const weft_cloth *cloth, weft_scalar_coupling *ties);
 
-/* Writes numbers[18 links], as weft_structure::linearise_links. */
+/* Writes numbers[18 links], as weft_structure::linearise_blocks. */
 int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
                           double *numbers);
 

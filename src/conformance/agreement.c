@@ -268,7 +268,7 @@ static void try_parts(trial *self, weft_norm norm, disturbance d)
 
 const char *weft__agrees_with_nobody(const weft_stepper_type *type)
 {
-    return (type->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0
+    return (type->flags & (uint32_t)WEFT_STEPPER_DISTRIBUTED) == 0
                ? "the method integrates whole states only"
            : weft__needs_structure(type) ? "it needs the structure of each part"
                                          : NULL;

@@ -7,8 +7,8 @@
 
 enum { BEADS = WEFT__STRING / 6, BONDS = 7, NEAR = BEADS - 1, FAR = BONDS - NEAR };
 
-static const weft_bonds runs[] = { { 0, 1, NEAR }, { 0, 2, FAR } };
-static const weft_link links[FAR] = { { 0, 2 }, { 1, 3 }, { 2, 4 } };
+static const weft_spring_run runs[] = { { 0, 1, NEAR }, { 0, 2, FAR } };
+static const weft_block_coupling links[FAR] = { { 0, 2 }, { 1, 3 }, { 2, 4 } };
 static const double mass[BEADS] = { 0.0, 0.01, 0.01, 0.02, 0.01 }; /* [kg] */
 static const double drag[BEADS] = { 1e-3, 1e-3, 1e-3, 1e-3, 1e-3 };
 
@@ -21,7 +21,7 @@ typedef struct bond {
 /* Neighbours are 0.1 m apart at rest, and their springs are damped. */
 static bond bond_at(const double *y, size_t b)
 {
-    const weft_bonds *run = &runs[b < runs[0].count ? 0 : 1];
+    const weft_spring_run *run = &runs[b < runs[0].count ? 0 : 1];
     const size_t i = b < runs[0].count ? b : b - runs[0].count;
     bond at = { run->p + i,
                 run->q + i,
@@ -72,14 +72,14 @@ int weft__string_rhs(double t, const double *y, double *dydt, void *ctx)
 static int string_linearise(double t, const double *y, double *planes, double *blocks,
                             void *ctx)
 {
-    const size_t count = ((const weft_structure *)ctx)->bond_count;
+    const size_t count = ((const weft_structure *)ctx)->pair_count;
     (void)t, (void)blocks;
     for (size_t b = 0; b < count; ++b) {
         const bond at = bond_at(y, b);
-        const double numbers[WEFT_BOND_PLANES] = { at.u[0], at.u[1],
+        const double numbers[WEFT_PAIR_PLANES] = { at.u[0], at.u[1],
                                                    at.u[2], at.stiffness - at.pull,
                                                    at.pull, at.damping };
-        for (size_t k = 0; k < WEFT_BOND_PLANES; ++k) {
+        for (size_t k = 0; k < WEFT_PAIR_PLANES; ++k) {
             planes[k * count + b] = numbers[k];
         }
     }
@@ -90,8 +90,8 @@ static int string_linearise(double t, const double *y, double *planes, double *b
 static int string_links(double t, const double *y, double *numbers, void *ctx)
 {
     (void)t, (void)ctx;
-    memset(numbers, 0, FAR * WEFT_LINK_NUMBERS * sizeof *numbers);
-    for (size_t e = 0; e < FAR; ++e, numbers += WEFT_LINK_NUMBERS) {
+    memset(numbers, 0, FAR * WEFT_COUPLING_NUMBERS * sizeof *numbers);
+    for (size_t e = 0; e < FAR; ++e, numbers += WEFT_COUPLING_NUMBERS) {
         const bond at = bond_at(y, NEAR + e);
         for (size_t j = 0; j < 9; ++j) {
             numbers[j] = (at.stiffness - at.pull) * at.u[j / 3] * at.u[j % 3]
@@ -123,16 +123,16 @@ void weft__string_init(weft_structure *at, bool knows_links)
     *at = (weft_structure){ .struct_size = sizeof *at,
                             .particles = BEADS,
                             .run_count = knows_links ? 1 : 2,
-                            .bond_count = knows_links ? NEAR : BONDS,
+                            .pair_count = knows_links ? NEAR : BONDS,
                             .runs = runs,
                             .mass = mass,
                             .drag = drag,
                             .linearise = string_linearise,
                             .modes = string_modes,
                             .ctx = at,
-                            .link_count = knows_links ? FAR : 0,
-                            .links = links,
-                            .linearise_links = string_links };
+                            .block_coupling_count = knows_links ? FAR : 0,
+                            .block_couplings = links,
+                            .linearise_blocks = string_links };
 }
 
 /* Level, stretched a little, and moving. */
@@ -185,7 +185,8 @@ void weft__a_structure_leaves_the_solution(trial *self)
 {
     double with[WEFT__STRING], without[WEFT__STRING], apart = 0.0;
     weft_structure string;
-    weft__string_init(&string, (self->type->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0);
+    weft__string_init(&string,
+                      (self->type->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0);
     swing(self, &string, with);
     if ((self->type->flags & WEFT_STEPPER_STRUCTURE) != 0) {
         solve(without);

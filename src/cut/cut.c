@@ -609,15 +609,15 @@ static void write_mesh(cutter *self, weft_cut_mesh *out)
 {
     give_numbers(self, out);
     const weft_allocator *memory = self->cut->memory;
-    out->places = weft__alloc(memory, out->vertices, 2 * sizeof *out->places);
+    out->uv = weft__alloc(memory, out->vertices, 2 * sizeof *out->uv);
     out->corners = weft__alloc(memory, self->triangles, 3 * sizeof *out->corners);
     out->edge = weft__alloc(memory, self->part_count, 3 * sizeof *out->edge);
-    self->no_memory = self->no_memory || out->places == NULL || out->corners == NULL
+    self->no_memory = self->no_memory || out->uv == NULL || out->corners == NULL
                       || out->edge == NULL;
     for (size_t i = 0; !self->no_memory && i < self->points; ++i) {
         if (self->number[i] != CUT_NONE) {
-            memcpy(&out->places[2 * (size_t)self->number[i]], self->point[i].at,
-                   2 * sizeof *out->places);
+            memcpy(&out->uv[2 * (size_t)self->number[i]], self->point[i].at,
+                   2 * sizeof *out->uv);
         }
     }
     if (!self->no_memory) {

@@ -119,16 +119,16 @@ typedef struct weft__force {
 
     /* Linearisation, for weft_structure: its bonds that begin in block b, and what they
      * are in a state; or 3 x 3 blocks of particles, with a workspace or NULL. */
-    size_t (*runs)(const void *own, size_t b, weft_bonds *runs);
+    size_t (*runs)(const void *own, size_t b, weft_spring_run *runs);
     double *(*bonds)(const void *own, const weft__state *at, size_t b, double *planes,
                      size_t bonds, double *bad);
     int (*blocks)(const void *own, void *space, const weft__state *at, double *blocks);
 
     /* The same on triangles: its links, which must be its alone, and their numbers; its
      * ties. NULL as `to`: only how many there are. */
-    size_t (*links)(const void *own, weft_link *to);
+    size_t (*links)(const void *own, weft_block_coupling *to);
     int (*link_numbers)(const void *own, const weft__state *at, double *numbers);
-    size_t (*ties)(const void *own, weft_tie *to);
+    size_t (*ties)(const void *own, weft_scalar_coupling *to);
 
     /* Of a whole cloth, after all blocks, for forces between particles of any blocks:
      * with a workspace of a simulation (NULL: the same without one, slower), which may

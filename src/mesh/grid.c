@@ -125,7 +125,8 @@ weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k)
     memcpy(out.wind_velocity, whole->wind_velocity, sizeof out.wind_velocity);
     out.mesh = NULL;
     out.load_count = out.pin_count = out.band_rows = 0;
-    out.drag = whole->drag, out.wind_drag = whole->wind_drag, out.wind = whole->wind;
+    out.damping = whole->damping, out.wind_drag = whole->wind_drag,
+    out.wind_table = whole->wind_table;
     out.contact = (weft_contact_def){ .thickness = 0.0 };
     out.allocator = whole->allocator;
     out.untangle = 0.0;

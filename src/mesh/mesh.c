@@ -131,7 +131,8 @@ const char *weft__particle_text(const weft_cloth_def *def, size_t particle, char
         const bool of = mesh->part_count > 0;
         (void)weft_text_format(
             text, size, "vertex %zu%s%s",
-            mesh->names != NULL ? mesh->names[particle] : particle, of ? " of " : "",
+            mesh->file_index != NULL ? mesh->file_index[particle] : particle,
+            of ? " of " : "",
             of ? mesh->parts[weft__part_at(mesh, particle)].name : "");
     }
     return text;

@@ -50,7 +50,7 @@ static void name_corners(const weft_mesh_def *def, size_t t, size_t names[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         const size_t vertex = weft__vertex_at(def, t, k);
-        names[k] = def->names != NULL ? def->names[vertex] : vertex;
+        names[k] = def->file_index != NULL ? def->file_index[vertex] : vertex;
     }
 }
 

@@ -91,17 +91,17 @@ size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends)
     return add_grid_cells(of, 2, count, NULL, ends);
 }
 
-size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places, double *uv)
+size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_uv, double *uv)
 {
     const weft__triangles *of = mesh->triangles;
     size_t places = of != NULL ? of->places : mesh->particles;
-    if (corner_places != NULL && of == NULL) {
-        (void)grid_cells(mesh, 3, 0, corner_places);
-    } else if (corner_places != NULL) {
+    if (corner_uv != NULL && of == NULL) {
+        (void)grid_cells(mesh, 3, 0, corner_uv);
+    } else if (corner_uv != NULL) {
         for (size_t j = 0; j < 3 * of->count; ++j) {
-            corner_places[j] = of->place[j / 3][j % 3];
+            corner_uv[j] = of->place[j / 3][j % 3];
         }
-        (void)add_grid_cells(of, 3, of->count, &of->places, corner_places);
+        (void)add_grid_cells(of, 3, of->count, &of->places, corner_uv);
     }
     for (size_t i = 0; uv != NULL && i < places; ++i) {
         place_at(mesh, i, &uv[2 * i]);

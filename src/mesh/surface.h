@@ -5,11 +5,10 @@
 
 #include "mesh/triangles.h"
 
-/* weft_cloth_triangles, weft_cloth_edges, weft_cloth_places, weft_cloth_pieces. */
+/* weft_cloth_triangles, weft_cloth_edges, weft_cloth_uv, weft_cloth_panels. */
 size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners);
 size_t weft__surface_edges(const weft__mesh *mesh, uint32_t *ends);
-size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_places,
-                            double *uv);
+size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_uv, double *uv);
 size_t weft__surface_pieces(const weft__mesh *mesh, size_t *sewn, double *length);
 
 /* Of particle i in planes of positions: weft_sim_vertices. */

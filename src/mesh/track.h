@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* track.h -- the law of a weft_track (docs/theory/model.md): between two rows each
+/* track.h -- the law of a weft_table (docs/theory/model.md): between two rows each
  * component is a polynomial of degree 3, with one continuous derivative everywhere; at
  * rest before the first row and after the last.
  *
@@ -48,9 +48,9 @@ void weft__curve_bounds(const weft__curve *of, double t, weft__piece_bounds *to)
 /* ---- track_def.c ----------------------------------------------------------------- */
 
 /* What is wrong with a track, with the number of the row; NULL: nothing. */
-const char *weft__track_fault(const weft_track *of, size_t *row);
+const char *weft__track_fault(const weft_table *of, size_t *row);
 
 /* Writes the rows of a track without faults, with slopes, to rows[WEFT__CURVE_WIDTH
  * count]: those of F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984),
  * by which no component leaves the range of its two rows; or of the natural spline. */
-weft__curve weft__curve_make(const weft_track *of, bool natural, double *rows);
+weft__curve weft__curve_make(const weft_table *of, bool natural, double *rows);

@@ -5,7 +5,7 @@
 #include "base/finite.h"
 #include "mesh/track.h"
 
-const char *weft__track_fault(const weft_track *of, size_t *row)
+const char *weft__track_fault(const weft_table *of, size_t *row)
 {
     *row = 0;
     if (of->count > 0 && of->rows == NULL) {
@@ -88,7 +88,7 @@ static void make_monotone(double *rows, size_t count)
     }
 }
 
-weft__curve weft__curve_make(const weft_track *of, bool natural, double *rows)
+weft__curve weft__curve_make(const weft_table *of, bool natural, double *rows)
 {
     memset(rows, 0, WEFT__CURVE_WIDTH * of->count * sizeof *rows);
     for (size_t i = 0; i < of->count; ++i) {

@@ -140,7 +140,7 @@ typedef void edge_fn(weft__work *at, uint32_t low, const weft__half_edge *from,
 
 static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
 {
-    const uint32_t *corners = at->def->corners, *places = at->def->corner_places;
+    const uint32_t *corners = at->def->corners, *places = at->def->corner_uv;
     places = places != NULL ? places : corners;
     for (size_t i = 0; i < vertices; ++i) {
         for (size_t h = at->first[i], end = h; h < at->first[i + 1]; h = end) {
@@ -215,7 +215,7 @@ static void set_place_keys(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
     place_extent of[WEFT_CLOTHS_MAX];
-    memset(at->place_key, 0, def->places * sizeof *at->place_key);
+    memset(at->place_key, 0, def->uv_count * sizeof *at->place_key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
         at->place_key[weft__place_at(def, 0, h)]
             = 1 + weft__part_at(def, weft__vertex_at(def, 0, h));
@@ -223,14 +223,14 @@ static void set_place_keys(weft__work *at)
     for (size_t k = 0; k < WEFT_CLOTHS_MAX; ++k) {
         of[k] = (place_extent){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
     }
-    for (size_t j = 0; j < 2 * def->places; ++j) {
+    for (size_t j = 0; j < 2 * def->uv_count; ++j) {
         if (at->place_key[j / 2] != 0) {
             place_extent *to = &of[at->place_key[j / 2] - 1];
             to->low[j % 2] = fmin(to->low[j % 2], def->rest[j]);
             to->high[j % 2] = fmax(to->high[j % 2], def->rest[j]);
         }
     }
-    for (size_t i = 0; i < def->places; ++i) {
+    for (size_t i = 0; i < def->uv_count; ++i) {
         const double *x = &def->rest[2 * i];
         if (at->place_key[i] != 0) {
             const place_extent *in = &of[at->place_key[i] - 1];
@@ -518,7 +518,7 @@ static void copy_fabrics(weft__work *at)
         to->name = NULL;
     }
     for (size_t i = 0; out->name != NULL && i < at->def->vertices; ++i) {
-        out->name[i] = at->def->names[i];
+        out->name[i] = at->def->file_index[i];
     }
     for (size_t i = 0; i < out->part_count; ++i) {
         const weft_cloth_part *from = &at->def->parts[i];
@@ -561,7 +561,7 @@ static void allocate(weft__work *at)
         return;
     }
     at->key = weft__work_take(at, most, sizeof *at->key);
-    at->place_key = weft__work_take(at, at->def->places, sizeof *at->place_key);
+    at->place_key = weft__work_take(at, at->def->uv_count, sizeof *at->place_key);
     at->order = weft__work_take(at, most, sizeof *at->order);
     at->other = weft__work_take(at, most, sizeof *at->other);
     of->count = of->all = t;
@@ -571,7 +571,8 @@ static void allocate(weft__work *at)
     of->arc = at->def->arc;
 #define TAKE(array, number) of->array = weft__work_take(at, number, sizeof *of->array);
     ARRAYS(TAKE)
-    of->name = at->def->names != NULL ? weft__work_take(at, n, sizeof *of->name) : NULL;
+    of->name
+        = at->def->file_index != NULL ? weft__work_take(at, n, sizeof *of->name) : NULL;
 }
 
 /* Faults of what good triangles are joined to, with which the rest cannot be made. */

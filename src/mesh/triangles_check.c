@@ -48,14 +48,14 @@ static void check_arrays(weft__work *at)
                           : def->fabrics == NULL ? "fabrics"
                                                  : NULL;
     if (def->vertices < 3 || def->vertices > MAX_VERTICES
-        || def->triangles > MAX_TRIANGLES || def->places > UINT32_MAX
+        || def->triangles > MAX_TRIANGLES || def->uv_count > UINT32_MAX
         || (!none
-            && (def->triangles < 1 || def->places < 3 || def->fabric_count < 1))) {
+            && (def->triangles < 1 || def->uv_count < 3 || def->fabric_count < 1))) {
         weft__mesh_fault(
             at, WEFT__MESH_DEF, 0,
             "a mesh of %zu vertices, %zu places, %zu triangles and %zu fabrics: it "
             "has 3 vertices or more, at most %zu, 3 places, a triangle and a fabric",
-            def->vertices, def->places, def->triangles, def->fabric_count,
+            def->vertices, def->uv_count, def->triangles, def->fabric_count,
             MAX_VERTICES);
     } else if (missing != NULL) {
         weft__mesh_fault(at, WEFT__MESH_DEF, 0, "mesh: %s is NULL", missing);
@@ -130,7 +130,7 @@ static void check_positions(weft__work *at)
                 def->start[3 * i + 2]);
         }
     }
-    for (size_t i = 0; i < def->places; ++i) {
+    for (size_t i = 0; i < def->uv_count; ++i) {
         if (!weft__all_finite(&def->rest[2 * i], 2)) {
             weft__mesh_fault(at, WEFT__MESH_PLACE, i,
                              "place %zu of the rest shape is [%g, %g] m, not finite", i,
@@ -163,12 +163,12 @@ static bool check_indices(weft__work *at, size_t t)
     for (size_t k = 0; k < 3; ++k) {
         const uint32_t vertex = weft__vertex_at(def, t, k),
                        place = weft__place_at(def, t, k);
-        if (vertex >= def->vertices || place >= def->places) {
+        if (vertex >= def->vertices || place >= def->uv_count) {
             weft__mesh_fault(
                 at, WEFT__MESH_TRIANGLE, t,
                 "triangle %zu has corner %u at place %u, of %zu vertices and %zu "
                 "places",
-                t, vertex, place, def->vertices, def->places);
+                t, vertex, place, def->vertices, def->uv_count);
             good = false;
         }
     }

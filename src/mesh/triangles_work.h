@@ -48,7 +48,7 @@ double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest);
 /* What messages call a vertex. */
 static inline size_t weft__name_of(const weft__work *at, size_t vertex)
 {
-    return at->def->names != NULL ? at->def->names[vertex] : vertex;
+    return at->def->file_index != NULL ? at->def->file_index[vertex] : vertex;
 }
 
 /* The cloth that has a vertex; 0 if there is only one. */
@@ -71,6 +71,6 @@ static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_
 
 static inline uint32_t weft__place_at(const weft_mesh_def *def, size_t t, size_t k)
 {
-    return def->corner_places != NULL ? def->corner_places[3 * t + k]
-                                      : weft__vertex_at(def, t, k);
+    return def->corner_uv != NULL ? def->corner_uv[3 * t + k]
+                                  : weft__vertex_at(def, t, k);
 }

@@ -77,19 +77,20 @@ static uint64_t scene_hash(const weft_scene *scene)
     }
     if (mesh != NULL) {
         hash = weft__hash_reals(hash, mesh->start, 3 * mesh->vertices);
-        hash = weft__hash_reals(hash, mesh->rest, 2 * mesh->places);
+        hash = weft__hash_reals(hash, mesh->rest, 2 * mesh->uv_count);
         for (size_t i = 0; i < 3 * mesh->triangles; ++i) {
             hash = weft__hash_word(hash, mesh->corners[i]);
-            hash = weft__hash_word(hash, mesh->corner_places[i]);
+            hash = weft__hash_word(hash, mesh->corner_uv[i]);
         }
-        for (size_t i = 0; mesh->names != NULL && i < mesh->vertices; ++i) {
-            hash = weft__hash_word(hash, mesh->names[i]);
+        for (size_t i = 0; mesh->file_index != NULL && i < mesh->vertices; ++i) {
+            hash = weft__hash_word(hash, mesh->file_index[i]);
         }
     }
     for (size_t k = 0; k < contact->shape_count; ++k) {
         const weft_body *body = contact->shapes[k].body;
         const size_t vertices = body == NULL ? 0 : body->vertices * body->keys;
-        hash = weft__hash_reals(hash, body == NULL ? NULL : body->places, 3 * vertices);
+        hash = weft__hash_reals(hash, body == NULL ? NULL : body->positions,
+                                3 * vertices);
         for (size_t i = 0; body != NULL && i < 3 * body->triangles; ++i) {
             hash = weft__hash_word(hash, body->corners[i]);
         }

@@ -108,7 +108,7 @@ weft_status record_sensitivities(const char *directory, const weft_scene *scene,
                 if (cols > 0) {
                     fprintf(file.stream, "%zu,%zu", i / cols, i % cols);
                 } else {
-                    fprintf(file.stream, "%zu", weft_cloth_name(cloth, i));
+                    fprintf(file.stream, "%zu", weft_cloth_file_index(cloth, i));
                 }
                 for (size_t k = 0; k < 6; ++k) {
                     fprintf(file.stream, ",%.17g",

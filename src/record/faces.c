@@ -9,7 +9,7 @@ static bool take_names(const weft_cloth *cloth, record_faces *out)
     bool other = false;
     out->names = malloc(out->particles * sizeof *out->names);
     for (size_t i = 0; out->names != NULL && i < out->particles; ++i) {
-        out->names[i] = (int64_t)weft_cloth_name(cloth, i);
+        out->names[i] = (int64_t)weft_cloth_file_index(cloth, i);
         other = other || (size_t)out->names[i] != i;
     }
     if (out->names != NULL && !other) {
@@ -40,23 +40,23 @@ weft_status record_faces_of(const weft_cloth *cloth, record_faces *out, weft_err
     }
     *out = (record_faces){ .particles = weft_cloth_particles(cloth),
                            .triangles = weft_cloth_triangles(cloth, NULL),
-                           .places = weft_cloth_places(cloth, NULL, NULL) };
+                           .places = weft_cloth_uv(cloth, NULL, NULL) };
     out->corners = malloc(3 * out->triangles * sizeof *out->corners);
-    out->corner_places = malloc(3 * out->triangles * sizeof *out->corner_places);
+    out->corner_uv = malloc(3 * out->triangles * sizeof *out->corner_uv);
     out->uv = malloc(2 * out->places * sizeof *out->uv);
-    if (out->corners == NULL || out->corner_places == NULL || out->uv == NULL
+    if (out->corners == NULL || out->corner_uv == NULL || out->uv == NULL
         || !take_names(cloth, out) || !take_parts(cloth, out)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for triangles");
     }
     (void)weft_cloth_triangles(cloth, out->corners);
-    (void)weft_cloth_places(cloth, out->corner_places, out->uv);
+    (void)weft_cloth_uv(cloth, out->corner_uv, out->uv);
     return WEFT_OK;
 }
 
 void record_faces_free(record_faces *of)
 {
     free(of->corners);
-    free(of->corner_places);
+    free(of->corner_uv);
     free(of->uv);
     free(of->names);
     free(of->parts);

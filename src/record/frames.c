@@ -189,7 +189,7 @@ static const char *load_triangles(frames_file *self)
         return "more triangles than the file has room for";
     }
     of->uv = read_all(self, "/weft/Places", H5T_IEEE_F64LE, of->places, 2);
-    of->corner_places
+    of->corner_uv
         = read_all(self, "/weft/CornerPlaces", H5T_STD_U32LE, of->triangles, 3);
     if (H5Lexists(self->file, names, H5P_DEFAULT) > 0) {
         of->names = read_all(self, names, H5T_STD_I64LE, of->particles, 1);
@@ -201,9 +201,8 @@ static const char *load_triangles(frames_file *self)
         return "/weft/ClothNames or /weft/ClothFirst are wrong";
     }
     return load_corners(self) && of->uv != NULL
-                   && weft__all_finite(of->uv, 2 * of->places)
-                   && of->corner_places != NULL
-                   && all_below(of->corner_places, 3 * of->triangles, of->places)
+                   && weft__all_finite(of->uv, 2 * of->places) && of->corner_uv != NULL
+                   && all_below(of->corner_uv, 3 * of->triangles, of->places)
                ? NULL
                : "Polygons, /weft/Places or /weft/CornerPlaces are missing or wrong";
 }

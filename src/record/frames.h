@@ -20,9 +20,9 @@ typedef struct record_faces {
     size_t particles;
     size_t rows, cols; /* of a grid, for which this is all; 0: triangles */
     size_t triangles, places;
-    uint32_t *corners, *corner_places; /* 3 of each triangle: particles, places */
-    double *uv;                        /* [m] of each place in the rest shape */
-    int64_t *names;                    /* of particles in files; NULL: 0, 1, ... */
+    uint32_t *corners, *corner_uv; /* 3 of each triangle: particles, places */
+    double *uv;                    /* [m] of each place in the rest shape */
+    int64_t *names;                /* of particles in files; NULL: 0, 1, ... */
     record_part *parts;
     size_t part_count; /* 0: one cloth without a name */
 } record_faces;

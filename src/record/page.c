@@ -206,7 +206,7 @@ static void write_body(FILE *stream, const weft_body *body)
     for (size_t i = 0; i < 3 * body->vertices * body->keys; ++i) {
         const size_t in = i % (3 * body->vertices);
         fprintf(stream, "%s%s%.7g", in == 0 ? comma(i) : "", in == 0 ? "[" : ",",
-                body->places[i]);
+                body->positions[i]);
         fputs(in + 1 == 3 * body->vertices ? "]" : "", stream);
     }
     fputs("],\"corners\":[", stream);
@@ -317,7 +317,7 @@ static void write_triangles(FILE *stream, const record_faces *of)
     fprintf(stream, ",\"mesh\":{\"vertices\":%zu,\"triangles\":%zu", of->particles,
             of->triangles);
     write_words(stream, "corners", of->corners, 3 * of->triangles);
-    write_words(stream, "places", of->corner_places, 3 * of->triangles);
+    write_words(stream, "places", of->corner_uv, 3 * of->triangles);
     write_words(stream, "rest", uv, uv == NULL ? 0 : 2 * of->places);
     fputs(of->part_count > 0 ? ",\"cloths\":[" : "", stream);
     for (size_t k = 0; k < of->part_count; ++k) {

@@ -197,7 +197,7 @@ static weft_status write_shape(const char *directory, size_t k, const weft_body 
     (void)snprintf(name, sizeof name, "shape-%zu.obj", k);
     TRY(record_file_open(&file, directory, name, err));
     for (size_t i = 0; i < body->vertices; ++i) {
-        const double *x = body->places + 3 * i;
+        const double *x = body->positions + 3 * i;
         fprintf(file.stream, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
     }
     for (size_t t = 0; t < body->triangles; ++t) {

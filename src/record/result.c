@@ -138,7 +138,7 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
     yaml_out_size(&out, whole);
     yaml_out_write(&out,
                    "pinned: %zu, stretch_springs: %zu, shear_springs: %zu, "
-                   "bend_springs: %zu, mass: %g }",
+                   "bend_pairs: %zu, mass: %g }",
                    weft_cloth_pins(whole), weft_cloth_springs(whole, WEFT_STRETCH),
                    weft_cloth_springs(whole, WEFT_SHEAR),
                    weft_cloth_springs(whole, WEFT_BEND), weft_cloth_mass(whole));
@@ -170,7 +170,8 @@ static void write_spring(yaml_out *out, const weft_cloth *cloth,
                 weft_cloth_part_at(cloth, weft_cloth_part_of(cloth, p)).name);
         }
         yaml_out_write(out, "from_vertex: %zu, to_vertex: %zu }",
-                       weft_cloth_name(cloth, p), weft_cloth_name(cloth, q));
+                       weft_cloth_file_index(cloth, p),
+                       weft_cloth_file_index(cloth, q));
     } else {
         yaml_out_write(out, "from_row: %zu, from_col: %zu, to_row: %zu, to_col: %zu }",
                        p / cols, p % cols, q / cols, q % cols);
@@ -187,8 +188,8 @@ static void write_ledger(yaml_out *out, const record_result *result)
                        "work_limit: %g, residual: %g, dissipated_contact: %g, "
                        "dissipated_friction: %g, shape_work: %g }",
                        weft_sim_dissipated(result->sim), ledger.dissipated_springs,
-                       ledger.dissipated_drag, ledger.wind_work, ledger.pin_work,
-                       ledger.limit_work, ledger.residual, ledger.dissipated_contact,
+                       ledger.dissipated_drag, ledger.work_wind, ledger.work_pins,
+                       ledger.work_limit, ledger.residual, ledger.dissipated_contact,
                        ledger.dissipated_friction, ledger.shape_work);
     }
 }

@@ -93,9 +93,9 @@ weft_status record_table_close(record_table *table, weft_error *err)
     X(RECORD_LEDGER, elastic_bend, "%.17g", row.all.energy.elastic[WEFT_BEND])         \
     X(RECORD_LEDGER, dissipated_springs, "%.17g", row.ledger.dissipated_springs)       \
     X(RECORD_LEDGER, dissipated_drag, "%.17g", row.ledger.dissipated_drag)             \
-    X(RECORD_LEDGER, work_wind, "%.17g", row.ledger.wind_work)                         \
-    X(RECORD_LEDGER, work_pins, "%.17g", row.ledger.pin_work)                          \
-    X(RECORD_LEDGER, work_limit, "%.17g", row.ledger.limit_work)                       \
+    X(RECORD_LEDGER, work_wind, "%.17g", row.ledger.work_wind)                         \
+    X(RECORD_LEDGER, work_pins, "%.17g", row.ledger.work_pins)                         \
+    X(RECORD_LEDGER, work_limit, "%.17g", row.ledger.work_limit)                       \
     X(RECORD_LEDGER, residual, "%.17g", row.ledger.residual)                           \
     X(EVERY, contact, "%.17g", row.all.energy.contact)                                 \
     X(EVERY, min_gap, "%.17g", row.all.gap)                                            \

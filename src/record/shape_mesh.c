@@ -78,7 +78,7 @@ static solid solid_of(const weft_shape *shape, double t)
     for (size_t k = 0; k < 9; ++k) {
         rest[1 + k / 3][k % 3] = rest[0][k % 3] + made.axes[k / 3][k % 3];
     }
-    const weft_body frame = { .vertices = 4, .keys = 1, .places = rest[0] };
+    const weft_body frame = { .vertices = 4, .keys = 1, .positions = rest[0] };
     weft_shape moves = *shape;
     moves.kind = WEFT_MESH, moves.body = &frame;
     weft_shape_vertices(&moves, t, now[0]);

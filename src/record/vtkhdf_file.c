@@ -273,7 +273,7 @@ static bool mesh(const builder *self)
            || (dataset(self, "/weft/Places", H5T_IEEE_F64LE, of->places, 2,
                        H5T_NATIVE_DOUBLE, of->uv)
                && dataset(self, "/weft/CornerPlaces", H5T_STD_U32LE, of->triangles, 3,
-                          H5T_NATIVE_UINT32, of->corner_places)
+                          H5T_NATIVE_UINT32, of->corner_uv)
                && (of->names == NULL
                    || integers(self, ROOT "PointData/vertex", self->n, 1, of->names))
                && (of->part_count == 0 || cloths(self)));

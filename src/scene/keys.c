@@ -429,8 +429,8 @@ static const weft__key wind_keys[] = {
       NUMBER(wind, wind_velocity),
       .meaning = "velocity of the air; exactly one of velocity and table is required" },
     { "table", WEFT__TRACK, SECTION(wind_table), .unit = "s, m/s",
-      .absent = "velocity or table", AT(weft_cloth_def, wind),
-      SPLINE(weft_cloth_def, wind),
+      .absent = "velocity or table", AT(weft_cloth_def, wind_table),
+      SPLINE(weft_cloth_def, wind_table),
       .meaning = "velocity at times: smooth, through all rows and between them within "
                  "their range, constant before the first and after the last; or {rows: "
                  "..., spline: natural}" },
@@ -441,7 +441,7 @@ static const weft__key wind_keys[] = {
 static const weft__key force_keys[] = {
     { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(body, gravity),
       .meaning = "acceleration of free fall" },
-    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, drag),
+    { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, damping),
       .meaning = "viscous damping of each particle: F = -damping * v" },
     { "wind", WEFT__MAPPING, WITH(KEYS(wind), .one = { "velocity", "table" }),
       .absent = "no wind", .meaning = "moving air" },

@@ -36,7 +36,7 @@
     X(CLOTHS, cloths, "a list of 1 to 64 mappings {name, keys as cloth}")              \
     X(PATH, paths, "a list of points [u, v], or {disc: radius}")                       \
     X(PATHS, paths, "a list, each item points [[u, v], ...] or {disc: radius}")        \
-    X(TRACK, track, "a list of rows [t, x, y, z], or their CSV file") /* weft_track */ \
+    X(TRACK, track, "a list of rows [t, x, y, z], or their CSV file") /* weft_table */ \
     X(PATHS_OF_KEYS, keys, "a list of 1 to 16 keys of numbers")                        \
     X(ITEMS, items, "a list of ")    /* an array of the cloth's definition */          \
     X(ROW, row, "a list of numbers") /* weft__list: of a Butcher table */              \

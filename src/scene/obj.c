@@ -123,7 +123,7 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
     first_place *first = &self->first[face->vertex[corner]];
     uint32_t *slot = &first->place;
     const uint32_t vt = face->place[corner];
-    const size_t count = obj->def.places;
+    const size_t count = obj->def.uv_count;
     size_t before = 0;
     if (first->vt == vt) {
         return first->place;
@@ -153,7 +153,7 @@ static uint32_t find_place(obj_builder *self, const weft__obj_face *face, size_t
     memcpy(&obj->rest[2 * count], obj->place[vt], 2 * sizeof *obj->rest);
     self->next[count] = WEFT__NONE;
     obj->place_of[count] = vt;
-    ++obj->def.places;
+    ++obj->def.uv_count;
     return (uint32_t)count;
 }
 
@@ -274,10 +274,10 @@ static void fetch_ahead(const obj_builder *self, size_t f)
 void weft__obj_show(weft__obj *obj)
 {
     obj->def.start = obj->start;
-    obj->def.names = obj->name;
+    obj->def.file_index = obj->name;
     obj->def.rest = obj->rest;
     obj->def.corners = obj->corner;
-    obj->def.corner_places = obj->corner_place;
+    obj->def.corner_uv = obj->corner_place;
     obj->def.fabric_of = obj->fabric_of;
 }
 
@@ -297,7 +297,7 @@ static bool build(weft__obj *obj, bool whole)
     }
     WEFT__FREE_ALL(obj->report->memory, self.first, self.next);
     weft__obj_show(obj);
-    obj->def.names = obj->def.vertices < obj->vertices ? obj->name : NULL;
+    obj->def.file_index = obj->def.vertices < obj->vertices ? obj->name : NULL;
     return !obj->report->no_memory && obj->report->mistakes == before;
 }
 
@@ -399,7 +399,7 @@ void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double an
     for (size_t i = 0; i < obj->loose; ++i) {
         move_point(&obj->loose_start[3 * i], unit, k, sine, cosine, at);
     }
-    for (size_t i = 0; i < 2 * obj->def.places; ++i) {
+    for (size_t i = 0; i < 2 * obj->def.uv_count; ++i) {
         obj->rest[i] *= unit;
     }
 }
@@ -477,7 +477,7 @@ void weft__obj_forget(weft__obj *obj)
                    obj->place, obj->vertex_byte, obj->place_byte, obj->face, obj->point,
                    obj->fabrics.list, obj->groups.list, obj->vertex_of, obj->place_of,
                    obj->face_of, obj->parent);
-    if (obj->def.names == NULL) {
+    if (obj->def.file_index == NULL) {
         weft__free(obj->report->memory, obj->name);
         obj->name = NULL;
     }

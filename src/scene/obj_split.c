@@ -73,8 +73,8 @@ typedef struct split {
 static bool make_room(weft__obj *obj, const split *at)
 {
     const weft_allocator *memory = obj->report->memory;
-    const size_t n = obj->def.vertices + at->vertices, p = obj->def.places + at->places,
-                 t = obj->def.triangles;
+    const size_t n = obj->def.vertices + at->vertices,
+                 p = obj->def.uv_count + at->places, t = obj->def.triangles;
     return weft__resized(memory, &obj->start, n, 3 * sizeof *obj->start)
            && weft__resized(memory, &obj->name, n, sizeof *obj->name)
            && weft__resized(memory, &obj->parent, n - obj->coarse, sizeof *obj->parent)
@@ -91,7 +91,7 @@ static void apply_split(weft__obj *obj, const split *at)
     weft_mesh_def *def = &obj->def;
     const uint32_t(*ends)[2] = (const uint32_t(*)[2])at->vertex_ends;
     add_middles(obj->start, 3, def->vertices, at->vertices, ends);
-    add_middles(obj->rest, 2, def->places, at->places,
+    add_middles(obj->rest, 2, def->uv_count, at->places,
                 (const uint32_t(*)[2])at->place_ends);
     memcpy(&obj->parent[def->vertices - obj->coarse], ends,
            at->vertices * sizeof *obj->parent);
@@ -100,19 +100,19 @@ static void apply_split(weft__obj *obj, const split *at)
         obj->name[v] = obj->vertices + v - obj->coarse;
     }
     for (size_t i = 0; i < at->places; ++i) {
-        obj->place_of[def->places + i] = obj->place_of[at->place_ends[i][0]];
+        obj->place_of[def->uv_count + i] = obj->place_of[at->place_ends[i][0]];
     }
     split_corners(obj->corner, def->triangles, at->vertex, def->vertices);
-    split_corners(obj->corner_place, def->triangles, at->place, def->places);
+    split_corners(obj->corner_place, def->triangles, at->place, def->uv_count);
     for (size_t t = 4 * def->triangles; t-- > 0;) {
         obj->face_of[t] = obj->face_of[t / 4];
     }
     def->vertices += at->vertices;
-    def->places += at->places;
+    def->uv_count += at->places;
     def->triangles *= 4;
-    const bool named = def->names != NULL;
+    const bool named = def->file_index != NULL;
     weft__obj_show(obj);
-    def->names = named ? obj->name : NULL;
+    def->file_index = named ? obj->name : NULL;
 }
 
 static void split_once(weft__obj *obj)

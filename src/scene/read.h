@@ -301,7 +301,7 @@ bool weft__is_table_file(const weft__node *node);
 
 /* A table of times with its spline. */
 typedef struct weft__splined {
-    weft_track track;
+    weft_table track;
     bool natural;
 } weft__splined;
 

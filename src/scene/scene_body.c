@@ -158,9 +158,9 @@ static bool take_first(making *self, const weft_mesh_def *def)
     weft__tree *tree = self->reader->tree;
     const size_t t = def->triangles, n = def->vertices;
     uint32_t *corners = weft__tree_take(tree, 3 * t, sizeof *corners);
-    self->to->places = weft__tree_take(tree, 3 * n * self->to->keys, sizeof(double));
+    self->to->positions = weft__tree_take(tree, 3 * n * self->to->keys, sizeof(double));
     self->flat = weft__tree_take(tree, t, sizeof *self->flat);
-    if (corners == NULL || self->to->places == NULL || self->flat == NULL) {
+    if (corners == NULL || self->to->positions == NULL || self->flat == NULL) {
         return false;
     }
     memcpy(corners, def->corners, 3 * t * sizeof *corners);
@@ -246,7 +246,7 @@ static void warn_of_concave(weft__obj *obj)
 static void check_key(making *self, weft__obj *obj, size_t key)
 {
     const weft_body *to = self->to;
-    const double *places = to->places + 3 * to->vertices * key;
+    const double *places = to->positions + 3 * to->vertices * key;
     size_t count = key == 0 ? obj->flat : 0, all = 0;
     uint32_t first = obj->flat_byte;
     if (!weft__all_finite(places, 3 * to->vertices)) {
@@ -289,7 +289,7 @@ static void read_key_frame(making *self, weft__mark at, const char *path, double
                       .like = key == 0 ? NULL : to };
     if (path != NULL && weft__obj_load(&obj, path) && report->mistakes == before
         && (key == 0 ? take_first(self, &obj.def) : is_like_first(self, &obj))) {
-        double *places = weft__unconst(to->places);
+        double *places = weft__unconst(to->positions);
         for (size_t i = 0; i < 3 * to->vertices; ++i) {
             places[3 * to->vertices * key + i] = unit * obj.def.start[i];
         }
@@ -306,7 +306,7 @@ static void drop_flat(making *self, const weft__node *file)
 {
     weft_body *to = self->to;
     uint32_t *corners = weft__unconst(to->corners);
-    double *places = weft__unconst(to->places);
+    double *places = weft__unconst(to->positions);
     const size_t all = to->vertices;
     size_t kept = 0, vertices = 0;
     for (size_t t = 0; t < to->triangles; ++t) {
@@ -485,7 +485,7 @@ void weft__make_facets(weft__reader *reader, const weft__match *match,
     *body = (weft_body){ .vertices = lattice.vertices,
                          .triangles = lattice.triangles,
                          .keys = 1,
-                         .places = places,
+                         .positions = places,
                          .corners = corners };
     item->shape.kind = WEFT_MESH;
     item->shape.body = body;

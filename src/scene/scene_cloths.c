@@ -163,14 +163,16 @@ static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabr
     weft_mesh_def *def = &to->def;
     memcpy(to->start + 3 * def->vertices, from->start,
            3 * from->vertices * sizeof *to->start);
-    memcpy(to->rest + 2 * def->places, from->rest, 2 * from->places * sizeof *to->rest);
+    memcpy(to->rest + 2 * def->uv_count, from->rest,
+           2 * from->uv_count * sizeof *to->rest);
     for (size_t i = 0; i < from->vertices; ++i) {
-        to->name[def->vertices + i] = from->names != NULL ? from->names[i] : i;
+        to->name[def->vertices + i]
+            = from->file_index != NULL ? from->file_index[i] : i;
     }
     for (size_t j = 0; j < 3 * from->triangles; ++j) {
         const size_t at = 3 * def->triangles + j;
         to->corner[at] = from->corners[j] + (uint32_t)def->vertices;
-        to->corner_place[at] = from->corner_places[j] + (uint32_t)def->places;
+        to->corner_place[at] = from->corner_uv[j] + (uint32_t)def->uv_count;
         to->fabric_of[at / 3]
             = (uint32_t)def->fabric_count
               + (from->fabric_of != NULL ? from->fabric_of[j / 3] : 0);
@@ -178,7 +180,7 @@ static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabr
     memcpy(fabrics + def->fabric_count, from->fabrics,
            from->fabric_count * sizeof *fabrics);
     def->vertices += from->vertices;
-    def->places += from->places;
+    def->uv_count += from->uv_count;
     def->triangles += from->triangles;
     def->fabric_count += from->fabric_count;
 }
@@ -194,7 +196,7 @@ static bool make_room(weft__reader *reader, const weft__node *node,
     for (size_t i = 0; i < scene->part_count; ++i) {
         const weft_cloth_def *from = &scene->parts[i].cloth;
         vertices += weft__particles_in(&scene->parts[i]);
-        places += from->mesh != NULL ? from->mesh->places : 0;
+        places += from->mesh != NULL ? from->mesh->uv_count : 0;
         triangles += from->mesh != NULL ? from->mesh->triangles : 0;
         own += from->mesh != NULL ? from->mesh->fabric_count : 0;
         pins += from->pin_count;

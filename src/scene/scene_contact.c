@@ -149,8 +149,7 @@ static double longest_edge(const weft_cloth_def *def)
     for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
         most = fmax(most, mesh->grids[k] != NULL ? longest_edge(mesh->grids[k]) : 0.0);
     }
-    const uint32_t *place
-        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    const uint32_t *place = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
         const double *a = mesh->rest + 2 * (size_t)place[j];
         const double *b = mesh->rest + 2 * (size_t)place[j % 3 == 2 ? j - 2 : j + 1];

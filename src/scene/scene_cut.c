@@ -189,7 +189,7 @@ static void put_vertices(writer *to, const weft__cut *cut, const weft_cut_mesh *
     const weft_cloth_def *grid = &cut->grid;
     const double right = weft__length(grid->right), down = weft__length(grid->down);
     for (size_t i = 0; i < mesh->vertices; ++i) {
-        const double *place = &mesh->places[2 * i];
+        const double *place = &mesh->uv[2 * i];
         double x[3];
         for (size_t k = 0; k < 3; ++k) {
             x[k] = grid->origin[k]
@@ -200,7 +200,7 @@ static void put_vertices(writer *to, const weft__cut *cut, const weft_cut_mesh *
         put(to, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
     }
     for (size_t i = 0; i < mesh->vertices; ++i) {
-        put(to, "vt %.17g %.17g\n", mesh->places[2 * i], mesh->places[2 * i + 1]);
+        put(to, "vt %.17g %.17g\n", mesh->uv[2 * i], mesh->uv[2 * i + 1]);
     }
 }
 
@@ -299,7 +299,7 @@ static bool make_mesh(weft__reader *reader, const weft__match *match,
         ERROR_AT(reader, match->map, "%s", err.message);
     }
     const bool written = status == WEFT_OK && write_text(reader, cut, lines, &mesh);
-    WEFT__FREE_ALL(memory, mesh.places, mesh.corners, mesh.edge);
+    WEFT__FREE_ALL(memory, mesh.uv, mesh.corners, mesh.edge);
     return written;
 }
 

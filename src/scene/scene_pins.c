@@ -163,7 +163,7 @@ void weft__read_track(weft__reader *reader, const weft__key *key,
         return;
     }
     (void)snprintf(row, sizeof row, "[t, x, y, z] [%s]", key->unit);
-    const weft_track track
+    const weft_table track
         = { weft__read_table(reader, key, node, WEFT__TRACK_WIDTH, row), node->count };
     if (track.rows != NULL) {
         const char *fault = weft__track_fault(&track, &at);

@@ -259,19 +259,19 @@ typedef struct twin {
     weft_cloth *cloth;
 } twin;
 
-struct weft_scene_twins {
+struct weft_scene_perturbed {
     weft_allocator memory;
     weft_sensitivity_def def;
-    weft_number_of_cloth numbers[WEFT_SENSITIVITIES];
+    weft_parameter numbers[WEFT_SENSITIVITIES];
     twin of[WEFT_SENSITIVITIES][2];
 };
 
-const weft_sensitivity_def *weft_scene_twins_def(const weft_scene_twins *twins)
+const weft_sensitivity_def *weft_scene_perturbed_def(const weft_scene_perturbed *twins)
 {
     return twins != NULL && twins->def.count > 0 ? &twins->def : NULL;
 }
 
-void weft_scene_twins_destroy(weft_scene_twins *twins)
+void weft_scene_perturbed_destroy(weft_scene_perturbed *twins)
 {
     if (twins != NULL) {
         const weft_allocator memory = twins->memory;
@@ -338,7 +338,7 @@ static weft_status load_twin(const weft_scene *scene, const weft_scene_def *give
                : status;
 }
 
-static weft_status make_pair(weft_scene_twins *of, const weft_scene *scene,
+static weft_status make_pair(weft_scene_perturbed *of, const weft_scene *scene,
                              const weft_scene_def *def, size_t i, weft_error *err)
 {
     const char *key = scene->sensitivity.keys[i];
@@ -356,15 +356,16 @@ static weft_status make_pair(weft_scene_twins *of, const weft_scene *scene,
             status = load_twin(scene, def, i, p, one, err);
         }
     }
-    of->numbers[i] = (weft_number_of_cloth){ key, of->of[i][0].cloth,
-                                             of->of[i][1].cloth, (at[1] - at[0]) / u };
+    of->numbers[i] = (weft_parameter){ key, of->of[i][0].cloth, of->of[i][1].cloth,
+                                       (at[1] - at[0]) / u };
     return status == WEFT_OK && at[0] == at[1] ? outside : status;
 }
 
-weft_status weft_scene_twins_create(const weft_scene *scene, const weft_scene_def *def,
-                                    weft_scene_twins **out, weft_error *err)
+weft_status weft_scene_perturbed_create(const weft_scene *scene,
+                                        const weft_scene_def *def,
+                                        weft_scene_perturbed **out, weft_error *err)
 {
-    weft_scene_twins *of = weft__zeroed(&scene->memory, 1, sizeof *of);
+    weft_scene_perturbed *of = weft__zeroed(&scene->memory, 1, sizeof *of);
     *out = of;
     if (of == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
@@ -377,7 +378,7 @@ weft_status weft_scene_twins_create(const weft_scene *scene, const weft_scene_de
         status = make_pair(of, scene, def, i, err);
     }
     if (status != WEFT_OK) {
-        weft_scene_twins_destroy(of);
+        weft_scene_perturbed_destroy(of);
         *out = NULL;
     }
     return status;

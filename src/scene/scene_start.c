@@ -22,7 +22,7 @@
 static bool has_textures(const weft__obj *obj)
 {
     bool inside = obj->place != NULL && obj->places > 0;
-    for (size_t i = 0; i < 2 * obj->def.places && inside; ++i) {
+    for (size_t i = 0; i < 2 * obj->def.uv_count && inside; ++i) {
         const double x = obj->place[obj->place_of[i / 2]][i % 2];
         inside = x >= -1e-3 && x <= 1.001;
     }
@@ -124,7 +124,7 @@ void weft__warn_of_body_size(weft__reader *reader, weft__mark at, const weft_bod
                              double unit)
 {
     double side[3];
-    box_of(body->places, body->vertices, side);
+    box_of(body->positions, body->vertices, side);
     const double least = fmin(side[0], fmin(side[1], side[2]));
     const double most = fmax(side[0], fmax(side[1], side[2]));
     /* a floor may be large */
@@ -206,7 +206,7 @@ static double angle_of(const weft_mesh_def *def, size_t t, size_t k)
 {
     const double *x[3];
     for (size_t i = 0; i < 3; ++i) {
-        x[i] = &def->rest[2 * (size_t)def->corner_places[3 * t + (k + i) % 3]];
+        x[i] = &def->rest[2 * (size_t)def->corner_uv[3 * t + (k + i) % 3]];
     }
     const double u[] = { x[1][0] - x[0][0], x[1][1] - x[0][1] };
     const double v[] = { x[2][0] - x[0][0], x[2][1] - x[0][1] };

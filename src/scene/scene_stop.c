@@ -62,7 +62,7 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
                  "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
     }
     const weft_cloth_def *cloth = &reader->scene->cloth;
-    if (reader->scene->run.stop.quantity == WEFT_STOP_REST && cloth->drag == 0.0
+    if (reader->scene->run.stop.quantity == WEFT_STOP_REST && cloth->damping == 0.0
         && cloth->wind_drag == 0.0 && cloth->contact.shape_count == 0
         && !cloth->contact.self) {
         WARNING_AT(reader, stop,
@@ -128,7 +128,7 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
                                "%s", rules[i].message);
         }
     }
-    weft__require_flag(reader, WEFT_STEPPER_AGREES,
+    weft__require_flag(reader, WEFT_STEPPER_DISTRIBUTED,
                        weft__place_in(root, "stepper", "method"),
                        "does not run in bands", "these do");
 }

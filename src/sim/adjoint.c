@@ -44,7 +44,7 @@ typedef struct adjoint {
     double *vectors, *w, *carried;
     double *room[3];
     double *net; /* [N] 3 N, if the masses depend on a number, else NULL */
-    double *value, *by_number;
+    double *value, *by_parameter;
 } adjoint;
 
 void weft_gradient_def_init(weft_gradient_def *def, size_t size)
@@ -61,17 +61,17 @@ static weft_status no_memory(weft_error *err)
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a gradient");
 }
 
-static weft_status check(const weft_gradient_def *def, const double *by_number,
+static weft_status check(const weft_gradient_def *def, const double *by_parameter,
                          weft_error *err)
 {
     double before = 0.0;
     if (def->sim == NULL || def->objective == NULL
-        || (def->count > 0 && (def->numbers == NULL || by_number == NULL))
+        || (def->count > 0 && (def->parameters == NULL || by_parameter == NULL))
         || (def->frames > 0 && def->times == NULL)) {
         return weft_error_set(
             err, WEFT_INVALID,
             "a gradient needs a sim, an objective, as many numbers and times as it "
-            "says, and by_number for these numbers: one is NULL");
+            "says, and by_parameter for these numbers: one is NULL");
     }
     for (size_t i = 0; i < def->frames; ++i) {
         if (!(def->times[i] >= before) || !isfinite(def->times[i])) {
@@ -131,7 +131,7 @@ static weft_status make_room(adjoint *of, weft_error *err)
 static weft_status make_slopes(adjoint *of, weft_error *err)
 {
     for (size_t j = 0; j < of->def->count; ++j) {
-        const weft_number_of_cloth *number = &of->def->numbers[j];
+        const weft_parameter *number = &of->def->parameters[j];
         weft_error inner = { 0 };
         const weft_status status
             = weft__slope_init(&of->slopes[j], of->sim->cloth, number->less,
@@ -141,7 +141,7 @@ static weft_status make_slopes(adjoint *of, weft_error *err)
                                   j, number->name == NULL ? "unnamed" : number->name,
                                   inner.message);
         }
-        of->by_number[j] = 0.0;
+        of->by_parameter[j] = 0.0;
         if (of->slopes[j].inverse_mass != NULL) {
             of->net = of->room[2] + dim_of(of);
         }
@@ -424,7 +424,7 @@ static int go_through(adjoint *of, double t, const double *y, const double *w,
         = weft__rhs_transposed(cloth, spaces, &at, w, of->room[0], out, of->net, &by);
     for (size_t j = 0; j < of->def->count; ++j) {
         failed |= weft__slope_product(&of->slopes[j], spaces, &at, w, &by, of->net,
-                                      of->room, &of->by_number[j]);
+                                      of->room, &of->by_parameter[j]);
     }
     return failed;
 }
@@ -473,7 +473,7 @@ static void jump_back(adjoint *of, size_t step)
             double jump[6];
             weft__slope_jump(&of->slopes[j], mesh->pins[i], t, pieces, jump);
             for (size_t k = 0; k < 6; ++k) {
-                of->by_number[j] += g[k * n + mesh->pins[i]] * jump[k];
+                of->by_parameter[j] += g[k * n + mesh->pins[i]] * jump[k];
             }
         }
     }
@@ -566,11 +566,11 @@ static void finish(adjoint *of, double *by_start)
     const size_t dim = dim_of(of);
     const double *g = of->by_state[of->table->count + 1];
     for (size_t j = 0; j < of->def->count; ++j) {
-        weft_cloth_start(of->def->numbers[j].less, of->room[0]);
-        weft_cloth_start(of->def->numbers[j].more, of->room[1]);
+        weft_cloth_start(of->def->parameters[j].less, of->room[0]);
+        weft_cloth_start(of->def->parameters[j].more, of->room[1]);
         for (size_t i = 0; i < dim; ++i) {
-            of->by_number[j]
-                += g[i] * (of->room[1][i] - of->room[0][i]) / of->def->numbers[j].span;
+            of->by_parameter[j] += g[i] * (of->room[1][i] - of->room[0][i])
+                                   / of->def->parameters[j].span;
         }
     }
     if (by_start != NULL) {
@@ -594,20 +594,20 @@ static weft_status differentiate(adjoint *of, double *by_start, weft_error *err)
 }
 
 weft_status weft_gradient(const weft_gradient_def *given, double *value,
-                          double *by_number, double *by_start, weft_error *err)
+                          double *by_parameter, double *by_start, weft_error *err)
 {
     weft_gradient_def def;
     weft_status status = weft__given(given, value, "weft_gradient", err);
     if (status != WEFT_OK
         || WEFT__DEF_READ(weft_gradient_def, &def, given, WEFT__DEF_MOST, err)
                != WEFT_OK
-        || check(&def, by_number, err) != WEFT_OK) {
+        || check(&def, by_parameter, err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     adjoint of = { .def = &def,
                    .memory = weft_allocator_or_malloc(def.sim->allocator),
                    .value = value,
-                   .by_number = by_number };
+                   .by_parameter = by_parameter };
     *value = 0.0;
     status = differentiate(&of, by_start, err);
     for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {

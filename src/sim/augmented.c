@@ -28,15 +28,15 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
     const weft_sim *sim = ctx;
     size_t parts;
     const weft_structure *of = parts_of(sim, &parts);
-    const size_t n = of->particles, bonds = of->bond_count, bend = of->bend_bonds;
-    double *own = sim->sensitivity.own, *touched = own + WEFT_BOND_PLANES * bonds;
+    const size_t n = of->particles, bonds = of->pair_count, bend = of->bend_pairs;
+    double *own = sim->sensitivity.own, *touched = own + WEFT_PAIR_PLANES * bonds;
     weft__sensitivity_state(sim, y, sim->sensitivity.room[0]);
     const int failed = of->linearise(t, sim->sensitivity.room[0], own,
                                      blocks != NULL ? touched : NULL, of->ctx);
     for (size_t i = 0; i < parts; ++i) {
-        repeat(own, WEFT_BOND_PLANES, 0, bonds - bend, bonds, planes, parts * bonds,
+        repeat(own, WEFT_PAIR_PLANES, 0, bonds - bend, bonds, planes, parts * bonds,
                i * (bonds - bend));
-        repeat(own, WEFT_BOND_PLANES, bonds - bend, bend, bonds, planes, parts * bonds,
+        repeat(own, WEFT_PAIR_PLANES, bonds - bend, bend, bonds, planes, parts * bonds,
                parts * (bonds - bend) + i * bend);
         if (blocks != NULL) {
             repeat(touched, WEFT_BLOCK_PLANES, 0, n, n, blocks, parts * n, i * n);
@@ -62,11 +62,12 @@ weft_status weft__augmented_init(weft_sim *sim, weft_error *err)
     const weft_structure *of = parts_of(sim, &parts);
     weft__sensitivity *to = &sim->sensitivity;
     const size_t n = of->particles, plain = of->run_count - of->bend_runs;
-    weft_bonds *runs = weft__alloc(&sim->memory, parts * of->run_count, sizeof *runs);
+    weft_spring_run *runs
+        = weft__alloc(&sim->memory, parts * of->run_count, sizeof *runs);
     double *masses = weft__alloc(&sim->memory, parts * n, 2 * sizeof *masses);
     to->runs = runs, to->masses = masses;
     to->own = weft__alloc(&sim->memory,
-                          WEFT_BOND_PLANES * of->bond_count + WEFT_BLOCK_PLANES * n,
+                          WEFT_PAIR_PLANES * of->pair_count + WEFT_BLOCK_PLANES * n,
                           sizeof *to->own);
     if (runs == NULL || masses == NULL || to->own == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
@@ -77,18 +78,18 @@ weft_status weft__augmented_init(weft_sim *sim, weft_error *err)
         for (size_t r = 0; r < of->run_count; ++r) {
             const size_t at = r < plain ? i * plain + r
                                         : parts * plain + i * of->bend_runs + r - plain;
-            runs[at] = (weft_bonds){ of->runs[r].p + i * n, of->runs[r].q + i * n,
-                                     of->runs[r].count };
+            runs[at] = (weft_spring_run){ of->runs[r].p + i * n, of->runs[r].q + i * n,
+                                          of->runs[r].count };
         }
     }
     to->structure = *of;
     to->structure.particles *= parts, to->structure.run_count *= parts;
-    to->structure.bond_count *= parts, to->structure.bend_runs *= parts;
-    to->structure.bend_bonds *= parts;
+    to->structure.pair_count *= parts, to->structure.bend_runs *= parts;
+    to->structure.bend_pairs *= parts;
     to->structure.runs = runs;
     to->structure.mass = masses, to->structure.drag = masses + parts * n;
     to->structure.linearise = linearise, to->structure.modes = modes;
-    to->structure.link_count = to->structure.tie_count = 0;
+    to->structure.block_coupling_count = to->structure.scalar_coupling_count = 0;
     to->structure.ctx = sim;
     sim->config.structure = &to->structure;
     return WEFT_OK;

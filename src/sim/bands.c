@@ -70,7 +70,7 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
     if (def->comm == NULL) {
         return WEFT_OK;
     }
-    if ((def->method->flags & (uint32_t)WEFT_STEPPER_AGREES) == 0) {
+    if ((def->method->flags & (uint32_t)WEFT_STEPPER_DISTRIBUTED) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot integrate a cloth in bands: its "
                               "steps depend on sums over the whole state",

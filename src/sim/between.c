@@ -251,7 +251,7 @@ weft_status weft__between_init(weft_sim *sim, weft_error *err)
     weft__between *of = &sim->between;
     const size_t dim = weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES;
     const int order = sim->def.method->order;
-    if (!sim->def.dense && sim->def.event == NULL) {
+    if (!sim->def.interpolate && sim->def.event == NULL) {
         return WEFT_OK;
     }
     if (!weft__not_negative(sim->def.event_hold)) {
@@ -302,10 +302,10 @@ static weft_status find(weft_sim *sim, double t, weft_error *err)
 {
     weft__between *of = &sim->between;
     if (of->start == NULL || !(t >= of->t0 && t < sim->t)) {
-        return weft_error_set(err, WEFT_INVALID, "t = %.*g s is not %s",
-                              weft_text_digits(t), t,
-                              of->start == NULL ? "known: `dense` was not asked for"
-                                                : "within the last step");
+        return weft_error_set(
+            err, WEFT_INVALID, "t = %.*g s is not %s", weft_text_digits(t), t,
+            of->start == NULL ? "known: `interpolate` was not asked for"
+                              : "within the last step");
     }
     TRY(of->levels == 0 ? find_rates(sim, err) : WEFT_OK);
     state_at(sim, of->levels - 1, (t - of->t0) / (sim->t - of->t0), of->shown);

@@ -14,8 +14,8 @@ static const struct {
 } accounts[WEFT_POWERS] = {
     [WEFT_POWER_SPRINGS] = { offsetof(weft_ledger, dissipated_springs), true },
     [WEFT_POWER_DRAG] = { offsetof(weft_ledger, dissipated_drag), true },
-    [WEFT_POWER_WIND] = { offsetof(weft_ledger, wind_work), false },
-    [WEFT_POWER_PINS] = { offsetof(weft_ledger, pin_work), false },
+    [WEFT_POWER_WIND] = { offsetof(weft_ledger, work_wind), false },
+    [WEFT_POWER_PINS] = { offsetof(weft_ledger, work_pins), false },
     [WEFT_POWER_CONTACT] = { offsetof(weft_ledger, dissipated_contact), true },
     [WEFT_POWER_FRICTION] = { offsetof(weft_ledger, dissipated_friction), true },
     [WEFT_POWER_SHAPES] = { offsetof(weft_ledger, shape_work), false },
@@ -76,11 +76,11 @@ weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *fo
             memcpy((char *)&out + accounts[k].at, &done[k], sizeof done[k]);
             out.residual += accounts[k].heat ? done[k] : -done[k];
         }
-        out.force_work = done[WEFT_POWERS];
-        out.limit_work = ledger->limit_work;
-        out.outside_work = ledger->outside_work;
+        out.work_force = done[WEFT_POWERS];
+        out.work_limit = ledger->work_limit;
+        out.work_outside = ledger->work_outside;
         out.residual
-            = out.residual - out.limit_work - out.outside_work - out.force_work;
+            = out.residual - out.work_limit - out.work_outside - out.work_force;
     }
     return out;
 }

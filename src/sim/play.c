@@ -37,16 +37,16 @@ static bool is_checkpoint(const weft_play *play, size_t i)
  * steps, at the next checkpoint. */
 static double target(const weft_sim *sim, const weft_play *play, size_t i)
 {
-    while (sim->def.dense && i < play->last && !is_checkpoint(play, i)) {
+    while (sim->def.interpolate && i < play->last && !is_checkpoint(play, i)) {
         ++i;
     }
     return weft_run_frame_time(play->run, i);
 }
 
-/* With `dense` the step's past is still needed, for the frames within it. */
+/* With `interpolate` the step's past is still needed, for the frames within it. */
 static bool goes_on(weft_sim *sim, const weft_play *play)
 {
-    unsigned *const calls = sim->def.dense ? &sim->callbacks : &sim->playing;
+    unsigned *const calls = sim->def.interpolate ? &sim->callbacks : &sim->playing;
     ++*calls;
     const bool on = play->step(play->ctx);
     --*calls;

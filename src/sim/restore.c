@@ -233,7 +233,7 @@ static const char *fault_of(const weft_sim *sim, restored *of)
     const weft__save_fields *saved = &of->head.fields;
     const size_t dim = weft_cloth_dim(sim->cloth);
     const double works[]
-        = { saved->energy_start, saved->limit_work, saved->outside_work };
+        = { saved->energy_start, saved->work_limit, saved->work_outside };
     bool held = true;
     for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
         held = held && weft__can_hold(&sim->cloth->mesh, i, of->holds[i]);
@@ -275,8 +275,8 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
 {
     sim->t = from->t;
     sim->ledger.start = from->energy_start;
-    sim->ledger.limit_work = from->limit_work;
-    sim->ledger.outside_work = from->outside_work;
+    sim->ledger.work_limit = from->work_limit;
+    sim->ledger.work_outside = from->work_outside;
     sim->rejected = from->rejected;
     sim->limit.last_step = from->limit_step;
     sim->event_since = from->event_since;

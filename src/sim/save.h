@@ -24,7 +24,7 @@ enum { WEFT__SAVED_WIND = 1, WEFT__SAVED_PASSAGE = 2, WEFT__SAVED_FLAGS = 3 };
 /* All that is saved besides the state, in words. */
 typedef struct weft__save_fields {
     double t, next_step, last_step;                /* [s] */
-    double energy_start, limit_work, outside_work; /* [J] */
+    double energy_start, work_limit, work_outside; /* [J] */
     double limit_step;                             /* [s] */
     uint64_t steps, rejected, rhs_calls;
     weft_limit_stats limit;

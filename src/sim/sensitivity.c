@@ -30,7 +30,7 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
                ? "`correct` or `force`, whose derivatives are not known"
            : def->event != NULL ? "an event, whose time depends on the numbers too"
            : def->ledger        ? "an energy ledger"
-           : def->dense         ? "`dense`: there are none within a step"
+           : def->interpolate   ? "`interpolate`: there are none within a step"
            : def->cloth->grid_count > 0
                ? "grids among several cloths, whose derivatives are not known"
            : def->start != NULL ? "a start of its own, whose derivative is not known"
@@ -65,8 +65,8 @@ static bool make_room(weft_sim *sim, weft__sensitivity *of)
     const size_t dim = weft_cloth_dim(sim->cloth), all = dim * (1 + of->count);
     of->direct = !has_others(sim->cloth);
     for (size_t j = 0; j < of->count; ++j) {
-        of->direct = of->direct && !has_others(def->numbers[j].less)
-                     && !has_others(def->numbers[j].more);
+        of->direct = of->direct && !has_others(def->parameters[j].less)
+                     && !has_others(def->parameters[j].more);
     }
     of->row = of->direct && of->runs == NULL ? sim->cloth->mesh.cols : dim / 6;
     double *room = weft__zeroed(&sim->memory, all, (of->direct ? 3 : 5) * sizeof *room);
@@ -87,7 +87,7 @@ static bool make_room(weft_sim *sim, weft__sensitivity *of)
 static void start(const weft_sim *sim, weft__sensitivity *of, size_t j)
 {
     const size_t dim = weft_cloth_dim(sim->cloth);
-    const weft_number_of_cloth *number = &sim->def.sensitivity->numbers[j];
+    const weft_parameter *number = &sim->def.sensitivity->parameters[j];
     weft_cloth_start(number->less, of->room[0]);
     weft_cloth_start(number->more, of->room[1]);
     for (size_t i = 0; i < dim; ++i) {
@@ -118,7 +118,7 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
         return WEFT_NO_MEMORY;
     }
     for (size_t j = 0; j < of->count; ++j) {
-        const weft_number_of_cloth *number = &def->numbers[j];
+        const weft_parameter *number = &def->parameters[j];
         weft_error inner = { 0 };
         const weft_status status
             = weft__slope_init(&of->of[j], sim->cloth, number->less, number->more,

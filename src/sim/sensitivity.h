@@ -20,7 +20,7 @@ typedef struct weft__sensitivity {
     double *states, *rates;   /* unless direct, so with the state's before */
     double *room[3];          /* 6 N each */
     weft_structure structure; /* augmented.c, for methods that take one */
-    weft_bonds *runs;
+    weft_spring_run *runs;
     double *masses, *own; /* of the structure; what it takes from that of the state */
 } weft__sensitivity;
 

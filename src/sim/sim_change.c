@@ -72,7 +72,7 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
     sim->event = sim->event_since = NAN;
     sim->passage.next = -INFINITY;
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
-                         &sim->ledger.outside_work);
+                         &sim->ledger.work_outside);
     if (ode) {
         weft__structure_update(sim);
         weft_stepper_ode_changed(sim->def.method, sim->stepper);

@@ -88,17 +88,17 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
     const size_t stages
         = 1 + (size_t)(table != NULL ? table->stages : def->method->stages);
     const bool once = table == NULL && stages == 2; /* no stages to be taken in one */
-    const bool takes = sim->config.sweep == NULL && def->force == NULL && !def->ledger
+    const bool takes = sim->config.pass == NULL && def->force == NULL && !def->ledger
                        && def->sensitivity == NULL && !means
-                       && (def->method->flags & (uint32_t)WEFT_STEPPER_SWEEP) != 0;
+                       && (def->method->flags & (uint32_t)WEFT_STEPPER_PASS) != 0;
     sim->rms = (weft_rms){ &sim->forces, rms };
     sim->config.rms = means && def->sensitivity == NULL
-                              && (def->method->flags & WEFT_STEPPER_AGREES) != 0
+                              && (def->method->flags & WEFT_STEPPER_DISTRIBUTED) != 0
                           ? &sim->rms
                           : NULL;
     const bool pays
         = once ? weft__round_pays(&sim->forces) : weft__wave_pays(&sim->forces, stages);
-    sim->config.sweep = NULL;
+    sim->config.pass = NULL;
     if (!takes || !pays) {
         return WEFT_OK;
     }
@@ -109,7 +109,7 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
         }
     }
     sim->pass = (weft_pass){ sim, (int)stages, run_pass, run_round };
-    sim->config.sweep = &sim->pass;
+    sim->config.pass = &sim->pass;
     return WEFT_OK;
 }
 

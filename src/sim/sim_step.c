@@ -41,12 +41,12 @@ static weft_status apply_corrections(weft_sim *sim, double h, weft_error *err)
     bool changed = false, jumped = false;
     weft__ledger_mark(ledger, &sim->forces, sim->t, sim->y);
     if (weft__sim_limits(sim) && weft__sim_limit(sim, h)) {
-        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->limit_work);
+        weft__ledger_account(ledger, &sim->forces, sim->t, sim->y, &ledger->work_limit);
         changed = true;
     }
     if (sim->def.correct != NULL && correct(sim, h)) {
         weft__ledger_account(ledger, &sim->forces, sim->t, sim->y,
-                             &ledger->outside_work);
+                             &ledger->work_outside);
         changed = jumped = true;
     }
     if (changed) {

@@ -34,7 +34,7 @@ typedef struct weft__ledger {
     bool on;                         /* off: these functions do nothing */
     double start;                    /* [J] energy at t = 0 */
     double marked;                   /* [J] energy at the last mark */
-    double limit_work, outside_work; /* [J] */
+    double work_limit, work_outside; /* [J] */
 } weft__ledger;
 
 /* pace.c: how far the last steps went. */

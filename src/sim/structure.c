@@ -14,11 +14,11 @@ static int linearise(double t, const double *y, double *planes, double *blocks,
     const weft_sim *sim = ctx;
     const weft__state at = weft__forces_state(&sim->forces, t, y);
     return weft__linearise(sim->cloth, sim->forces.spaces, &at, planes,
-                           sim->structure.bond_count,
+                           sim->structure.pair_count,
                            sim->structure.block_planes > 0 ? blocks : NULL);
 }
 
-static int linearise_links(double t, const double *y, double *numbers, void *ctx)
+static int linearise_blocks(double t, const double *y, double *numbers, void *ctx)
 {
     return weft__linearise_links(((const weft_sim *)ctx)->cloth, t, y, numbers);
 }
@@ -42,7 +42,7 @@ static bool takes_springs_alone(const weft_sim *sim)
     const uint32_t flags = sim->def.method->flags;
     return sim->cloth->mesh.triangles != NULL
            && (flags & (uint32_t)WEFT_STEPPER_IMPLICIT) != 0
-           && (flags & (uint32_t)WEFT_STEPPER_LINKS) == 0;
+           && (flags & (uint32_t)WEFT_STEPPER_COUPLINGS) == 0;
 }
 
 weft_status weft__structure_init(weft_sim *sim, weft_error *err)
@@ -52,11 +52,11 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
     *of = (weft_structure){ .struct_size = sizeof *of,
                             .particles = n,
                             .linearise = linearise,
-                            .linearise_links = linearise_links,
+                            .linearise_blocks = linearise_blocks,
                             .modes = modes,
                             .ctx = sim,
                             .bend_damping = sim->cloth->bending.damping };
-    const bool links = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_LINKS) != 0;
+    const bool links = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0;
     sim->lists = weft__list_structure(sim->cloth, links, &sim->memory, of);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
     if (sim->lists == NULL || sim->masses == NULL) {

@@ -8,12 +8,12 @@ static void check_definition(const weft_mesh_def *def)
 {
     for (size_t i = 0; i < 3 * def->triangles; ++i) {
         HOLDS(def->corners[i] < def->vertices);
-        HOLDS(def->corner_places[i] < def->places);
+        HOLDS(def->corner_uv[i] < def->uv_count);
     }
     for (size_t i = 0; i < 3 * def->vertices; ++i) {
         HOLDS(def->start[i] - def->start[i] == 0.0); /* finite */
     }
-    for (size_t i = 0; i < 2 * def->places; ++i) {
+    for (size_t i = 0; i < 2 * def->uv_count; ++i) {
         HOLDS(def->rest[i] - def->rest[i] == 0.0);
     }
 }
@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (size_t t = 0; t < obj.def.triangles; ++t) {
             weft__obj_fault(&obj, WEFT__MESH_TRIANGLE, t, "a triangle");
         }
-        weft__obj_fault(&obj, WEFT__MESH_PLACE, obj.def.places - 1, "a place");
+        weft__obj_fault(&obj, WEFT__MESH_PLACE, obj.def.uv_count - 1, "a place");
         weft__obj_fault(&obj, WEFT__MESH_VERTEX, obj.def.vertices - 1, "a vertex");
         free(member);
     }

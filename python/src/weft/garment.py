@@ -377,7 +377,7 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
     from scipy.sparse import coo_matrix, identity
     from scipy.sparse.linalg import splu
     x: Array = mesh.start.copy()
-    corner, rest = mesh.triangles.astype(np.intp), mesh.rest[mesh.places]
+    corner, rest = mesh.triangles.astype(np.intp), mesh.rest[mesh.corner_uv]
     if rounds < 1:
         return x
     sides = np.stack((rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]), axis=2)
@@ -542,11 +542,11 @@ def _load(content: Any, spacing: float, relax: int) -> Mesh:
                 _add(groups, panels[name].labels[k], vertex[base[name] + along])
     corners = np.concatenate(places)
     fabrics = {as_word(name): np.arange(sum(sizes[:k]), sum(sizes[:k + 1])) for k, name in enumerate(order)}
-    mesh = Mesh(np.concatenate(rest), x, vertex[corners], places=corners, fabrics=fabrics, groups=groups)
+    mesh = Mesh(np.concatenate(rest), x, vertex[corners], corner_uv=corners, fabrics=fabrics, groups=groups)
     if mesh.smallest_angle < _SMALL_ANGLE:
         warnings.warn("triangles of the panels have angles down to %.1f degrees" % mesh.smallest_angle, SceneWarning,
                       stacklevel=4)
-    return mesh if relax < 1 else Mesh(mesh.rest, relaxed(mesh, relax), mesh.triangles, places=mesh.places,
+    return mesh if relax < 1 else Mesh(mesh.rest, relaxed(mesh, relax), mesh.triangles, corner_uv=mesh.corner_uv,
                                        fabrics=fabrics, groups=groups)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from weft._weft import ffi, lib
 from weft.callbacks import Seen, called_by_c
 from weft.library import (ArgumentTypeError, Array, SceneError, SceneWarning, check, index_of, keys_of, of_over,
-                          read_scene, real, scene_twins)
+                          read_scene, real, renamed, scene_twins)
 from weft.scenes import Form, Scene, formed
 
 # (t [s], x (N, 3) [m], v (N, 3) [m/s]) -> its value, and its derivative by x, or by x and by v.
@@ -25,16 +25,18 @@ class Gradient(NamedTuple):
     ----------
     value : float
         The sum of the objective over all frames.
-    numbers : dict of str to float
-        By key of `over` the derivative, per unit of the number.
+    parameters : dict of str to float
+        The derivative with respect to each key of `over`, per unit of the parameter.
     x, v : ndarray, shape (N, 3)
         The derivatives by the positions [per m] and velocities [per m/s] at t = 0, in the order of Sim.positions.
     """
 
     value: float
-    numbers: dict[str, float]
+    parameters: dict[str, float]
     x: Array
     v: Array
+
+    numbers = renamed("numbers", "parameters")
 
 
 class _Call:
@@ -123,7 +125,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     ...     by[-1, 1] = 1
     ...     return x[-1, 1], by
     >>> found = weft.gradient(scene, height, ["forces.gravity.1", "cloth.density"], times=[0.5])
-    >>> found.numbers["forces.gravity.1"] > 0, found.x.shape
+    >>> found.parameters["forces.gravity.1"] > 0, found.x.shape
     (True, (80, 3))
     """
     over = keys_of(over, "over")
@@ -146,17 +148,17 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     sim.config, sim.limit = lib.weft_scene_config(first)[0], lib.weft_scene_limit(first)[0]
     lib.weftpy_stop(sim, run, False)
     sim.stop = ffi.addressof(lib, "weftpy_must_stop")
-    numbers = ffi.new("weft_number_of_cloth[]", max(len(over), 1))
+    parameters = ffi.new("weft_parameter[]", max(len(over), 1))
     units: list[float] = []
     for read, twins, _ in parts:
-        of = lib.weft_scene_twins_def(twins)
+        of = lib.weft_scene_perturbed_def(twins)
         for j in range(0 if of == ffi.NULL else of.count):
-            numbers[len(units)] = of.numbers[j]
+            parameters[len(units)] = of.parameters[j]
             units.append(lib.weft_scene_sensitivities(read).values[j] or 1.0)
     call = _Call(objective, cloth)
     handle, at = ffi.new_handle(call), ffi.new("double[]", frames)
     definition = ffi.new("weft_gradient_def *", lib.weft_gradient_def_default())
-    definition.sim, definition.count, definition.numbers = sim, len(units), numbers
+    definition.sim, definition.count, definition.parameters = sim, len(units), parameters
     definition.frames, definition.times = len(frames), at
     definition.objective, definition.ctx = lib.weftpy_objective, handle
     value, by, start = ffi.new("double *"), np.zeros(max(len(units), 1)), np.zeros_like(call.seen.y)

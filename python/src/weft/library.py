@@ -10,6 +10,7 @@ import numbers
 import os
 import re
 import threading
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from typing import Any, NamedTuple, Optional, Union
@@ -25,7 +26,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 FAMILIES = ("stretch", "shear", "bend")
 POWERS = ("springs", "drag", "wind", "pins", "contact", "friction", "shapes")
 FLAGS = ("fixed_only", "fsal", "multistep", "implicit", "legacy", "butcher", "dense", "controller",
-         "quadratures", "libm", "structure", "adaptive_only", "linear", "agrees", "links", "sweep")
+         "quadratures", "libm", "structure", "adaptive_only", "linear", "distributed", "couplings", "pass")
 
 
 class Error(RuntimeError):
@@ -290,6 +291,20 @@ class Fixed:
             raise UnknownAttributeError("a weft.%s has no '%s'%s" % (
                 type(self).__name__, name, " (did you mean '%s'?)" % near[0] if near else ""))
         object.__setattr__(self, name, value)
+
+
+def deprecated(old: str, new: str) -> None:
+    """Warns the caller of the public function or attribute that calls this: `old` still works."""
+    warnings.warn("weft: %s is deprecated: use %s" % (old, new), DeprecationWarning, stacklevel=3)
+
+
+def renamed(old: str, new: str) -> Any:
+    """A property with the name of an earlier version, which reads attribute `new`."""
+    def read(self: Any) -> Any:
+        deprecated("%s.%s" % (type(self).__name__, old), new)
+        return getattr(self, new)
+
+    return property(read, doc="Deprecated: `%s`." % new)
 
 
 def text(pointer: Any) -> str:
@@ -718,7 +733,7 @@ def index_of(cloth: Any) -> Optional[Places]:
 
 def scene_twins(scene: Any) -> Any:
     """The cloths with less and more of each number by which a scene is differentiated."""
-    out, err = ffi.new("weft_scene_twins **"), ffi.new("weft_error *")
+    out, err = ffi.new("weft_scene_perturbed **"), ffi.new("weft_error *")
     with registry_lock:
-        check(lib.weftpy_twins(registry(), scene, out, err), err)
-    return ffi.gc(out[0], lib.weft_scene_twins_destroy)
+        check(lib.weftpy_perturbed(registry(), scene, out, err), err)
+    return ffi.gc(out[0], lib.weft_scene_perturbed_destroy)

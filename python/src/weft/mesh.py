@@ -10,7 +10,7 @@ from typing import Any, Optional
 import numpy as np
 
 from weft.library import (ArgumentError, ArgumentIndexError, ArgumentTypeError, Array, Fixed, MissingKeyError, PathLike,
-                          SceneWarning, real)
+                          SceneWarning, deprecated, real, renamed)
 
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
@@ -117,22 +117,25 @@ class Mesh(Fixed):
     """Triangles of fabric: where their vertices start, and the flat rest shape.
 
     It stands in a scene, a dict, as `cloth.mesh`, for load(), Batch, run() and all others. Its arrays are copies, and
-    read-only. Triangles that share vertices but not their places are sewn there.
+    read-only. Triangles that share vertices but not their UV coordinates are sewn there.
 
     Parameters
     ----------
     rest : array, shape (N, 2), (T, 3, 2) or (P, 2)
-        [m] u (along the weft), v (along the warp) of the vertices; or of the corners of the triangles; or of places.
+        [m] u (along the weft), v (along the warp) of the vertices, of the corners of the triangles, or of P points to
+        which `corner_uv` refers.
     start : array, shape (N, 3), or None
         [m] at t = 0; None: u, v, 0.
     triangles : array, shape (T, 3)
         Vertices, in one order all over a piece.
-    places : array, shape (T, 3), optional
-        Which place is whose corner, with `rest` of places.
+    corner_uv : array, shape (T, 3), optional
+        The row of `rest` of each corner, if rest has shape (P, 2).
     fabrics : dict or list, optional
         {NAME: triangles}, indices or flags, or a list of T names (None: no name), for `cloth.fabrics`.
     groups : dict, optional
         {NAME: vertices}, indices or flags, for pins and loads.
+    places : array, optional
+        Deprecated: `corner_uv`.
 
     Raises
     ------
@@ -148,17 +151,20 @@ class Mesh(Fixed):
     """
 
     __slots__ = {"start": "(N, 3) [m], positions at t = 0.", "triangles": "(T, 3), vertices.",
-                 "rest": "(P, 2) [m], u v of places.", "places": "(T, 3), the place of each corner.",
+                 "rest": "(P, 2) [m], UV coordinates.", "corner_uv": "(T, 3), the row of rest of each corner.",
                  "fabric_names": "Names of fabrics.", "fabric_of": "(T,), 0: no name; k: the fabric k - 1 of fabric_names.",
                  "groups": "Vertices by names."}
 
-    def __init__(self, rest: Any, start: Any, triangles: Any, *, places: Any = None, fabrics: Any = None,
-                 groups: Optional[Mapping[str, Any]] = None) -> None:
+    def __init__(self, rest: Any, start: Any, triangles: Any, *, corner_uv: Any = None, fabrics: Any = None,
+                 groups: Optional[Mapping[str, Any]] = None, places: Any = None) -> None:
+        if places is not None:
+            deprecated("Mesh(places=)", "corner_uv=")
+            corner_uv = places
         rest = _array(rest, "rest")
         shape = rest.shape
         uv = _numbers(rest.reshape(-1, 2) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
         if start is None:
-            if len(shape) == 3 or places is not None:
+            if len(shape) == 3 or corner_uv is not None:
                 raise ArgumentError("start is None, but rest is not by vertices")
             start = np.c_[uv, np.zeros(len(uv))]
         self.start: Array = _numbers(start, "start", 3)
@@ -167,20 +173,20 @@ class Mesh(Fixed):
         if len(self.triangles) == 0:
             raise ArgumentError("a mesh has a triangle or more, not 0")
         self.rest: Array
-        self.places: Indices
+        self.corner_uv: Indices
         if len(shape) == 3:
-            if places is not None:
-                raise ArgumentError("rest is by corners, and places are given, too")
+            if corner_uv is not None:
+                raise ArgumentError("rest has values per corner, and corner_uv is given, too")
             if shape[0] != len(self.triangles):
                 raise ArgumentError("rest has the shape %s, but there are %d triangles" % (shape, len(self.triangles)))
-            self.rest, self.places = _places_of(uv.reshape(-1, 3, 2), self.triangles)
-        elif places is None:
+            self.rest, self.corner_uv = _places_of(uv.reshape(-1, 3, 2), self.triangles)
+        elif corner_uv is None:
             if len(uv) != count:
-                raise ArgumentError("rest has %d rows and start %d: without places, both are by vertices"
+                raise ArgumentError("rest has %d rows and start %d: without corner_uv, both have one row per vertex"
                                  % (len(uv), count))
-            self.rest, self.places = uv, self.triangles
+            self.rest, self.corner_uv = uv, self.triangles
         else:
-            self.rest, self.places = uv, _corners(places, "places", len(self.triangles), len(uv), "places")
+            self.rest, self.corner_uv = uv, _corners(corner_uv, "corner_uv", len(self.triangles), len(uv), "rows of rest")
         used = np.bincount(self.triangles.ravel(), minlength=count)
         unused = np.flatnonzero(used == 0)
         if len(unused) > 0:
@@ -193,7 +199,7 @@ class Mesh(Fixed):
         self.groups: dict[str, Any] = {
             _word(name, "a group"): _read_only(_members(of, "group '%s'" % name, count, "vertices"))
             for name, of in (groups or {}).items()}
-        for array in (self.start, self.rest, self.triangles, self.places, self.fabric_of):
+        for array in (self.start, self.rest, self.triangles, self.corner_uv, self.fabric_of):
             _read_only(array)
 
     def _fabrics(self, fabrics: Any) -> tuple[list[str], Indices]:
@@ -217,13 +223,15 @@ class Mesh(Fixed):
         return "<weft.Mesh: %d vertices, %d triangles>" % (len(self.start), len(self.triangles))
 
     def __reduce__(self) -> Any:
-        return _again, (self.rest, self.start, self.triangles, self.places,
+        return _again, (self.rest, self.start, self.triangles, self.corner_uv,
                         {name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)}, self.groups)
+
+    places = renamed("places", "corner_uv")
 
     @property
     def smallest_angle(self) -> float:
         """[degrees], of all triangles at rest."""
-        x = self.rest[self.places]
+        x = self.rest[self.corner_uv]
         a, b = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
         cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
         return float(np.degrees(np.arctan2(cross, (a * b).sum(axis=2)).min()))
@@ -231,7 +239,7 @@ class Mesh(Fixed):
     @property
     def largest_stretch(self) -> float:
         """Of all triangles at the start, in any direction; 1: none is stretched; inf: one has no area at rest."""
-        x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.places]))
+        x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.corner_uv]))
         area = rest[:, 0, 0] * rest[:, 1, 1] - rest[:, 0, 1] * rest[:, 1, 0]
         if (area == 0.0).any():
             return float("inf")
@@ -255,7 +263,7 @@ class Mesh(Fixed):
         with open(path, "w", encoding="utf-8", newline="\n") as file:
             _rows(file, "v %r %r %r\n", self.start)
             _rows(file, "vt %r %r\n", self.rest)
-            faces = np.stack((self.triangles, self.places), axis=2).reshape(-1, 6).astype(np.intp) + 1
+            faces = np.stack((self.triangles, self.corner_uv), axis=2).reshape(-1, 6).astype(np.intp) + 1
             ends = np.flatnonzero(np.diff(self.fabric_of)) + 1
             for first, end in zip([0, *ends.tolist()], [*ends.tolist(), len(faces)]):
                 name = self.fabric_of[first]
@@ -366,8 +374,8 @@ class Mesh(Fixed):
         return _used(uv[:, :2], start, triangles, fabrics, groups)
 
 
-def _again(rest: Any, start: Any, triangles: Any, places: Any, fabrics: Any, groups: Any) -> Mesh:
-    return Mesh(rest, start, triangles, places=places, fabrics=fabrics, groups=groups)
+def _again(rest: Any, start: Any, triangles: Any, corner_uv: Any, fabrics: Any, groups: Any) -> Mesh:
+    return Mesh(rest, start, triangles, corner_uv=corner_uv, fabrics=fabrics, groups=groups)
 
 
 def _rows(file: Any, line: str, rows: Any) -> None:
@@ -476,7 +484,7 @@ def _used(uv: Any, start: Any, triangles: Any, fabrics: Any, groups: Mapping[str
         rank = np.empty_like(order)
         rank[order] = np.arange(len(order))
         first, vertex_of = first[order], rank[vertex_of.ravel()]
-    places = number[corners]
+    corner_uv = number[corners]
     members = {name: _integers(of, "group '%s'" % name, len(start), "vertices") for name, of in groups.items()}
-    return Mesh(np.asarray(uv)[kept], start[kept][first], vertex_of[places], places=places, fabrics=fabrics,
+    return Mesh(np.asarray(uv)[kept], start[kept][first], vertex_of[corner_uv], corner_uv=corner_uv, fabrics=fabrics,
                 groups={name: vertex_of[number[of[flag[of]]]] for name, of in members.items()})

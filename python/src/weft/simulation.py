@@ -15,8 +15,8 @@ from weft._weft import ffi, lib
 from weft.callbacks import Hooks, PerformanceWarning, Seen, as_particles, c_function
 from weft.exclusion import Exclusion
 from weft.library import (POWERS, ArgumentError, ArgumentIndexError, ArgumentTypeError, Array, Error, Failure, Fixed,
-                          SceneWarning, Spring, StepError, check, failure, index_of, interruption, later, numbers_of,
-                          pair, read_scene, real, scene_twins, spring, status_text, text)
+                          SceneWarning, Spring, StepError, check, deprecated, failure, index_of, interruption, later,
+                          numbers_of, pair, read_scene, real, renamed, scene_twins, spring, status_text, text)
 from weft.scenes import Form, Scene, formed
 
 Index = Union[int, tuple[int, int]]
@@ -57,13 +57,13 @@ class Ledger(NamedTuple):
     ----------
     dissipated_springs, dissipated_drag : float
         [J], turned into heat by springs and by viscous drag.
-    wind_work, pin_work, limit_work : float
+    work_wind, work_pins, work_limit : float
         [J], done on the cloth by wind and pins, and added by the strain limit.
-    outside_work : float
+    work_outside : float
         [J], added by corrections, set_state, and changes of pins and shapes.
     residual : float
         [J], the energy less that at t = 0, plus what was dissipated, less all work.
-    force_work : float
+    work_force : float
         [J], done by an own force.
     dissipated_contact, dissipated_friction : float
         [J], turned into heat by contact.
@@ -73,15 +73,21 @@ class Ledger(NamedTuple):
 
     dissipated_springs: float
     dissipated_drag: float
-    wind_work: float
-    pin_work: float
-    limit_work: float
-    outside_work: float
+    work_wind: float
+    work_pins: float
+    work_limit: float
+    work_outside: float
     residual: float
-    force_work: float
+    work_force: float
     dissipated_contact: float
     dissipated_friction: float
     shape_work: float
+
+    wind_work = renamed("wind_work", "work_wind")
+    pin_work = renamed("pin_work", "work_pins")
+    limit_work = renamed("limit_work", "work_limit")
+    outside_work = renamed("outside_work", "work_outside")
+    force_work = renamed("force_work", "work_force")
 
 
 class Stats(NamedTuple):
@@ -191,7 +197,8 @@ class _Memory:
 
 
 def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: Any = None, correct: Any = None,
-         event: Any = None, event_hold: float = 0.0, dense: bool = False) -> Sim:
+         event: Any = None, event_hold: float = 0.0, interpolate: bool = False,
+         dense: Optional[bool] = None) -> Sim:
     """Makes a simulation of a scene, at t = 0.
 
     Parameters
@@ -216,8 +223,10 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
         it. By default that of run.stop in the scene.
     event_hold : float
         [s] > 0: the event is when the number has been 0 or below for so long.
-    dense : bool
+    interpolate : bool
         Keeps what between() needs. Neither this nor an event goes with a strain limit or `correct`.
+    dense : bool, optional
+        Deprecated: `interpolate`.
 
     Returns
     -------
@@ -256,7 +265,10 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     >>> sim.time, sim.positions.shape
     (0.5, (80, 3))
     """
-    own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "dense": dense}
+    if dense is not None:
+        deprecated("load(dense=)", "interpolate=")
+        interpolate = dense
+    own = {"force": force, "correct": correct, "event": event, "event_hold": event_hold, "interpolate": interpolate}
     with formed(scene, overrides) as form:
         sim = Sim(form, overrides, own)
     return sim
@@ -318,11 +330,11 @@ class Sim(Fixed):
         definition.config.threads = own.get("threads", definition.config.threads)
         definition.limit = lib.weft_scene_limit(self._scene)[0]
         definition.ledger = lib.weft_scene_record(self._scene).ledger
-        definition.sensitivity = lib.weft_scene_twins_def(self._twins) if self._twins else ffi.NULL
+        definition.sensitivity = lib.weft_scene_perturbed_def(self._twins) if self._twins else ffi.NULL
         definition.log = lib.weftpy_log_of()
         definition.stop = ffi.addressof(lib, "weftpy_must_stop")
         self._definition = definition
-        definition.dense = own["dense"]
+        definition.interpolate = own["interpolate"]
         lib.weftpy_stop(definition, lib.weft_scene_run(self._scene), own["event"] is not None)
         if own["event"] is not None:
             definition.event_hold = own["event_hold"]
@@ -437,9 +449,9 @@ class Sim(Fixed):
 
     def _corners(self) -> Any:
         corners = np.empty((lib.weft_cloth_triangles(self._cloth, ffi.NULL), 3), dtype=np.uint32)
-        places, uv = corners.copy(), np.empty((lib.weft_cloth_places(self._cloth, ffi.NULL, ffi.NULL), 2))
+        places, uv = corners.copy(), np.empty((lib.weft_cloth_uv(self._cloth, ffi.NULL, ffi.NULL), 2))
         lib.weft_cloth_triangles(self._cloth, ffi.from_buffer("uint32_t[]", corners))
-        lib.weft_cloth_places(self._cloth, ffi.from_buffer("uint32_t[]", places), ffi.from_buffer("double[]", uv))
+        lib.weft_cloth_uv(self._cloth, ffi.from_buffer("uint32_t[]", places), ffi.from_buffer("double[]", uv))
         return corners, places, uv
 
     @property
@@ -572,7 +584,7 @@ class Sim(Fixed):
 
     def between(self, t: float) -> Array:
         """The state within the last step or at its end, of an order of at least that of the method less one; needs
-        load(dense=True) or an event.
+        load(interpolate=True) or an event.
 
         Parameters
         ----------
@@ -591,7 +603,7 @@ class Sim(Fixed):
 
         Examples
         --------
-        >>> sim = weft.load(scene, dense=True)
+        >>> sim = weft.load(scene, interpolate=True)
         >>> h = sim.step()
         >>> sim.between(h / 2)[:80].shape
         (80,)
@@ -1228,8 +1240,8 @@ class Sim(Fixed):
         return int(k[0])
 
     def move_shape(self, k: int, at: Any = None, velocity: Any = None, **motion: Any) -> None:
-        """Moves a shape from now on, or puts it somewhere at once. A jump passes through whatever is in between; a
-        velocity does not.
+        """Puts a shape somewhere at once, or moves it at a constant velocity from now on. A jump passes through whatever
+        is in between; a velocity does not.
 
         Parameters
         ----------
@@ -1240,24 +1252,47 @@ class Sim(Fixed):
         velocity : array, shape (3,), optional
             [m/s], from now on; None: its motion continues.
         **motion
-            amplitude, frequency and turn as of add_shape(), without `at`: with the velocity (None: 0) they are its
-            motion from now on, from where it is and as it stands; turn["about"] is where its axis is now.
+            Deprecated: drive_shape().
 
         Raises
         ------
         Error
             It would be on a particle.
         """
-        shape = ffi.new("weft_shape *", lib.weft_shape_default(0))
-        unknown = set(motion) - ({"amplitude", "frequency", "turn"} if at is None else set())
-        if unknown:
-            raise ArgumentTypeError("a motion%s has no '%s'" % ("" if at is None else " with at", min(unknown)))
-        _fill(shape[0], motion if velocity is None else {**motion, "velocity": velocity})
+        if motion:
+            if at is not None:
+                raise ArgumentTypeError("move_shape() has no '%s'; drive_shape() moves a shape from where it is" % min(motion))
+            deprecated("Sim.move_shape(%s=)" % min(motion), "Sim.drive_shape()")
+            self.drive_shape(k, **motion, **({} if velocity is None else {"velocity": velocity}))
+            return
         with self._alone() as err:
-            if motion:
-                check(lib.weft_sim_drive_shape(self._sim, self._shape(k), shape, err), err)
-            else:
-                check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
+            check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
+
+    def drive_shape(self, k: int, **motion: Any) -> None:
+        """Gives a shape a new motion from now on, from where it is and as it stands.
+
+        Parameters
+        ----------
+        k : int
+            The number of the shape.
+        **motion
+            velocity, amplitude, frequency and turn as of add_shape(); those that are left out are 0, so that
+            drive_shape(k) stops it. turn["about"] is where its axis is now.
+
+        Raises
+        ------
+        Error
+            A value is not finite or out of range.
+        TypeError
+            A motion has no such key.
+        """
+        unknown = set(motion) - {"velocity", "amplitude", "frequency", "turn"}
+        if unknown:
+            raise ArgumentTypeError("a motion has no '%s'" % min(unknown))
+        shape = ffi.new("weft_shape *", lib.weft_shape_default(0))
+        _fill(shape[0], motion)
+        with self._alone() as err:
+            check(lib.weft_sim_drive_shape(self._sim, self._shape(k), shape, err), err)
 
     def remove_shape(self, k: int) -> None:
         """Removes a shape; the shapes behind it get the next lower numbers.
@@ -1357,7 +1392,7 @@ def _members(struct: Any) -> dict[str, Any]:
 
 def _body(body: Any) -> dict[str, Any]:
     count, triangles = int(body.keys * body.vertices), int(body.triangles)
-    places = np.frombuffer(ffi.buffer(body.places, 24 * count)).reshape(-1, int(body.vertices), 3).copy()
+    places = np.frombuffer(ffi.buffer(body.positions, 24 * count)).reshape(-1, int(body.vertices), 3).copy()
     corners = np.frombuffer(ffi.buffer(body.corners, 12 * triangles), np.uint32).reshape(-1, 3).copy()
     return {"vertices": places[0], "triangles": corners, **({"keys": places, "fps": body.fps} if len(places) > 1 else {})}
 

@@ -69,7 +69,7 @@ static void print_least(const char *item, const char *format, double least,
     size_t name[3];
     for (size_t k = 0; k < 3; ++k) {
         const size_t vertex = mesh->corners[3 * triangle + k];
-        name[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+        name[k] = mesh->file_index != NULL ? mesh->file_index[vertex] : vertex;
     }
     (void)snprintf(number, sizeof number, format, least);
     const char *cloth = cloth_of(mesh, mesh->corners[3 * triangle]);
@@ -107,7 +107,7 @@ static void print_pieces(const weft_cloth *cloth)
     size_t sewn;
     double length;
     sentence text = { "" };
-    say(&text, "%zu", weft_cloth_pieces(cloth, &sewn, &length));
+    say(&text, "%zu", weft_cloth_panels(cloth, &sewn, &length));
     if (sewn > 0) {
         say(&text, ", sewn along %zu edges, %.4g m", sewn, length);
     }

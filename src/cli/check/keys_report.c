@@ -62,7 +62,7 @@ static overshoot largest(const weft_body *body, double *x, double *c, double *ro
     for (size_t i = 0; i < 3 * body->vertices; ++i) {
         const double before = out.most;
         for (size_t j = 0; j < body->keys; ++j) {
-            x[j] = body->places[3 * body->vertices * j + i];
+            x[j] = body->positions[3 * body->vertices * j + i];
         }
         solve(x, body->keys, c, room);
         for (size_t j = 0; j + 1 < body->keys; ++j) {

@@ -206,7 +206,7 @@ static void warn_of_particles(const converge *self)
         const char *key, *each;
     } keys[]
         = { { cloth->mass > 0.0 && !self->mesh, "cloth.mass", "particle" },
-            { cloth->drag > 0.0, "forces.damping", "particle" },
+            { cloth->damping > 0.0, "forces.damping", "particle" },
             { spread, "the mass of cloth.loads", "particle" },
             { bend->present && bend->stiffness > 0.0, "cloth.springs.bend", "spring" },
             { chain && cloth->law == WEFT_LAW_HOOKE && !fabric,

@@ -45,7 +45,7 @@ static size_t find_vertex(const weft_mesh_def *mesh, const char *name)
         return mesh->vertices;
     }
     while (v < mesh->vertices
-           && ((mesh->names == NULL ? v : mesh->names[v]) != number
+           && ((mesh->file_index == NULL ? v : mesh->file_index[v]) != number
                || strlen(cloth_of(mesh, v)) != cloth
                || strncmp(cloth_of(mesh, v), name, cloth) != 0)) {
         ++v;

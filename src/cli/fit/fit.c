@@ -113,18 +113,18 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
 {
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    weft_scene_twins *twins = NULL;
+    weft_scene_perturbed *twins = NULL;
     weft_status status = twins_create(self->given, scene, &twins, err);
     if (status == WEFT_OK) {
-        status
-            = simulation_create(scene, weft_scene_twins_def(twins), &cloth, &sim, err);
+        status = simulation_create(scene, weft_scene_perturbed_def(twins), &cloth, &sim,
+                                   err);
     }
     if (status == WEFT_OK) {
         status = follow(self, scene, sim, err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
-    weft_scene_twins_destroy(twins);
+    weft_scene_perturbed_destroy(twins);
     for (size_t i = 0; status == WEFT_OK && i < self->rows * self->numbers; ++i) {
         const fit_point *point = &self->points[i % self->rows];
         if (self->shadow.ends != NULL && point->edge.of == NULL) {

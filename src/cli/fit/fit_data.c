@@ -112,11 +112,11 @@ static weft_status find_particle(const table *of, const weft_cloth *cloth, size_
         first = weft_cloth_part_at(cloth, part).first;
         i = weft_cloth_part_at(cloth, part).count - 1;
     }
-    for (i = at < i ? at : i; i > 0 && weft_cloth_name(cloth, first + i) > at;) {
+    for (i = at < i ? at : i; i > 0 && weft_cloth_file_index(cloth, first + i) > at;) {
         --i;
     }
     *out = first + i;
-    return is && weft_cloth_name(cloth, *out) == at
+    return is && weft_cloth_file_index(cloth, *out) == at
                ? WEFT_OK
                : wrong(of, "the mesh has no such vertex", err);
 }

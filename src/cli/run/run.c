@@ -390,9 +390,9 @@ static weft_status create(run *self, weft_error *err)
     TRY(twins_create(self->given, self->scene, &self->twins, err));
     TRY(run_agree(self, band_create(self->scene, self->comm, &self->cloth, err), err));
     TRY(start_create(self->scene, self->cloth, self->from == NULL, &self->start, err));
-    return band_sim_create(self->scene, self->comm, weft_scene_twins_def(self->twins),
-                           (weft_log){ on_log, self }, self->cloth, self->start,
-                           &self->sim, err);
+    return band_sim_create(
+        self->scene, self->comm, weft_scene_perturbed_def(self->twins),
+        (weft_log){ on_log, self }, self->cloth, self->start, &self->sim, err);
 }
 
 static int run_simulation(run *self)
@@ -410,7 +410,7 @@ static int run_simulation(run *self)
         code = refuse(self, &err);
     }
     weft_sim_destroy(self->sim);
-    weft_scene_twins_destroy(self->twins);
+    weft_scene_perturbed_destroy(self->twins);
     weft_cloth_destroy(self->cloth);
     weft_cloth_destroy(self->whole);
     free(self->start);

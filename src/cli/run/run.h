@@ -17,10 +17,10 @@ typedef struct run {
     bool again;              /* the directory is that of an earlier attempt */
     record_checkpoint *from; /* NULL: from t = 0 */
     const weft_scene *scene;
-    const weft_comm *comm;   /* NULL: one process; else all functions are collective */
-    weft_cloth *cloth;       /* of the sim: in bands, this one */
-    weft_cloth *whole;       /* in bands, on rank 0; of a grid up to the first frame */
-    weft_scene_twins *twins; /* of sensitivities; NULL: none */
+    const weft_comm *comm; /* NULL: one process; else all functions are collective */
+    weft_cloth *cloth;     /* of the sim: in bands, this one */
+    weft_cloth *whole;     /* in bands, on rank 0; of a grid up to the first frame */
+    weft_scene_perturbed *twins; /* of sensitivities; NULL: none */
     double *start; /* of contact.untangle: relaxed, or what is left; else NULL */
     weft_sim *sim;
     record_series series;

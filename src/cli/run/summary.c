@@ -118,7 +118,7 @@ static void print_energy(const run *self)
     sentence balance = { "" };
     if (ledger.kept) {
         say(&balance, ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J",
-            weft_sim_dissipated(self->sim), ledger.wind_work, ledger.pin_work);
+            weft_sim_dissipated(self->sim), ledger.work_wind, ledger.work_pins);
         if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
             say(&balance, ", of shapes %.4g J", ledger.shape_work);
         }

@@ -90,8 +90,7 @@ typedef struct rest_triangle {
 
 static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t)
 {
-    const uint32_t *places
-        = mesh->corner_places != NULL ? mesh->corner_places : mesh->corners;
+    const uint32_t *places = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
     rest_triangle at;
     for (size_t k = 0; k < 3; ++k) {
         at.corners[k] = &mesh->rest[2 * (size_t)places[3 * t + k]];

@@ -311,7 +311,7 @@ static double pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
     return pulls[way];
 }
 
-static size_t runs(const void *own, size_t b, weft_bonds *to)
+static size_t runs(const void *own, size_t b, weft_spring_run *to)
 {
     const weft__mesh *mesh = ((const weft__bending *)own)->mesh;
     size_t count = 0;
@@ -344,7 +344,8 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
     return planes;
 }
 
-size_t weft__bending_ties(const weft__bending *own, size_t first, weft_tie *to)
+size_t weft__bending_ties(const weft__bending *own, size_t first,
+                          weft_scalar_coupling *to)
 {
     size_t count = 0;
     for (size_t way = 0; own->present && way < WEFT_GROUPS; ++way) {
@@ -356,8 +357,9 @@ size_t weft__bending_ties(const weft__bending *own, size_t first, weft_tie *to)
                 const double k = pull_of(own, way, r, c);
                 if (to != NULL) {
                     to[count]
-                        = (weft_tie){ (uint32_t)p, (uint32_t)(p + (size_t)of.stride), k,
-                                      k * own->damping };
+                        = (weft_scalar_coupling){ (uint32_t)p,
+                                                  (uint32_t)(p + (size_t)of.stride), k,
+                                                  k * own->damping };
                 }
             }
         }

@@ -319,7 +319,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 }
 
 /* A pair of two blocks is taken from the row of its lower end. */
-static size_t ties(const void *own, weft_tie *to)
+static size_t ties(const void *own, weft_scalar_coupling *to)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     size_t count = 0;
@@ -333,7 +333,8 @@ static size_t ties(const void *own, weft_tie *to)
                 = of->damping != NULL ? -of->damping[j] : weft__plate_tau(of) * k;
             if ((pair.own || q > p) && (k != 0.0 || c != 0.0)) {
                 if (to != NULL) {
-                    to[count] = (weft_tie){ p < q ? p : q, p < q ? q : p, k, c };
+                    to[count]
+                        = (weft_scalar_coupling){ p < q ? p : q, p < q ? q : p, k, c };
                 }
                 ++count;
             }

@@ -406,8 +406,8 @@ static void draft_body(weft__skin_draft *to, const weft_body *body, size_t trian
 {
     for (size_t j = 0; j < 3 * body->triangles; ++j) {
         const uint32_t *c = body->corners + j / 3 * 3;
-        const double *a = body->places + 3 * c[(j + 1) % 3];
-        const double *b = body->places + 3 * c[(j + 2) % 3];
+        const double *a = body->positions + 3 * c[(j + 1) % 3];
+        const double *b = body->positions + 3 * c[(j + 2) % 3];
         const double side[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
         to->corner[triangle + j / 3][j % 3] = (uint32_t)first + c[j % 3];
         to->side[triangle + j / 3][j % 3] = weft__dot(side, side);

@@ -8,7 +8,7 @@
 
 const struct weft__body_numbers weft__body_numbers = {
     WEFT__FIELD(weft_cloth_def, gravity, "m/s^2", .count = 3, .least = -HUGE_VAL),
-    WEFT__FIELD(weft_cloth_def, drag, "kg/s", .least = 0.0),
+    WEFT__FIELD(weft_cloth_def, damping, "kg/s", .least = 0.0),
 };
 
 static void check(const weft_cloth_def *def, const weft__faults *to)
@@ -20,7 +20,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 {
     weft__body *of = own;
     (void)memory;
-    of->drag = def->drag;
+    of->drag = def->damping;
     memcpy(of->gravity, def->gravity, sizeof of->gravity);
     return true;
 }

@@ -10,5 +10,5 @@ typedef struct weft__body {
     double drag;       /* [kg/s] */
 } weft__body;
 
-WEFT__NUMBERS(weft__body_numbers, gravity, drag);
+WEFT__NUMBERS(weft__body_numbers, gravity, damping);
 extern const weft__force weft__body_force;

@@ -36,7 +36,7 @@ const char *weft__body_flaw(const double *places, const uint32_t *corner, bool *
 
 const char *weft__body_fault(const weft_body *of, size_t *triangle)
 {
-    if (of == NULL || of->places == NULL || of->corners == NULL || of->vertices < 3
+    if (of == NULL || of->positions == NULL || of->corners == NULL || of->vertices < 3
         || of->triangles < 1 || of->keys < 1) {
         return "a mesh needs a body of triangles";
     }
@@ -44,7 +44,7 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle)
         || of->keys > SIZE_MAX / 64 / of->vertices) {
         return "its body is too large";
     }
-    if (!weft__all_finite(of->places, 3 * of->vertices * of->keys)) {
+    if (!weft__all_finite(of->positions, 3 * of->vertices * of->keys)) {
         return "its body has a place that is not finite";
     }
     if (of->keys > 1 && !(of->fps > 0.0 && weft__positive(1.0 / of->fps / of->fps))) {
@@ -59,7 +59,7 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle)
         for (size_t k = 0; k < of->keys; ++k) {
             bool flat;
             const char *fault
-                = weft__body_flaw(of->places + 3 * of->vertices * k, c, &flat);
+                = weft__body_flaw(of->positions + 3 * of->vertices * k, c, &flat);
             if (fault != NULL) {
                 return fault;
             }
@@ -87,17 +87,17 @@ static void sort_vertices(const weft_body *of, coded *list)
     enum { BITS = 20 };
     double low[3], widest = 0.0;
     for (size_t k = 0; k < 3; ++k) {
-        double high = low[k] = of->places[k];
+        double high = low[k] = of->positions[k];
         for (size_t i = 1; i < of->vertices; ++i) {
-            low[k] = fmin(low[k], of->places[3 * i + k]);
-            high = fmax(high, of->places[3 * i + k]);
+            low[k] = fmin(low[k], of->positions[3 * i + k]);
+            high = fmax(high, of->positions[3 * i + k]);
         }
         widest = fmax(widest, high - low[k]);
     }
     for (size_t i = 0; i < of->vertices; ++i) {
         list[i] = (coded){ 0, (uint32_t)i };
         for (size_t k = 0; k < 3; ++k) {
-            const double part = (of->places[3 * i + k] - low[k]) / widest;
+            const double part = (of->positions[3 * i + k] - low[k]) / widest;
             const uint64_t at = (uint64_t)(part * ((1 << BITS) - 1));
             for (size_t b = 0; b < BITS; ++b) {
                 list[i].code |= (at >> b & 1) << (3 * b + k);
@@ -110,14 +110,14 @@ static void sort_vertices(const weft_body *of, coded *list)
 static void renumber(weft_body *of, const weft_body *from, const coded *list,
                      uint32_t *number)
 {
-    double *places = weft__unconst(of->places);
+    double *places = weft__unconst(of->positions);
     uint32_t *corners = weft__unconst(of->corners);
     for (size_t i = 0; i < of->vertices; ++i) {
         number[list[i].vertex] = (uint32_t)i;
     }
     for (size_t i = 0; i < of->keys * of->vertices; ++i) {
         const size_t key = i / of->vertices * of->vertices;
-        memcpy(places + 3 * i, from->places + 3 * (key + list[i - key].vertex),
+        memcpy(places + 3 * i, from->positions + 3 * (key + list[i - key].vertex),
                3 * sizeof *places);
     }
     for (size_t i = 0; i < 3 * of->triangles; ++i) {
@@ -128,14 +128,14 @@ static void renumber(weft_body *of, const weft_body *from, const coded *list,
 /* Both arrays follow the struct. */
 static weft_body *copy(const weft_body *from, const weft_allocator *memory)
 {
-    const size_t places = 3 * from->vertices * from->keys * sizeof *from->places;
+    const size_t places = 3 * from->vertices * from->keys * sizeof *from->positions;
     const size_t corners = 3 * from->triangles * sizeof *from->corners;
     weft_body *to = weft__alloc(memory, sizeof *to + places + corners, 1);
     coded *list = weft__alloc(memory, from->vertices, sizeof *list);
     uint32_t *number = weft__alloc(memory, from->vertices, sizeof *number);
     if (to != NULL && list != NULL && number != NULL) {
         *to = *from;
-        to->places = (double *)(void *)(to + 1);
+        to->positions = (double *)(void *)(to + 1);
         to->corners = (uint32_t *)(void *)((char *)(to + 1) + places);
         sort_vertices(from, list);
         renumber(to, from, list, number);
@@ -167,7 +167,7 @@ void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *
 
 uint64_t weft__body_hash(const weft_body *of, uint64_t hash)
 {
-    hash = weft__hash_reals(hash, of->places, 3 * of->vertices * of->keys);
+    hash = weft__hash_reals(hash, of->positions, 3 * of->vertices * of->keys);
     for (size_t i = 0; i < 3 * of->triangles; ++i) {
         hash = weft__hash_word(hash, of->corners[i]);
     }
@@ -264,7 +264,7 @@ bool weft__body_moves(const weft__shape *shape, double t)
 static void blend(const weft_body *of, const keys *at, const double *share, size_t i,
                   double out[3])
 {
-    const double *key = of->places + 3 * (of->vertices * at->first + i);
+    const double *key = of->positions + 3 * (of->vertices * at->first + i);
     for (size_t k = 0; k < 3; ++k) {
         out[k] = share[0] * key[k];
     }

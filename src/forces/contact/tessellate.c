@@ -237,7 +237,7 @@ weft_status weft_shape_triangulate_sized(const weft_shape *given, size_t size,
     *body = (weft_body){ .vertices = lattice.vertices,
                          .triangles = lattice.triangles,
                          .keys = 1,
-                         .places = to,
+                         .positions = to,
                          .corners = list };
     *out = body;
     return WEFT_OK;

@@ -160,7 +160,7 @@ bool weft__membrane_barrier(const double *of, const double square[3],
 /* membrane_bounds.c */
 bool weft__membrane_weigh(weft__membrane *own, const weft_allocator *memory);
 bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory);
-size_t weft__membrane_links(const void *own, weft_link *to);
+size_t weft__membrane_links(const void *own, weft_block_coupling *to);
 int weft__membrane_link_numbers(const void *own, const weft__state *at,
                                 double *numbers);
 void weft__membrane_ratios(const void *own, struct weft__sides *to);

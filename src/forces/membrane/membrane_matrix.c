@@ -81,13 +81,13 @@ static void add_link(const weft__load *now, const double s[3], const mover *a,
     }
 }
 
-size_t weft__membrane_links(const void *own, weft_link *to)
+size_t weft__membrane_links(const void *own, weft_block_coupling *to)
 {
     const weft__membrane *of = own;
     const size_t n = of->mesh->particles;
     for (size_t p = 0; to != NULL && p < n; ++p) {
         for (size_t j = of->link_first[p]; j < of->link_first[p + 1]; ++j) {
-            to[j] = (weft_link){ (uint32_t)p, of->link[j] };
+            to[j] = (weft_block_coupling){ (uint32_t)p, of->link[j] };
         }
     }
     return of->link_first[n];
@@ -106,14 +106,14 @@ static double *numbers_of(const weft__membrane *of, size_t p, uint32_t q,
             high = middle;
         }
     }
-    return numbers + WEFT_LINK_NUMBERS * low;
+    return numbers + WEFT_COUPLING_NUMBERS * low;
 }
 
 int weft__membrane_link_numbers(const void *own, const weft__state *at, double *numbers)
 {
     const weft__membrane *of = own;
     const weft__triangles *tri = of->mesh->triangles;
-    const size_t all = WEFT_LINK_NUMBERS * weft__membrane_links(own, NULL);
+    const size_t all = WEFT_COUPLING_NUMBERS * weft__membrane_links(own, NULL);
     double bad = 0.0;
     memset(numbers, 0, all * sizeof *numbers);
     for (size_t t = 0; t < tri->count; ++t) {

@@ -425,7 +425,7 @@ static void check_heights(const weft_cloth_def *def, const weft__faults *to)
         size_t names[3];
         for (size_t k = 0; k < 3; ++k) {
             const size_t vertex = weft__vertex_at(mesh, lowest, k);
-            names[k] = mesh->names != NULL ? mesh->names[vertex] : vertex;
+            names[k] = mesh->file_index != NULL ? mesh->file_index[vertex] : vertex;
         }
         weft__fault(to, offsetof(weft_contact_def, thickness),
                     offsetof(weft_contact_def, self),

@@ -120,7 +120,7 @@ size_t weft__springs_count(const weft__springs *own, weft_family family);
 /* Those of a group that begin in block b, as one run; returns 1, or 0: there are none.
  * runs NULL: only counts. */
 size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
-                       weft_bonds *runs);
+                       weft_spring_run *runs);
 
 /* springs_def.c, as in weft__force. */
 void weft__springs_check(const weft_cloth_def *def, const weft__faults *to);
@@ -132,7 +132,7 @@ uint64_t weft__springs_hash(const void *own, uint64_t hash);
 void weft__springs_ratios(const void *own, struct weft__sides *to);
 void weft__springs_bound(const void *own, const weft__state *at, size_t i,
                          const struct weft__sides *sides, double (*sums)[6]);
-size_t weft__springs_runs(const void *own, size_t b, weft_bonds *to);
+size_t weft__springs_runs(const void *own, size_t b, weft_spring_run *to);
 double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
                             double *to, size_t all, double *bad);
 

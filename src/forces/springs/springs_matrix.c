@@ -80,17 +80,17 @@ void weft__springs_bound(const void *own, const weft__state *at, size_t i,
 /* ---- linearisation --------------------------------------------------------------- */
 
 size_t weft__group_run(const weft__mesh *mesh, const weft__group *group, size_t b,
-                       weft_bonds *runs)
+                       weft_spring_run *runs)
 {
     const size_t p = b * mesh->cols + group->first_col;
     if (b < group->end_row && runs != NULL) {
-        *runs = (weft_bonds){ p, p + (size_t)group->stride,
-                              group->end_col - group->first_col };
+        *runs = (weft_spring_run){ p, p + (size_t)group->stride,
+                                   group->end_col - group->first_col };
     }
     return b < group->end_row;
 }
 
-size_t weft__springs_runs(const void *own, size_t b, weft_bonds *to)
+size_t weft__springs_runs(const void *own, size_t b, weft_spring_run *to)
 {
     const weft__springs *of = own;
     size_t count = 0;

@@ -15,11 +15,12 @@ const struct weft__wind_numbers weft__wind_numbers = {
 static void check(const weft_cloth_def *def, const weft__faults *to)
 {
     size_t row;
-    const char *fault = weft__track_fault(&def->wind, &row);
+    const char *fault = weft__track_fault(&def->wind_table, &row);
     (void)WEFT__NUMBERS_CHECK(weft__wind_numbers, def, to, "%s", "");
     if (fault != NULL) {
-        weft__fault(to, offsetof(weft_cloth_def, wind), offsetof(weft_cloth_def, wind),
-                    "wind: row %zu %s", row, fault);
+        weft__fault(to, offsetof(weft_cloth_def, wind_table),
+                    offsetof(weft_cloth_def, wind_table), "wind: row %zu %s", row,
+                    fault);
     }
 }
 

@@ -80,11 +80,11 @@ static void write_obj_faces(FILE *stream, const record_faces *faces)
         }
         fputs("f", stream);
         for (size_t k = 0; k < sides; ++k) {
-            const size_t place = faces->cols > 0 || faces->corner_places == NULL
+            const size_t place = faces->cols > 0 || faces->corner_uv == NULL
                                      ? at[k]
-                                     : faces->corner_places[3 * f + k];
+                                     : faces->corner_uv[3 * f + k];
             fprintf(stream, " %zu", at[k] + 1);
-            if (faces->cols > 0 || faces->corner_places != NULL) {
+            if (faces->cols > 0 || faces->corner_uv != NULL) {
                 fprintf(stream, "/%zu", place + 1);
             }
         }
