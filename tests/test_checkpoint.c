@@ -175,7 +175,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     save_other(cloth, "verlet/midpoint", (kind){ true, true });
     refused(size, "saved under method 'midpoint', and this is 'velocity_verlet'");
     save_other(cloth, "verlet/velocity_verlet", (kind){ false, true });
-    refused(size - 8 * WEFT__QUADRATURES, "saved without energy ledger");
+    refused(size - 8 * WEFT__QUADRATURES, "saved without energy balance");
     memcpy(again, saved, size);
     again[8] = 2;
     refused(size, "saved in format 2, and this is 9");
@@ -249,11 +249,11 @@ START_TEST(ledgers_that_are_not_finite_are_refused)
     const double odd[] = { (double)NAN, (double)INFINITY, -(double)INFINITY };
     for (size_t i = 0; i < sizeof odd / sizeof odd[0]; ++i) {
         for (size_t word = 18; word < 21; ++word) {
-            refused_with(word, odd[i], "an energy ledger that is not finite");
+            refused_with(word, odd[i], "an energy balance that is not finite");
         }
         for (size_t k = 0; k < WEFT__QUADRATURES; ++k) {
             refused_with(SAVED_ENERGIES + k, odd[i],
-                         "an energy ledger that is not finite");
+                         "an energy balance that is not finite");
         }
     }
 }
@@ -308,7 +308,7 @@ START_TEST(a_ledger_that_is_not_finite_is_not_saved)
     const weft_status status = weft_sim_save(sim, saved, sizeof saved, &err);
     ck_assert_int_eq(status, WEFT_NOT_FINITE);
     ck_assert_str_eq(err.message,
-                     "the energy ledger is not finite: it could not be restored");
+                     "the energy balance is not finite: it could not be restored");
     memset(far, 0, sizeof far);
     ck_assert_int_eq(weft_sim_set_state(sim, NULL, far, &err), WEFT_OK);
     ck_assert(weft_sim_time(sim) == end);

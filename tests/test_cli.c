@@ -148,10 +148,10 @@ START_TEST(the_laboratory_measures_what_the_fabric_is)
            0);
     says("EMT 50 % at 490 N/m");
     expect(shell("cd " OUT " && ../weft lab stripe x 2>&1"), 2);
-    says("weft lab: TEST 'stripe' is not drape, cantilever or strip (did you mean "
-         "'strip'?)");
+    says("weft lab: TEST 'stripe' (did you mean 'strip'?) is not drape, cantilever or "
+         "strip");
     expect(shell("cd " OUT " && ../weft lab strip denim 2>&1"), 2);
-    says("(did you mean '11oz-black-denim'?)");
+    says("FABRIC 'denim' (did you mean '11oz-black-denim'?) is not ");
     expect(shell("cd " OUT " && echo mine > lab/strip-royal-target.yaml && ../weft lab "
                  "strip royal-target --out lab 2>&1"),
            4);
@@ -207,9 +207,9 @@ START_TEST(a_misspelt_word_of_the_command_line_is_told_with_the_one_that_is_near
           "no verb 'a/flag.yaml' (did you mean 'weft run a/flag.yaml'?); 'weft" },
         { "version", "no verb 'version' (did you mean '--version'?)" },
         { "run x --frames ply", "--frames 'ply' is not obj\n" },
-        { "run x --progress line",
-          "--progress 'line' is not auto, lines, terminal, yaml "
-          "or none (did you mean 'lines'?)" },
+        { "run x --progress line", "--progress 'line' (did you mean 'lines'?) is not "
+                                   "auto, lines, terminal, yaml "
+                                   "or none" },
         { "resume x --progress foo", "--progress 'foo' is not auto, lines" },
         { "export x --format stl",
           "--format 'stl' is not obj, ply, csv, mdd, pc2 or pvd\n" },

@@ -177,12 +177,12 @@ START_TEST(help_on_a_key_prints_that_key_and_those_below_it)
         output,
         "forces.wind         mapping; default no wind\n"
         "                    moving air\n"
-        "  velocity          vector [x, y, z] [m/s]; default velocity or table\n"
+        "  velocity          vector [x, y, z] [m/s]; required: velocity or table\n"
         "                    velocity of the air; exactly one of velocity and table "
         "is\n"
         "                    required\n"
         "  table             list of rows [t, x, y, z], or their CSV file [s, m/s];\n"
-        "                    default velocity or table\n"
+        "                    required: velocity or table\n"
         "                    velocity at times: smooth, through all rows and between "
         "them\n"
         "                    within their range, constant before the first and after "
@@ -199,12 +199,12 @@ START_TEST(help_on_a_key_prints_that_key_and_those_below_it)
     expect(shell(WEFT " scene-help cloth.pins.0.at.rows 'cloth.loads[].mass'"), 0);
     ck_assert_str_eq(output,
                      "cloth.pins.0.at.rows\n"
-                     "                    index, [first, last] or all; default rows or "
-                     "row\n"
+                     "                    index, [first, last] or all; required: rows "
+                     "or row\n"
                      "                    row 0 is the top; negative counts from the "
                      "end\n"
                      "cloth.loads[].mass  number > 0 [kg]; required\n"
-                     "                    goes to each of them\n");
+                     "                    added to each of these particles\n");
 }
 END_TEST
 

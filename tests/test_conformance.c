@@ -149,7 +149,7 @@ START_TEST(a_plugin_that_keeps_all_promises_passes)
         = { PROMISES "working.so", BUILD_DIR "/plugins/weft-verlet.so" };
     expect(shell(WEFT " plugin-test %s --all", files[_i]), 0);
     says("pass exact end ");
-    says("keeps every promise");
+    says("meets every requirement");
     ck_assert_ptr_null(strstr(output, "FAIL"));
 }
 END_TEST
@@ -171,7 +171,7 @@ START_TEST(a_plugin_that_takes_other_memory_is_noted_only)
 {
     expect(shell(WEFT " plugin-test " PROMISES "working.so"), 0);
     says("note: with 1 of 1 method it takes no memory from config->allocator");
-    says("keeps every promise with 1 method\n");
+    says("meets every requirement with 1 method\n");
     expect(shell(WEFT " plugin-test " BUILD_DIR "/plugins/weft-verlet.so"), 0);
     ck_assert_ptr_null(strstr(output, "note"));
 }
@@ -231,7 +231,7 @@ START_TEST(what_is_no_plugin_is_told)
 {
     expect(shell(WEFT " plugin-test " BUILD_DIR "/tests/broken/weft-wrongabi.so"), 1);
     says("FAIL plugin refused: ");
-    says("it is built for stepper abi 2, this weft has 1");
+    says("it is built for plugin interface 2, this weft has 1");
     expect(shell(WEFT " plugin-test nowhere/weft-x.so 2>&1"), 4);
     says("nowhere/weft-x.so: No such file");
     expect(shell(WEFT " plugin-test 2>&1"), 2);

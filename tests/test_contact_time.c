@@ -101,7 +101,7 @@ START_TEST(a_run_that_crawls_says_so_once)
         step(100.0);
     }
     ck_assert_uint_eq(all.warnings, 1);
-    ck_assert_ptr_nonnull(strstr(all.last, "contact took back "));
+    ck_assert_ptr_nonnull(strstr(all.last, "contact rolled back "));
     ck_assert_ptr_nonnull(strstr(all.last, " of the last 1000 steps at t = "));
     ck_assert_ptr_nonnull(
         strstr(all.last, ": particle (0, 0) and shapes[0], distance 0.001 m"));

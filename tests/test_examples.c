@@ -163,7 +163,7 @@ START_TEST(plugin_of_one_file_keeps_every_promise)
     expect(shell(WEFT " plugin-test " EXAMPLE("weft-bogacki.so") " --all"), 0);
     says("pass tolerance ");
     says("pass min step ");
-    says("keeps every promise with 1 method");
+    says("meets every requirement with 1 method");
 }
 END_TEST
 

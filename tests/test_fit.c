@@ -343,7 +343,7 @@ START_TEST(a_wrong_command_line_or_scene_is_told)
     fit(2, "sheet.yaml sheet.csv --over " STRETCH " --sigma -1");
     says("--sigma -1");
     fit(3, "sheet.yaml sheet.csv --over cloth.grid.rows");
-    says("is not a number by which there is a derivative");
+    says("has no derivative: give a number");
     fit(3, "sheet.yaml sheet.csv --over forces.gravity.0");
     says("has no logarithm");
     fit(4, "sheet.yaml nothing.csv --over " STRETCH);

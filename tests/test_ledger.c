@@ -383,7 +383,7 @@ START_TEST(series_has_its_columns_where_it_is_asked_for)
     ck_assert_int_eq(
         shell(WEFT " run " OUT "/s.yaml --out " OUT "/with 2>&1", text, sizeof text),
         0);
-    ck_assert_ptr_nonnull(strstr(text, "; ledger closes to "));
+    ck_assert_ptr_nonnull(strstr(text, "; energy balance closes to "));
     ck_assert_int_eq(shell("cat " OUT "/with/series.csv", text, sizeof text), 0);
     ck_assert_ptr_nonnull(strstr(text, columns));
     const char *residual = text + strlen(text);

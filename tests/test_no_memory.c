@@ -146,7 +146,7 @@ START_TEST(mistakes_survive_every_failing_allocation)
                                "euler, fixed_step: 1}\nrun: {duration: 1}\n";
     def.text = text;
     def.length = strlen(text);
-    (void)every_allocation_fails(load_wrong, &def, "mistakes");
+    (void)every_allocation_fails(load_wrong, &def, "errors");
 }
 END_TEST
 

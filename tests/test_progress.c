@@ -93,7 +93,7 @@ START_TEST(a_limit_and_a_ledger_have_their_place_in_the_eight_lines)
                       "2>/dev/null"),
            0);
     has_eight_lines("done: small");
-    says("; ledger closes to ");
+    says("; energy balance closes to ");
 #endif
 }
 END_TEST

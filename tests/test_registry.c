@@ -132,8 +132,9 @@ static const struct {
     { "weft-shorttype.so", "method 1 has a struct_size of 64 bytes, abi 1 needs %zu",
       WEFT_STEPPER_TYPE_LEAST },
     { "weft-twicename.so", "method 'first' is there twice", 0 },
-    { "weft-typeabi.so", "method 1 is built for stepper abi 7, this weft has 1", 0 },
-    { "weft-wrongabi.so", "it is built for stepper abi 2, this weft has 1", 0 },
+    { "weft-typeabi.so", "method 1 is built for plugin interface 7, this weft has 1",
+      0 },
+    { "weft-wrongabi.so", "it is built for plugin interface 2, this weft has 1", 0 },
     { "weft-wrongid.so", "it calls itself 'other'", 0 },
 };
 
@@ -331,7 +332,7 @@ START_TEST(plugin_not_found_is_told_with_the_folders)
             "plugin 'nix' not found: no weft-nix.so in an empty search path; set "
             "WEFT_PLUGIN_PATH or weft_registry_def.path");
     refused(weft_registry_load_all(registry, NULL, NULL, &err),
-            "no stepper plugin in an empty search path; set WEFT_PLUGIN_PATH or "
+            "no plugin in an empty search path; set WEFT_PLUGIN_PATH or "
             "weft_registry_def.path");
 }
 END_TEST
@@ -393,13 +394,13 @@ START_TEST(loading_all_tells_of_the_refused_and_goes_on)
     ck_assert_uint_eq(weft_registry_count(registry), 4);
     look_in(c, false, NULL);
     char text[PATH];
-    (void)snprintf(text, sizeof text, "no stepper plugin in %s", c);
+    (void)snprintf(text, sizeof text, "no plugin in %s", c);
     refused(weft_registry_load_all(registry, NULL, NULL, &err), text);
     const char *file = in(b, "weft-readme.txt");
     (void)snprintf(list, sizeof list, "%s:/nowhere:%s", file, c);
     look_in(list, false, NULL);
-    (void)snprintf(text, sizeof text,
-                   "no stepper plugin in %s (Not a directory):/nowhere:%s", file, c);
+    (void)snprintf(text, sizeof text, "no plugin in %s (Not a directory):/nowhere:%s",
+                   file, c);
     refused(weft_registry_load_all(registry, NULL, NULL, &err), text);
     weft_registry_destroy(NULL);
 }
@@ -480,7 +481,7 @@ START_TEST(bad_configs_are_refused)
     refused_config(config, "max_step -1 s: must be > 0 or infinite");
     config = good;
     config.struct_size = 8;
-    refused_config(config, "stepper config: start from weft_stepper_config_default");
+    refused_config(config, "the config must begin as weft_stepper_config_default");
     refused_config(good, "velocity_verlet: no error control: needs a fixed_step > 0 s");
     weft_sim_def nothing = weft_sim_def_default();
     weft_sim *sim = (weft_sim *)&config;

@@ -296,7 +296,7 @@ static const warned warnings[] = {
       "stepper: {plugin: gsl, method: rk4, fixed_step: 5.1e-4}\nrun: {duration: 2}\n",
       "scene.yaml:7:49: warning: fixed_step 0.000505051 s is longer than "
       "contact.thickness / (2 stopping_speed) = 0.0005 s: steps that may pass "
-      "through a surface are taken back and halved" },
+      "through a surface are rejected and halved" },
     { "contact:\n  law: coulomb\n  shapes:\n    - {shape: plane, at: [0, -0.5, 0], "
       "normal: [0, 1, 0], friction: 100}\n",
       END,

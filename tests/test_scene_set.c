@@ -294,7 +294,7 @@ END_TEST
 /* ---- help ------------------------------------------------------------------- */
 
 typedef struct page {
-    char text[32 * 1024];
+    char text[40 * 1024];
     size_t length, widest;
 } page;
 

@@ -307,9 +307,10 @@ START_TEST(thickness_beyond_half_the_spacing_is_an_error)
     weft_error err;
     def.contact.thickness = 0.016;
     ck_assert_int_eq(weft_cloth_create(&def, &cloth, &err), WEFT_INVALID);
-    ck_assert_str_eq(err.message,
-                     "contact: thickness 0.016 m is more than half the smaller "
-                     "spacing, 0.015 m, which contact of the cloth with itself needs");
+    ck_assert_str_eq(
+        err.message,
+        "contact: thickness 0.016 m is too large for self-contact: at most "
+        "0.015 m, half the smaller spacing");
 }
 END_TEST
 

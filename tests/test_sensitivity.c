@@ -906,7 +906,7 @@ START_TEST(gradient_of_a_fall_is_exact)
     ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
                      WEFT_INVALID);
     ck_assert_ptr_nonnull(
-        strstr(err.message, "gradient by number 0, unnamed: two cloths"));
+        strstr(err.message, "gradient, parameter 0, unnamed: two cloths"));
     def.parameters = weft_scene_perturbed_def(of.twins)->parameters;
     def.times = falling, def.frames = 2;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
@@ -1000,7 +1000,7 @@ START_TEST(many_steps_taken_back_are_warned_of)
           "run: {duration: 0.1}\n"
           "sensitivity: {of: [cloth.density]}\n";
     run_scene("hit", scene);
-    says("warning: contact took back more than half of the steps");
+    says("warning: contact rolled back more than half of the steps");
 }
 END_TEST
 

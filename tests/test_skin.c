@@ -436,9 +436,8 @@ START_TEST(thickness_beyond_half_the_smallest_height_is_an_error)
     weft_cloth_destroy(cloth);
     cloth = NULL;
     def.contact.thickness = 0.036;
-    expect_refusal("contact: thickness 0.036 m is more than half the smallest height "
-                   "at rest, of triangle 0-1-5: contact of the cloth with itself needs "
-                   "at most 0.0353553 m");
+    expect_refusal("contact: thickness 0.036 m is too large for self-contact: at most "
+                   "0.0353553 m, half the smallest height at rest, of triangle 0-1-5");
 }
 END_TEST
 

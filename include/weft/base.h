@@ -84,7 +84,7 @@ extern "C" {
     X(INVALID, "invalid argument")                                                     \
     X(NO_MEMORY, "out of memory")                                                      \
     X(IO, "file could not be read or written")                                         \
-    X(BAD_SCENE, "mistake in the scene")                                               \
+    X(BAD_SCENE, "error in the scene")                                                 \
     X(BAD_PLUGIN, "plugin refused or not found")                                       \
     X(UNSUPPORTED, "not supported")                                                    \
     X(NOT_FINITE, "state is not finite")                                               \

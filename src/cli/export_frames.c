@@ -530,7 +530,7 @@ const verb verb_export = {
       "cloth.cut, or a copy of the file of cloth.mesh; of several cloths a file for "
       "each, FILE-NAME.obj\n"
       "  --set KEY=VALUE      of the scene of --garment\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
       "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
       "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml and "
       "must match the hash in series.csv.\n\n"

@@ -269,7 +269,7 @@ int choose(const arguments *given, const char *option, const char *typed,
         const char *separator = i == 0 ? "" : names[i + 1] == NULL ? " or " : ", ";
         say(&list, "%s%s", separator, names[i]);
     }
-    return usage_error(given, "%s%s '%s' is not %s%s",
+    return usage_error(given, "%s%s '%s'%s is not %s",
                        option[0] >= 'A' && option[0] <= 'Z' ? "" : "--", option, typed,
-                       list.text, weft__guess_text(&guess, near, sizeof near));
+                       weft__guess_text(&guess, near, sizeof near), list.text);
 }

@@ -436,7 +436,7 @@ const verb verb_lab = {
       "  --force              replace a scene of that name with another text\n"
       "  --yaml               the result as YAML, with all digits\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
       "examples:\n"
       "  weft lab drape 11oz-black-denim\n"
       "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n"

@@ -38,7 +38,7 @@ static void print_usage(FILE *stream)
 
 static int print_version(void)
 {
-    printf("weft %s\nstepper plugin abi %u\n", weft_version(), WEFT_STEPPER_ABI);
+    printf("weft %s\nplugin interface %u\n", weft_version(), WEFT_STEPPER_ABI);
     weft_registry *registry = open_registry(NULL, true);
     if (registry == NULL) {
         return EXIT_SIMULATION;

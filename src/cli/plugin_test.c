@@ -268,11 +268,11 @@ static int print_tally(const char *file, const tally *of)
         print_wrapped(0, 6, PAGE_WIDTH, note);
     }
     if (of->bad == 0) {
-        print_line(stdout, "%s keeps every promise with %zu method%s", file,
+        print_line(stdout, "%s meets every requirement with %zu method%s", file,
                    of->methods, plural);
         return EXIT_DONE;
     }
-    print_line(stdout, "%s breaks promises with %zu of %zu method%s", file, of->bad,
+    print_line(stdout, "%s fails requirements with %zu of %zu method%s", file, of->bad,
                of->methods, plural);
     return EXIT_SIMULATION;
 }
@@ -314,17 +314,17 @@ static int plugin_test_verb(const arguments *given)
 
 const verb verb_plugin_test = {
     .name = "plugin-test",
-    .summary = "check a stepper plugin against the contract",
+    .summary = "check a plugin against the contract",
     .help
     = "usage: weft plugin-test weft-ID.so [--all]\n\n"
-      "Loads a stepper plugin and checks every promise of weft/stepper.h with every "
+      "Loads a plugin and checks every requirement of weft/stepper.h with every "
       "method: the order, the ends of steps, the state after a failure, edited "
       "states, statistics, threads, memory. Each check runs in its own process. "
       "Documentation: docs/guides/test-an-integrator.md\n\n"
-      "  --all   every verdict; default: one line per method, and the broken "
-      "promises\n\n"
+      "  --all   every verdict; default: one line per method, and the failed "
+      "requirements\n\n"
       "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
-      "exit codes: 0 every promise is kept, 1 one is broken or the plugin is refused, "
+      "exit codes: 0 every requirement is met, 1 one is not or the plugin is refused, "
       "2 wrong command line, 4 the file cannot be read\n",
     .operands = { 1, 1, "takes one file, weft-ID.so", NULL },
     .run = plugin_test_verb,

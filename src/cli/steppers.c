@@ -228,7 +228,7 @@ static int steppers_verb(const arguments *given)
 
 const verb verb_steppers = {
     .name = "steppers",
-    .summary = "list the methods of all stepper plugins",
+    .summary = "list the methods of all plugins",
     .help
     = "usage: weft steppers [OPTIONS]\n\n"
       "Lists every method of every plugin: order of the solution, order of the "
@@ -236,11 +236,11 @@ const verb verb_steppers = {
       "source.\n\n"
       "  --yaml               as YAML, with references and full names\n"
       "  --markdown           the table of the documentation\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
       "kinds: fixed-step (no error control), fsal (the last stage is the first of the "
       "next step), multistep, implicit, small-cloths (dense matrices), legacy, libm "
       "(uses powers of libm: the same bits on every machine are likely, not "
-      "promised)\n\n"
+      "guaranteed)\n\n"
       "Plugin arkode has more methods with later versions of SUNDIALS; rkc and rkl, "
       "stabilised, need 7.2.\n",
     .operands = { 0, 0, "takes no file", NULL },

@@ -185,20 +185,22 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
     *of = (weft__slope){ .less = less, .more = more, .scale = scale / span };
     if (less == NULL || more == NULL || !weft__positive(span)
         || !same_place(cloth, less) || !same_place(cloth, more)) {
-        return weft_error_set(err, WEFT_INVALID,
-                              "two cloths with less and more of a number must have the "
-                              "particles, pins, springs and shapes of the cloth "
-                              "itself, and a span > 0");
+        return weft_error_set(
+            err, WEFT_INVALID,
+            "two cloths with less and more of a parameter must have the "
+            "particles, pins, springs and shapes of the cloth "
+            "itself, and a span > 0");
     }
     if (cloth->grid_count > 0) {
-        return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "derivatives by numbers need one grid, or meshes: not a "
-                              "grid among several cloths");
+        return weft_error_set(
+            err, WEFT_UNSUPPORTED,
+            "derivatives with respect to parameters need one grid, or "
+            "meshes: not a grid among several cloths");
     }
     if (jumps_later(&less->mesh, &more->mesh)) {
         return weft_error_set(
             err, WEFT_UNSUPPORTED,
-            "no derivative by the time at which a natural spline of a "
+            "no derivative with respect to the time at which a natural spline of a "
             "pin begins or ends: its velocity jumps there");
     }
     find_laws(of);

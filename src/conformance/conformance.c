@@ -115,7 +115,7 @@ static const struct check {
     { "structure", "config->structure changes the way to a solution, not the solution",
       .check = weft__a_structure_leaves_the_solution, .once = true, .modes = true },
     { "agree",
-      "steppers of two parts of a state agree to do what one of the whole does",
+      "integrators of two parts of a state agree to do what one of the whole does",
       .check = weft__parts_agree, .pointless = weft__agrees_with_nobody, .once = true,
       .modes = true },
 };

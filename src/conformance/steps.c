@@ -83,7 +83,7 @@ void weft__stages_are_the_rhs_calls(trial *self)
            "the table says %d stages, a step calls the rhs %" PRIu64 " times",
            self->type->stages, second);
     EXPECT((self->type->flags & WEFT_STEPPER_FSAL) != 0 || first == second,
-           "%" PRIu64 " rhs calls in the first step and %" PRIu64
+           "%" PRIu64 " force evaluations in the first step and %" PRIu64
            " in the second, without WEFT_STEPPER_FSAL",
            first, second);
 }

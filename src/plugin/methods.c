@@ -42,7 +42,7 @@ weft_status weft__config_check(const weft_stepper_config *config, weft_error *er
     const weft__faults to = { weft__keep_first, &first };
     if (config->struct_size < WEFT_STEPPER_CONFIG_LEAST) {
         return weft_error_set(err, WEFT_INVALID,
-                              "stepper config: start from weft_stepper_config_default");
+                              "the config must begin as weft_stepper_config_default");
     }
     if (weft__positive(config->fixed_step)) {
         return WEFT_OK;

@@ -11,7 +11,7 @@ weft_status weft__method_check(const weft_stepper_type *type, size_t index,
     if (type->abi != WEFT_STEPPER_ABI) {
         return weft_error_set(
             err, WEFT_BAD_PLUGIN,
-            "method %zu is built for stepper abi %u, this weft has %u", index,
+            "method %zu is built for plugin interface %u, this weft has %u", index,
             (unsigned)type->abi, WEFT_STEPPER_ABI);
     }
     if (type->struct_size < WEFT_STEPPER_TYPE_LEAST) {
@@ -59,7 +59,7 @@ weft_status weft__plugin_check(const weft_plugin *plugin, weft_error *err)
     }
     if (plugin->abi != WEFT_STEPPER_ABI) {
         return weft_error_set(err, WEFT_BAD_PLUGIN,
-                              "it is built for stepper abi %u, this weft has %u",
+                              "it is built for plugin interface %u, this weft has %u",
                               (unsigned)plugin->abi, WEFT_STEPPER_ABI);
     }
     if (plugin->struct_size < sizeof *plugin) {

@@ -341,7 +341,7 @@ weft_status weft_registry_load_all(weft_registry *registry,
     char text[512];
     each_file(registry, load_one, &self);
     if (registry->count == 0) {
-        return weft_error_set(err, WEFT_BAD_PLUGIN, "no stepper plugin in %s",
+        return weft_error_set(err, WEFT_BAD_PLUGIN, "no plugin in %s",
                               searched(registry, text, sizeof text));
     }
     return WEFT_OK;

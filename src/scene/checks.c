@@ -146,7 +146,7 @@ void weft__check_limit(weft__reader *reader, const weft__match *match, void *bas
     weft__limit_check(limit, &match->faults);
     if (reader->scene->meshed) {
         ERROR_AT(reader, match->map,
-                 "a strain limit needs a grid: it corrects springs");
+                 "a strain limit needs a grid: it shortens springs");
         return;
     }
     for (size_t i = 0; i < WEFT_FAMILIES; ++i) {

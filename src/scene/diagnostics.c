@@ -169,7 +169,7 @@ static weft_status first_error(const weft_diagnostics *found, weft_error *err)
         item = found->items[i].warning ? NULL : &found->items[i];
     }
     if (item == NULL) {
-        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has mistakes");
+        return weft_error_set(err, WEFT_BAD_SCENE, "the scene has errors");
     }
     weft_error_set(err, WEFT_BAD_SCENE, "%s", item->message);
     if (err != NULL) {

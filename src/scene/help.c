@@ -6,10 +6,17 @@
 
 static const char *default_text(const weft__key *key)
 {
-    return key->required           ? "required"
-           : key->fallback != NULL ? key->fallback
-           : key->absent != NULL   ? key->absent
-                                   : "none";
+    return key->fallback != NULL ? key->fallback
+           : key->absent != NULL ? key->absent
+           : key->required       ? "required"
+                                 : "none";
+}
+
+/* Whether it has no default: it is required, always or under a condition that the text
+ * states. */
+static bool is_required(const weft__key *key)
+{
+    return strncmp(default_text(key), "required", strlen("required")) == 0;
 }
 
 /* The keys below a key; NULL: there are none, or they are told elsewhere. */
@@ -70,7 +77,7 @@ static void print_key(const printer *to, const weft__key *key, const char *name)
     char type[200], text[300];
     (void)snprintf(text, sizeof text, "%s; %s%s",
                    weft__wanted(key, true, true, type, sizeof type),
-                   key->required ? "" : "default ", default_text(key));
+                   is_required(key) ? "" : "default ", default_text(key));
     print_beside(to, name, text);
     print_beside(to, "", key->meaning);
 }
@@ -113,12 +120,12 @@ static void print_row(const printer *to, const weft__key *key, const char *path)
 {
     char type[200], line[600];
     const char *fallback = default_text(key);
-    const char *tick = !key->required && key->fallback != NULL ? "`" : "";
+    const char *tick = key->fallback != NULL ? "`" : "";
+    const char *bold = is_required(key) ? "**" : "";
     (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
                    weft__wanted(key, false, true, type, sizeof type),
-                   weft__unit_of(key) == NULL ? "" : weft__unit_of(key),
-                   key->required ? "**" : "", tick, fallback, tick,
-                   key->required ? "**" : "", key->meaning);
+                   weft__unit_of(key) == NULL ? "" : weft__unit_of(key), bold, tick,
+                   fallback, tick, bold, key->meaning);
     to->line(to->ctx, line);
 }
 

@@ -58,13 +58,13 @@ static const weft__key grid_keys[] = {
 };
 
 static const weft__key place_keys[] = {
-    { "rows", WEFT__INDEX, .absent = "rows or row", AT(weft__place, rows),
+    { "rows", WEFT__INDEX, .absent = "required: rows or row", AT(weft__place, rows),
       .meaning = "row 0 is the top; negative counts from the end" },
-    { "row", WEFT__INDEX, .absent = "rows or row", AT(weft__place, rows),
+    { "row", WEFT__INDEX, .absent = "required: rows or row", AT(weft__place, rows),
       .meaning = "the same" },
-    { "cols", WEFT__INDEX, .absent = "cols or col", AT(weft__place, cols),
+    { "cols", WEFT__INDEX, .absent = "required: cols or col", AT(weft__place, cols),
       .meaning = "column 0 is the left; negative counts from the end" },
-    { "col", WEFT__INDEX, .absent = "cols or col", AT(weft__place, cols),
+    { "col", WEFT__INDEX, .absent = "required: cols or col", AT(weft__place, cols),
       .meaning = "the same" },
 };
 
@@ -84,33 +84,35 @@ static const weft__section shape_section;
 #define WHERE(type)                                                                    \
     { "at",                                                                            \
       WEFT__PLACE,                                                                     \
-      .absent = "required on a grid",                                                  \
+      .absent = "required for a grid",                                                 \
       .section = &place_section,                                                       \
       AT(type, rows),                                                                  \
-      .meaning = "of a grid: which particles" },                                       \
+      .meaning = "grids only: which particles" },                                      \
         { "vertices", WEFT__VERTEX_LIST, .absent = "none", AT(type, vertices),         \
-          .meaning = "of a mesh: numbers of v in its file, or of a cut, from 0" },     \
+          .meaning = "meshes only: indices of v in the file, or in the cut, from 0" }, \
         { "group", WEFT__GROUP, .absent = "none", AT(type, vertices),                  \
           .meaning                                                                     \
-          = "of a mesh: the vertices of faces and points (f, p) of a group (g)" },     \
+          = "meshes only: the vertices of the faces and points (f, p) in a group "     \
+            "(g) of the file" },                                                       \
         { "near",                                                                      \
           WEFT__NEAREST,                                                               \
           .unit = "m",                                                                 \
           .absent = "none",                                                            \
           AT(type, vertices),                                                          \
           .meaning                                                                     \
-          = "of a mesh: the vertex that starts nearest to a point; of equally "        \
-            "near ones the lower number" },                                            \
+          = "meshes only: the vertex that starts nearest to a point; of two equally "  \
+            "near ones the one with the lower index" },                                \
     {                                                                                  \
         "inside", WEFT__INSIDE,                                                        \
             .section = &shape_section, .absent = "none", AT(type, vertices),           \
-            .meaning = "of a mesh: what starts in a shape, given as in contact.shapes" \
+            .meaning                                                                   \
+            = "meshes only: what starts in a shape, given as in contact.shapes"        \
     }
 
 static const weft__key load_keys[] = {
     WHERE(weft_load),
     { "mass", WEFT__NUMBER, .required = true, .number = &weft__load_mass,
-      .meaning = "goes to each of them" },
+      .meaning = "added to each of these particles" },
 };
 
 static const weft__section load_section
@@ -147,9 +149,10 @@ static const weft__key pin_keys[] = {
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
     { "path", WEFT__TRACK, SECTION(pin_table), .unit = "s, m", .absent = "none",
       AT(weft_pin, path), SPLINE(weft_pin, path),
-      .meaning = "+ its place at t - its place at 0: smooth, through all rows and "
-                 "between them within their range, at rest before the first and after "
-                 "the last; or {rows: ..., spline: natural}" },
+      .meaning
+      = "displacement path(t) - path(0): smooth, through all rows and between "
+        "them within their range, at rest before the first and after the last; "
+        "or {rows: ..., spline: natural}" },
 };
 
 static const weft__section pin_section
@@ -179,21 +182,22 @@ static const weft__key shear_keys[] = {
     .at = offsetof(weft_cloth_def, springs) + (index) * sizeof(weft_spring_def)
 
 static const weft__key bend_keys[] = {
-    { "stiffness", WEFT__WARP_WEFT, .absent = "stiffness or rigidity",
+    { "stiffness", WEFT__WARP_WEFT, .absent = "required: stiffness or rigidity",
       NUMBER(spring, stiffness), OF_FAMILY(WEFT_BEND),
       .meaning = "stiffness of each spring; exactly one of stiffness and rigidity is "
                  "required" },
-    { "rigidity", WEFT__PAIR, .absent = "stiffness or rigidity",
+    { "rigidity", WEFT__PAIR, .absent = "required: stiffness or rigidity",
       NUMBER(bending, rigidity), AT(weft_cloth_def, bending),
       .meaning = "bending stiffness of a plate, which converges under refinement, "
                  "instead of springs; a pair: [along a column, along a row]" },
     { "twist", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "N m",
-      .absent = "sqrt of the rigidities' product", AT(weft_cloth_def, bending.twist),
-      .meaning = "of the rigidity: stiffness of twisting" },
+      .absent = "sqrt of the product of the rigidities",
+      AT(weft_cloth_def, bending.twist),
+      .meaning = "with rigidity only: stiffness of twisting" },
     { "damping", WEFT__WARP_WEFT, .fallback = "0", NUMBER(spring, damping),
-      OF_FAMILY(WEFT_BEND), .unit = "kg/s; of rigidity s",
-      .meaning = "damping along the spring; with rigidity a time, by which the "
-                 "stiffness is multiplied" },
+      OF_FAMILY(WEFT_BEND), .unit = "kg/s; with rigidity s",
+      .meaning = "damping along the spring; with rigidity a time that multiplies the "
+                 "stiffness" },
 };
 
 /* The names of an enum are in its order. */
@@ -238,7 +242,7 @@ static const weft__key springs_keys[] = {
 #define UNUSED(name, unit_, text)                                                      \
     {                                                                                  \
         name, WEFT__PAIR, RANGE(.least = 0.0), OF_SHEET(unused, unit_),                \
-            .absent = "not needed", .meaning = text "; has no effect"                  \
+            .absent = "none", .meaning = text "; has no effect"                        \
     }
 #define WEIGHT(unit_)                                                                  \
     {                                                                                  \
@@ -276,23 +280,24 @@ static const weft__key fabric_keys[] = {
     { "preset", WEFT__PRESET, .absent = "none",
       .meaning = "a measured fabric; keys beside it replace its values" },
     { "kes", WEFT__SHEET, SECTION(kes), .absent = "none", .first = WEFT__KES,
-      .meaning = "instead of density, stretch, shear and bend: a sheet of the KES-FB "
-                 "system in its units; a pair: [warp, weft]" },
+      .meaning
+      = "instead of density, stretch, shear and bend: a data sheet of the KES-FB "
+        "system in its units; a pair: [warp, weft]" },
     { "fast", WEFT__SHEET, SECTION(fast), .absent = "none", .first = WEFT__FAST,
-      .meaning = "the same: a sheet of the FAST system" },
-    { "density", WEFT__NUMBER, .absent = "density, preset or a sheet",
+      .meaning = "the same: a data sheet of the FAST system" },
+    { "density", WEFT__NUMBER, .absent = "required: density, preset, kes or fast",
       NUMBER(fabric, density), .meaning = "mass per area" },
-    { "stretch", WEFT__PAIR, .absent = "stretch, preset or a sheet",
+    { "stretch", WEFT__PAIR, .absent = "required: stretch, preset, kes or fast",
       NUMBER(fabric, stretch),
-      .meaning = "tension by strain; a pair: [along a column (warp), along a row "
+      .meaning = "tension per strain; a pair: [along a column (warp), along a row "
                  "(weft)]" },
     { "shear", WEFT__NUMBER, .absent = "0 or the preset's", NUMBER(fabric, shear),
-      .meaning = "shear stress by angle, and the modulus between warp and weft" },
+      .meaning = "shear stress per angle, and the modulus between warp and weft" },
     { "bend", WEFT__PAIR, .absent = "0 or the preset's", NUMBER(fabric, bend),
       .meaning = "bending rigidity; a pair: [warp, weft]" },
     { "twist", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "N m",
-      .absent = "as of bend.rigidity, or the preset's", AT(weft_fabric, twist),
-      .meaning = "stiffness of twisting" },
+      .absent = "sqrt of the product of both bend, or the preset's",
+      AT(weft_fabric, twist), .meaning = "stiffness of twisting" },
     { "damping", WEFT__PAIR, .absent = "0", NUMBER(fabric, damping),
       .meaning
       = "damping = this time * stiffness; a pair: [in the plane, of bending]" },
@@ -370,20 +375,24 @@ static const char *const membrane_names[] = { "chord", "arc", NULL };
 static const weft__key cloth_keys[] = {
     { "name", WEFT__TEXT, .required = true, IN_SCENE(part_name),
       .meaning = "what results call it: letters, digits, _ and -" },
-    { "grid", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(grid),
+    { "grid", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(grid),
       .meaning
       = "exactly one of grid, mesh and cut is required; particle (row, col) rests "
         "at origin + col * spacing * right + row * "
         "spacing * down" },
-    { "mesh", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(mesh),
+    { "mesh", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(mesh),
       IN_SCENE(mesh_file), .meaning = "triangles of any outline, instead of a grid" },
-    { "cut", WEFT__MAPPING, .absent = "grid, mesh or cut", CHECKED(cut), IN_SCENE(cut),
-      .meaning = "a flat piece that weft makes a mesh of, instead of its file; groups: "
+    { "cut", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(cut),
+      IN_SCENE(cut),
+      .meaning = "a flat panel that weft meshes itself, instead of a file; groups: "
                  "outline, hole0, ..., line0, ..." },
-    { "mass", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, mass),
-      .meaning = "mass of each particle; exactly one of mass and density is required" },
-    { "density", WEFT__NUMBER, .absent = "mass or density", NUMBER(grid, density),
-      .meaning = "mass per area, lumped to the particles" },
+    { "mass", WEFT__NUMBER, .absent = "required: mass, density or fabric",
+      NUMBER(grid, mass),
+      .meaning
+      = "mass of each particle; exactly one of mass and density, or a fabric, is "
+        "required" },
+    { "density", WEFT__NUMBER, .absent = "required: mass, density or fabric",
+      NUMBER(grid, density), .meaning = "mass per area, lumped to the particles" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, velocity),
       .meaning = "initial velocity of particles without a pin" },
     { "loads", WEFT__ITEMS,
@@ -398,19 +407,21 @@ static const weft__key cloth_keys[] = {
                  "and springs; required with a mesh" },
     { "fabrics", WEFT__FABRICS, .section = &fabric_section, .absent = "none",
       IN_SCENE(fabrics),
-      .meaning = "of a mesh: other fabrics, {NAME: {keys as fabric}}, of the triangles "
-                 "behind usemtl NAME in its file" },
+      .meaning
+      = "meshes only: further fabrics, {NAME: {keys as fabric}}, for the triangles "
+        "after usemtl NAME in the file" },
     { "seams", WEFT__CHOICE, .names = seam_names, .fallback = "bend",
       IN_SCENE(obj.def.seams),
-      .meaning = "of a mesh: whether it bends or turns freely where two edges of the "
-                 "rest shape are one" },
+      .meaning = "meshes only: whether the cloth bends across a seam as elsewhere, or "
+                 "turns freely" },
     { "membrane", WEFT__EITHER, .names = membrane_names, .fallback = "chord",
       IN_SCENE(obj.def.arc),
-      .meaning = "of a mesh: arc measures edges along the cloth's arc, which does not "
-                 "lock on coarse meshes and costs some 4 times as much" },
+      .meaning
+      = "meshes only: arc measures edges along the cloth's arc, which does not "
+        "lock on coarse meshes and costs some 4 times as much" },
     { "pins", WEFT__ITEMS, ITEMS(weft_cloth_def, pins, pin_count, weft__read_pin),
       .section = &pin_section, .absent = "none",
-      .meaning = "particles that are held or moved: a place, or {at: place, ...}; a "
+      .meaning = "particles that are pinned or moved: a place, or {at: place, ...}; a "
                  "later entry wins" },
 };
 
@@ -425,11 +436,11 @@ static const weft__section cloth_section
 /* ---- forces -------------------------------------------------------------------- */
 
 static const weft__key wind_keys[] = {
-    { "velocity", WEFT__VECTOR, .absent = "velocity or table",
+    { "velocity", WEFT__VECTOR, .absent = "required: velocity or table",
       NUMBER(wind, wind_velocity),
       .meaning = "velocity of the air; exactly one of velocity and table is required" },
     { "table", WEFT__TRACK, SECTION(wind_table), .unit = "s, m/s",
-      .absent = "velocity or table", AT(weft_cloth_def, wind_table),
+      .absent = "required: velocity or table", AT(weft_cloth_def, wind_table),
       SPLINE(weft_cloth_def, wind_table),
       .meaning = "velocity at times: smooth, through all rows and between them within "
                  "their range, constant before the first and after the last; or {rows: "
@@ -442,7 +453,7 @@ static const weft__key force_keys[] = {
     { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(body, gravity),
       .meaning = "acceleration of free fall" },
     { "damping", WEFT__NUMBER, .fallback = "0", NUMBER(body, damping),
-      .meaning = "viscous damping of each particle: F = -damping * v" },
+      .meaning = "air drag on each particle: F = -damping * v" },
     { "wind", WEFT__MAPPING, WITH(KEYS(wind), .one = { "velocity", "table" }),
       .absent = "no wind", .meaning = "moving air" },
 };
@@ -481,38 +492,45 @@ static const weft__key shape_keys[] = {
     { "shape", WEFT__CHOICE, .required = true, .names = shape_names,
       AT(weft_shape, kind), .meaning = "its kind" },
     { "at", WEFT__VECTOR, .required = true, .of = PLANE | SPHERE | BOX, .also = MESH,
+      .absent = "required for a plane, sphere or box; mesh: [0, 0, 0]",
       NUMBER(shape, at),
-      .meaning = "a point of a plane, the centre of a sphere or box; of a mesh, by "
-                 "default [0, 0, 0], where the origin of its file lies" },
-    { "normal", WEFT__VECTOR, .required = true, .of = PLANE, AT(weft_shape, normal),
+      .meaning = "a point of the plane, the centre of the sphere or box, or where the "
+                 "origin of the mesh's file lies" },
+    { "normal", WEFT__VECTOR, .required = true, .of = PLANE,
+      .absent = "required for a plane", AT(weft_shape, normal),
       .meaning = "plane: towards the side of the cloth; normalised on reading" },
-    { "from", WEFT__VECTOR, .required = true, .of = CAPSULE, NUMBER(shape, at),
+    { "from", WEFT__VECTOR, .required = true, .of = CAPSULE,
+      .absent = "required for a capsule", NUMBER(shape, at),
       .meaning = "capsule: one end of its axis" },
     { "to", WEFT__VECTOR, .required = true, .unit = "m", .of = CAPSULE,
-      AT(weft_shape, to), .meaning = "capsule: the other end" },
+      .absent = "required for a capsule", AT(weft_shape, to),
+      .meaning = "capsule: the other end" },
     { "radius", WEFT__NUMBER, .required = true, .of = SPHERE | CAPSULE,
-      .number = &weft__shape_radius,
-      .meaning = "of a sphere; of a capsule, about its axis" },
+      .absent = "required for a sphere or capsule", .number = &weft__shape_radius,
+      .meaning = "of the sphere, or of the capsule about its axis" },
     { "half", WEFT__VECTOR, .required = true, .unit = "m", .of = BOX,
-      AT(weft_shape, half),
+      .absent = "required for a box", AT(weft_shape, half),
       .meaning = "box: half its edges along x, y, z; > rounding" },
     { "rounding", WEFT__NUMBER, .required = true, .of = BOX,
-      .number = &weft__shape_rounding, .meaning = "box: radius of its edges" },
-    { "file", WEFT__TEXT, .required = true, .of = MESH, AT(weft__shape_item, file),
+      .absent = "required for a box", .number = &weft__shape_rounding,
+      .meaning = "box: radius of its edges" },
+    { "file", WEFT__TEXT, .required = true, .of = MESH, .absent = "required for a mesh",
+      AT(weft__shape_item, file),
       .meaning = "mesh: an OBJ file beside the scene, of which v and f are read; with "
                  "%04d for a number, one for each key frame, from 0 or 1 on" },
     { "unit", WEFT__NUMBER, .of = MESH, RANGE(.strict = true), .unit = "m",
       .fallback = "1.0", AT(weft__shape_item, unit),
       .meaning = "mesh: one unit of the file" },
     { "fps", WEFT__NUMBER, .of = MESH, RANGE(.strict = true), .unit = "1/s",
-      .absent = "no key frames", AT(weft__shape_item, fps),
+      .absent = "none: no key frames", AT(weft__shape_item, fps),
       .meaning = "mesh: key frames a second; in between it follows natural cubic "
                  "splines, after the last it rests" },
     { "triangles", WEFT__FACETS, .unit = "m", .of = SPHERE | CAPSULE | BOX,
       .fallback = "false", AT(weft__shape_item, facets),
-      .meaning = "of a sphere, capsule or box: weft makes its triangles, with edges of "
-                 "at most so much, and it is a mesh from then on, which no part of the "
-                 "cloth passes; true: sqrt(2 R thickness), R its radius or rounding" },
+      .meaning
+      = "sphere, capsule or box: weft makes a mesh of it, with edges of at most "
+        "this length, which all of the cloth feels, not only its particles; "
+        "true: sqrt(2 R thickness), R its radius or rounding" },
     { "friction", WEFT__NUMBER, RANGE(.least = 0.0), .absent = "contact.friction",
       AT(weft_shape, friction), .meaning = "coefficient of friction of this shape" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, velocity),
@@ -522,11 +540,12 @@ static const weft__key shape_keys[] = {
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(shape, frequency),
       .meaning = "frequency of the oscillation; amplitude and frequency go together" },
     { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
-      .meaning = "of the surface: about at, along the normal of a plane and the axis "
-                 "of a capsule, none of a box or a mesh" },
+      .meaning
+      = "surface velocity, as of a roller: a rotation about at, along the normal "
+        "of a plane or the axis of a capsule; a box or mesh has none" },
     { "turn", WEFT__MAPPING, .absent = "none", AT(weft_shape, turn),
       WITH(KEYS(shape_turn), OSCILLATES, .check = weft__check_turn),
-      .meaning = "the shape turns about an axis, and then moves by velocity and "
+      .meaning = "the shape rotates about an axis, and then moves by velocity and "
                  "amplitude" },
 };
 
@@ -548,8 +567,9 @@ static const weft__key contact_keys[] = {
       .meaning = "of the approach; 0: elastic" },
     { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
       .meaning
-      = "coefficient of friction of shapes without their own, and of the cloth "
-        "on itself; by law smooth a grip creeps at a speed that it does not change" },
+      = "coefficient of friction of shapes without their own, and of the cloth on "
+        "itself; with law smooth, cloth at rest creeps at a speed that this does not "
+        "change" },
     { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
       .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
@@ -557,12 +577,14 @@ static const weft__key contact_keys[] = {
     { "slip", WEFT__NUMBER, .fallback = "1.0e-3", NUMBER(contact, slip),
       .meaning = "below this slip speed friction fades" },
     { "self", WEFT__BOOLEAN, .fallback = "false", AT(weft_contact_def, self),
-      .meaning = "whether the cloth touches itself; the thickness is then at most half "
-                 "the smaller spacing, of a mesh half the smallest height" },
+      .meaning = "whether the cloth touches itself; then the thickness must be at most "
+                 "half the smaller spacing of a grid, or half the smallest height of a "
+                 "mesh's triangles" },
     { "untangle", WEFT__NUMBER, .fallback = "0.0", .number = &weft__untangle,
       .at = -offsetof(weft_cloth_def, contact),
-      .meaning = "a start that passes through itself or shapes relaxes before t = 0, "
-                 "for so long at most; 0: it is an error" },
+      .meaning
+      = "the longest time for which a start that intersects itself or shapes is "
+        "relaxed before t = 0; 0: such a start is an error" },
     { "strict", WEFT__BOOLEAN, .fallback = "false",
       .at = offsetof(weft_cloth_def, strict) - offsetof(weft_cloth_def, contact),
       .meaning
@@ -570,7 +592,8 @@ static const weft__key contact_keys[] = {
         "false: weft warns once" },
     { "shapes", WEFT__ITEMS,
       ITEMS(weft_contact_def, shapes, shape_count, weft__read_shape),
-      .section = &shape_section, .absent = "none", .meaning = "rigid shapes" },
+      .section = &shape_section, .absent = "none",
+      .meaning = "colliders: rigid shapes, and meshes" },
 };
 
 /* ---- limit --------------------------------------------------------------------- */
@@ -629,10 +652,10 @@ static const weft__key butcher_keys[] = {
     { "order", WEFT__INTEGER, .required = true,
       RANGE(.type = WEFT__INT, .least = 1, .most = 99), AT(weft__tableau, set.order),
       .meaning = "order of the continued solution" },
-    { "b_embedded", WEFT__ROW, .absent = "fixed steps only",
+    { "b_embedded", WEFT__ROW, .absent = "none: fixed steps only",
       AT(weft__tableau, b_embedded), .meaning = "weights of the embedded solution" },
     { "embedded_order", WEFT__INTEGER, RANGE(.type = WEFT__INT, .least = 1, .most = 99),
-      .absent = "fixed steps only", AT(weft__tableau, set.embedded_order),
+      .absent = "none: fixed steps only", AT(weft__tableau, set.embedded_order),
       .meaning = "order of the embedded solution; b_embedded and embedded_order go "
                  "together" },
 };
@@ -648,7 +671,7 @@ static const weft__key controller_keys[] = {
     { "type", WEFT__CHOICE, .names = controller_names, AT(weft__control, set.type),
       .first = WEFT_CONTROLLER_DEFAULT + 1, .absent = "arkode: pi",
       .meaning = "the law that computes h from the errors" },
-    { "gains", WEFT__ROW, AT(weft__control, gains), .absent = "of the type",
+    { "gains", WEFT__ROW, AT(weft__control, gains), .absent = "those of the type",
       .meaning
       = "k1, k2, k3 of the law: pid and imex_gustafsson take three, i one, the "
         "others two" },
@@ -678,7 +701,7 @@ static const char *const jacobian_names[] = { "step", "newton", NULL };
 
 static const weft__key solver_keys[] = {
     { "krylov", WEFT__NUMBER, RANGE(.strict = true, .most = 1.0, .below = true),
-      .absent = "1.0e-3, with a tolerance below 1.0e-5 1.0e-4; bdf: 0.1",
+      .absent = "1.0e-3; 1.0e-4 if a tolerance is below 1.0e-5; bdf: 0.1",
       AT(weft_linear, krylov),
       .meaning = "relative residual to which each linear system is solved" },
     { "preconditioner", WEFT__CHOICE, .names = preconditioner_names, .fallback = "auto",
@@ -686,8 +709,8 @@ static const weft__key solver_keys[] = {
       .meaning = "of conjugate gradients: the blocks of the particles, multigrid, or "
                  "what the step size suggests" },
     { "jacobian", WEFT__CHOICE, .names = jacobian_names, .first = WEFT_JACOBIAN_STEP,
-      .absent = "of the method", AT(weft_linear, jacobian),
-      .meaning = "computed anew in each step or in each Newton iteration, for methods "
+      .absent = "the method's", AT(weft_linear, jacobian),
+      .meaning = "computed again in each step or in each Newton iteration, for methods "
                  "with Newton's iteration" },
     { "max_order", WEFT__INTEGER, RANGE(.type = WEFT__INT, .least = 1.0, .most = 5.0),
       .absent = "bdf: 2", AT(weft_linear, max_order),
@@ -697,7 +720,7 @@ static const weft__key solver_keys[] = {
 
 static const weft__key stepper_keys[] = {
     { "plugin", WEFT__TEXT, .required = true, AT(weft_scene, plugin),
-      .meaning = "gsl, arkode, verlet, stiff, cvode or any installed stepper plugin" },
+      .meaning = "gsl, arkode, verlet, stiff, cvode or any installed plugin" },
     { "method", WEFT__TEXT, .required = true, AT(weft_scene, method),
       .meaning
       = "a method of the plugin (weft steppers lists them), or plugin/method" },
@@ -716,14 +739,14 @@ static const weft__key stepper_keys[] = {
                  "one is a failure" },
     { "max_step", WEFT__NUMBER, .fallback = ".inf", AT(weft_scene, config),
       NUMBER(config, max_step), .meaning = "largest step size" },
-    { "fixed_step", WEFT__NUMBER, .absent = "adaptive", AT(weft_scene, config),
-      NUMBER(config, fixed_step),
+    { "fixed_step", WEFT__NUMBER, .absent = "none: adaptive steps",
+      AT(weft_scene, config), NUMBER(config, fixed_step),
       .meaning
       = "no error control; excludes the keys from rtol to max_step; shortened so that "
         "it divides a frame" },
     { "large_matrices", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_scene, large_matrices),
-      .meaning = "permits more than 1 GB for matrices of methods for small cloths" },
+      .meaning = "permits more than 1 GB for the dense matrices of a method" },
     { "controller", WEFT__MAPPING, CHECKED(controller), .absent = "the plugin's",
       AT(weft_scene, control),
       .meaning = "step size control, for the methods of plugin arkode with an error "
@@ -732,7 +755,7 @@ static const weft__key stepper_keys[] = {
       AT(weft_scene, solver),
       .meaning
       = "linear systems of the implicit methods of plugins stiff, cvode and arkode; "
-        "a key that the method does not use is a mistake" },
+        "a key that the method does not use is an error" },
     { "butcher", WEFT__MAPPING, .absent = "none", AT(weft_scene, tableau),
       WITH(KEYS(butcher), .together = { "b_embedded", "embedded_order" },
            .check = weft__check_butcher),
@@ -760,7 +783,7 @@ static const weft__key record_keys[] = {
       = "run.vtkhdf holds every n-th frame, and always the first and the last" },
     { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
       .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
-                 "and add the energy ledger to series.csv" },
+                 "and add the energy balance to series.csv" },
     { "final", WEFT__BOOLEAN, .fallback = "true", AT(weft_record_def, final),
       .meaning = "write the state at the end to final.csv: some 130 bytes per "
                  "particle" },
@@ -772,7 +795,7 @@ static const char *const scale_names[] = { "none", "log", NULL };
 
 static const weft__key sensitivity_keys[] = {
     { "of", WEFT__PATHS_OF_KEYS, .required = true, AT(weft_scene_sensitivity, keys),
-      .meaning = "numbers of cloth, forces and contact, as --set writes their keys: "
+      .meaning = "parameters of cloth, forces and contact, as --set writes their keys: "
                  "[forces.gravity.1, contact.shapes.0.radius]" },
     { "scale", WEFT__EITHER, .names = scale_names, .fallback = "log",
       AT(weft_scene_sensitivity, relative),
@@ -804,7 +827,7 @@ static const weft__key run_keys[] = {
                  "within steps, which they do not cut" },
     { "checkpoint", WEFT__INTEGER, RANGE(.least = 0.0), .fallback = "30",
       AT(weft_run_def, checkpoint),
-      .meaning = "interval in frames: the stepper restarts and a checkpoint for "
+      .meaning = "interval in frames: the integrator restarts and a checkpoint for "
                  "weft resume is written; 0: never" },
     { "keep_checkpoint", WEFT__BOOLEAN, .fallback = "false",
       AT(weft_run_def, keep_checkpoint),
@@ -813,12 +836,15 @@ static const weft__key run_keys[] = {
 };
 
 static const weft__key condition_keys[] = {
-    { "when", WEFT__CONDITION, .absent = "at_rest", AT(weft_stop_def, quantity),
-      .meaning = "ends the run, at that moment: a column of series.csv that comes to "
-                 "the number [m, J]" },
-    { "at_rest", WEFT__REST, .absent = "when", AT(weft_stop_def, quantity),
-      .meaning = "instead of when: the kinetic energy is below this part of the work "
-                 "of gravity since the start; true: 1e-6" },
+    { "when", WEFT__CONDITION, .absent = "required: when or at_rest",
+      AT(weft_stop_def, quantity),
+      .meaning = "ends the run at the moment when a column of series.csv comes to this "
+                 "bound [m, J]" },
+    { "at_rest", WEFT__REST, .absent = "required: when or at_rest",
+      AT(weft_stop_def, quantity),
+      .meaning
+      = "instead of when: the kinetic energy is below this fraction of the work "
+        "of gravity since the start; true: 1e-6" },
     { "for", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "s",
       .absent = "0.5 with at_rest, 0 with when", AT(weft_stop_def, hold),
       .meaning = "the condition must have held for so long" },
@@ -828,38 +854,40 @@ static const weft__key condition_keys[] = {
 static const weft__key root_keys[] = {
     { "weft", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_scene, version), .meaning = "version of the scene format, 1" },
-    { "name", WEFT__TEXT, .absent = "file name", AT(weft_scene, name),
-      .meaning = "free text; default: the file's name without .yaml" },
-    { "cloth", WEFT__MAPPING, .section = &cloth_section, .absent = "cloth or cloths",
-      AT(weft_scene, cloth),
+    { "name", WEFT__TEXT, .absent = "the file's name without .yaml",
+      AT(weft_scene, name), .meaning = "free text" },
+    { "cloth", WEFT__MAPPING, .section = &cloth_section,
+      .absent = "required: cloth or cloths", AT(weft_scene, cloth),
       .meaning = "the model: grid or mesh, masses, springs, pins; exactly one of cloth "
                  "and cloths is required" },
-    { "cloths", WEFT__CLOTHS, .section = &part_section, .absent = "cloth or cloths",
-      AT(weft_scene, parts),
-      .meaning = "several: each with its name and the keys of cloth, a grid of 2 rows "
-                 "and columns or more; seams and membrane are the same for all meshes; "
-                 "they touch each other with contact.self" },
-    { "forces", WEFT__MAPPING, SECTION(force), .absent = "gravity",
+    { "cloths", WEFT__CLOTHS, .section = &part_section,
+      .absent = "required: cloth or cloths", AT(weft_scene, parts),
+      .meaning
+      = "several cloths: each has a name and the keys of cloth, a grid 2 rows and "
+        "columns or more; seams and membrane are the same for all meshes; "
+        "they touch each other with contact.self" },
+    { "forces", WEFT__MAPPING, SECTION(force), .absent = "gravity only",
       AT(weft_scene, cloth), .meaning = "other forces on the cloth" },
     { "contact", WEFT__MAPPING, CHECKED(contact), .absent = "none",
       AT(weft_scene, cloth.contact),
-      .meaning = "rigid shapes that the cloth touches, and the cloth itself" },
+      .meaning = "colliders, and contact of the cloth with itself" },
     { "limit", WEFT__MAPPING, CHECKED(limit), .absent = "none", AT(weft_scene, limit),
       .meaning = "strain limit, applied after every accepted step" },
     { "stepper", WEFT__MAPPING, .required = true, CHECKED(stepper),
-      .meaning = "the solver that integrates the cloth" },
+      .meaning = "the integrator: plugin, method, tolerances" },
     { "run", WEFT__MAPPING, .required = true, CHECKED(run), AT(weft_scene, run),
       .meaning = "duration and frames" },
     { "stop", WEFT__MAPPING, WITH(KEYS(condition), .one = { "when", "at_rest" }),
-      .absent = "at run.duration", AT(weft_scene, run.stop),
+      .absent = "none: ends at run.duration", AT(weft_scene, run.stop),
       .meaning = "an earlier end of the run" },
-    { "record", WEFT__MAPPING, CHECKED(record), .absent = "defaults",
+    { "record", WEFT__MAPPING, CHECKED(record), .absent = "the defaults of its keys",
       AT(weft_scene, record), .meaning = "output of a run" },
     { "sensitivity", WEFT__MAPPING, CHECKED(sensitivity), .absent = "none",
       AT(weft_scene, sensitivity),
-      .meaning = "derivatives of the state by numbers of the scene, integrated with it "
-                 "(docs/guides/gradients.md)" },
-    { "sweep", WEFT__SWEEP, .absent = "one run",
+      .meaning
+      = "derivatives of the state with respect to parameters, integrated with it "
+        "(docs/guides/gradients.md)" },
+    { "sweep", WEFT__SWEEP, .absent = "none: one run",
       .meaning
       = "weft batch runs every combination of the values, or, with zip: "
         "true, the first value of each list, then the second, ...; with sample: "

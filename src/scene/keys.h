@@ -28,10 +28,10 @@
     X(ATOL, atol, "a number")                             /* two doubles */            \
     X(INDEX, index, "an index, [first, last] or all")     /* weft_range */             \
     X(PLACE, place, "a corner, an edge, [row, column] or {rows, cols}")                \
-    X(VERTEX_LIST, vertices, "a list of numbers of vertices") /* weft__vertices */     \
-    X(GROUP, group, "the name of a group")                    /* the same */           \
-    X(NEAREST, near, "a point [x, y, z]")                     /* the same */           \
-    X(INSIDE, inside, "a mapping")                            /* the same */           \
+    X(VERTEX_LIST, vertices, "a list of vertex indices") /* weft__vertices */          \
+    X(GROUP, group, "the name of a group")               /* the same */                \
+    X(NEAREST, near, "a point [x, y, z]")                /* the same */                \
+    X(INSIDE, inside, "a mapping")                       /* the same */                \
     X(FABRICS, fabrics, "a mapping of up to 64 names to mappings as fabric")           \
     X(CLOTHS, cloths, "a list of 1 to 64 mappings {name, keys as cloth}")              \
     X(PATH, paths, "a list of points [u, v], or {disc: radius}")                       \

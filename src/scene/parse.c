@@ -35,7 +35,7 @@ static const char *explain(const tree_builder *self)
     const weft__mark at = place(self, self->parser.problem_mark);
     const int caret = weft__source_excerpt(self->source, at, line, sizeof line);
     if (strcmp(problem, "mapping values are not allowed in this context") == 0) {
-        return "': ' is not allowed here: is a line indented by mistake, or a text "
+        return "': ' is not allowed here: is a line indented by accident, or a text "
                "without quotes?";
     }
     if (strcmp(problem, "found character that cannot start any token") == 0) {

@@ -277,7 +277,7 @@ static void warn_of_stepper(weft__reader *reader, const weft__node *method,
         WARNING_AT(
             reader, fixed_step,
             "fixed_step %g s is longer than contact.thickness / (2 stopping_speed) = "
-            "%.3g s: steps that may pass through a surface are taken back and halved",
+            "%.3g s: steps that may pass through a surface are rejected and halved",
             h, most);
     }
 }

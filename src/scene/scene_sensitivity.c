@@ -110,14 +110,17 @@ static const char *fault_of(const led_to *of, const char *path, double *value)
 {
     return !begins(path, "cloth") && !begins(path, "cloths") && !begins(path, "forces")
                    && !begins(path, "contact")
-               ? "is no number of cloth, forces or contact"
+               ? "is no parameter of cloth, forces or contact"
            : of->node == NULL ? "is not in this scene, nor a default"
+           : of->node->type == WEFT__LIST && of->key != NULL && is_smooth(of->key)
+               ? "is a list: add the index of an entry, for example .0"
            : of->key == NULL || !is_smooth(of->key) || !weft__number_of(of->node, value)
                    || !isfinite(*value)
-               ? "is not a number by which there is a derivative"
-           : strstr(path, ".cut.") != NULL
-               ? "makes another mesh: there is no derivative by it"
-               : NULL;
+               ? "has no derivative: give a number that changes the motion smoothly, "
+                 "for "
+                 "example forces.gravity.1"
+           : strstr(path, ".cut.") != NULL ? "makes another mesh: it has no derivative"
+                                           : NULL;
 }
 
 void weft__read_keys(weft__reader *reader, const weft__key *key, const weft__node *node,
@@ -170,9 +173,7 @@ void weft__check_sensitivity(weft__reader *reader, const weft__match *match, voi
          ++i) {
         if (of->values[i] == 0.0) {
             ERROR_AT(reader, weft__item(list, i),
-                     "%s is 0, which has no logarithm; scale: none is the derivative "
-                     "by it",
-                     of->keys[i]);
+                     "%s is 0, which has no logarithm; use scale: none", of->keys[i]);
         }
     }
 }
@@ -199,8 +200,8 @@ static void warn_of_equal_densities(weft__reader *reader, const weft__match *roo
             WARNING_AT(
                 reader, weft__item(list, i),
                 "%s is also the density of another fabric: contact takes the "
-                "smaller of two densities, so the derivative by one of two equal "
-                "ones has a kink",
+                "smaller of two densities, so the derivative with respect to one of "
+                "two equal ones has a kink",
                 of->keys[i]);
         }
     }

@@ -310,6 +310,6 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
     if (record->ledger) {
         weft__require_flag(reader, WEFT_STEPPER_QUADRATURES,
                            weft__value_in(match, "ledger")->at,
-                           "cannot keep the energy ledger", "these can");
+                           "cannot keep the energy balance", "these can");
     }
 }

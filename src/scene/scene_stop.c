@@ -109,7 +109,7 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
         { scene->meshed && scene->obj.def.arc, cloth, "membrane",
           "membrane arc does not run in bands" },
         { scene->limit.method != WEFT_LIMIT_NONE, "limit", NULL,
-          "a strain limit does not run in bands: it corrects springs one after "
+          "a strain limit does not run in bands: it shortens springs one after "
           "another, from row to row" },
         { scene->cloth.untangle > 0.0, "contact", "untangle",
           "untangle does not run in bands: it moves the whole cloth" },

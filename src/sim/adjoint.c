@@ -137,7 +137,7 @@ static weft_status make_slopes(adjoint *of, weft_error *err)
             = weft__slope_init(&of->slopes[j], of->sim->cloth, number->less,
                                number->more, number->span, 1.0, &of->memory, &inner);
         if (status != WEFT_OK) {
-            return weft_error_set(err, status, "gradient by number %zu, %.60s: %.200s",
+            return weft_error_set(err, status, "gradient, parameter %zu, %.60s: %.200s",
                                   j, number->name == NULL ? "unnamed" : number->name,
                                   inner.message);
         }

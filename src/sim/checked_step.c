@@ -108,7 +108,7 @@ static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
     if (crawls && !sim->crawl.told) {
         weft__log(
             &sim->def.log, WEFT_LOG_WARNING,
-            "contact took back %u of the last %u steps at t = %.9g s, the last of "
+            "contact rolled back %u of the last %u steps at t = %.9g s, the last of "
             "%.3g s: %s, distance %.3g m; the run may take very long",
             sim->crawl.vetoed, sim->crawl.attempts, t, tried,
             weft__breach_text(&sim->cloth->mesh, &sim->refused, text),
@@ -148,7 +148,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         watch_pace(sim, true, t0, tried);
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
-                  "t = %.9g s: a step of %.3g s taken back: %s", t0, tried,
+                  "t = %.9g s: a step of %.3g s rolled back: %s", t0, tried,
                   weft__breach_text(&sim->cloth->mesh, &sim->refused, text));
     }
 }

@@ -79,7 +79,7 @@ static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
             (unsigned long long)mine.rows, (unsigned long long)mine.cols);
     }
     if (head->quadratures != mine.quadratures) {
-        return weft_error_set(err, WEFT_INVALID, "saved %s energy ledger",
+        return weft_error_set(err, WEFT_INVALID, "saved %s energy balance",
                               sim->ledger.on ? "without" : "with");
     }
     *shapes = words < least ? 0 : (words - least) / SHAPE_WORDS;
@@ -191,7 +191,7 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
     return head->settings == mine.settings
                ? WEFT_OK
                : weft_error_set(err, WEFT_INVALID,
-                                "saved under other settings of the stepper, the "
+                                "saved under other settings of the integrator, the "
                                 "limit or sensitivities, or other callbacks");
 }
 
@@ -246,7 +246,7 @@ static const char *fault_of(const weft_sim *sim, restored *of)
            : sim->ledger.on
                    && (!weft__all_finite(works, 3)
                        || !weft__all_finite(of->y + dim, sim->config.quadratures))
-               ? "the saved simulation has an energy ledger that is not finite"
+               ? "the saved simulation has an energy balance that is not finite"
            : saved->flags > WEFT__SAVED_FLAGS
                    || !weft__wind_usable(saved->wind, saved->wind_drag)
                ? "a saved wind makes no sense"

@@ -219,7 +219,7 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
 {
     TRY(weft__sim_outside(sim, "weft_sim_save_parts", err));
     const char *what = sim->ledger.on && !isfinite(weft_sim_ledger(sim).residual)
-                           ? "energy ledger"
+                           ? "energy balance"
                        : sim->def.correct != NULL
                                && !weft__all_finite(sim->y, weft_cloth_dim(sim->cloth))
                            ? "state that `correct` left"

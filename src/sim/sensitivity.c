@@ -29,7 +29,7 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
            : def->correct != NULL || def->force != NULL
                ? "`correct` or `force`, whose derivatives are not known"
            : def->event != NULL ? "an event, whose time depends on the numbers too"
-           : def->ledger        ? "an energy ledger"
+           : def->ledger        ? "an energy balance"
            : def->interpolate   ? "`interpolate`: there are none within a step"
            : def->cloth->grid_count > 0
                ? "grids among several cloths, whose derivatives are not known"
@@ -105,7 +105,7 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
     }
     if (def->count == 0 || def->count > WEFT_SENSITIVITIES) {
         return weft_error_set(err, WEFT_INVALID,
-                              "sensitivities by %zu numbers: 1 to %d", def->count,
+                              "sensitivities of %zu parameters: 1 to %d", def->count,
                               WEFT_SENSITIVITIES);
     }
     of->count = def->count;
@@ -125,7 +125,7 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
                                number->span, of->factor, &sim->memory, &inner);
         if (status != WEFT_OK) {
             return weft_error_set(
-                err, status, "sensitivity by number %zu, %.60s: %.200s", j,
+                err, status, "sensitivity, parameter %zu, %.60s: %.200s", j,
                 number->name == NULL ? "unnamed" : number->name, inner.message);
         }
     }

@@ -45,7 +45,7 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
     }
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
-                              "method '%.40s' cannot keep the energy ledger: it "
+                              "method '%.40s' cannot keep the energy balance: it "
                               "integrates no quadratures",
                               def->method->name);
     }

@@ -131,7 +131,7 @@ class SceneError(Error, ValueError):
     """
 
     def __init__(self, message: str, diagnostics: Sequence[Diagnostic] = ()) -> None:
-        super().__init__(message, "mistake in the scene")
+        super().__init__(message, "error in the scene")
         self.diagnostics = list(diagnostics)
 
 

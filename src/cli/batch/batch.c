@@ -212,7 +212,7 @@ const verb verb_batch = {
       "instead of all combinations\n"
       "  --seed S             draws other values; default: 1\n"
       "  --set KEY.PATH=VALUE override a key of all scenes; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --quiet              no progress, no summary line\n\n"
       "examples:\n"
       "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"

@@ -353,7 +353,7 @@ const verb verb_check = {
     .help
     = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
       "Validates scenes and prints particles, springs, masses, the matching pins, "
-      "memory, stepper and frames. Reports all mistakes of a file at once. For "
+      "memory, integrator and frames. Reports all errors of a file at once. For "
       "contact, prints its shapes and how stiff it is at rest, after a fall of the "
       "cloth onto each shape, and between layers of the cloth. For a fabric or bending "
       "rigidity, prints the springs, the moduli that they make and Peirce's bending "
@@ -367,7 +367,7 @@ const verb verb_check = {
       "  --refine             sharper bounds by the power method, not guaranteed\n"
       "  --yaml               as YAML: the stable steps of every method\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
       "example: weft check scenes/*.yaml\n\n"
       "exit codes: 0 all scenes are valid, 1 a start crosses and contact.untangle does "
       "not free it, or there is no memory, 2 wrong command line, 3 a scene is wrong, 4 "

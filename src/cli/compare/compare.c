@@ -164,17 +164,18 @@ static weft_status no_horizon(const compare *self, weft_error *err)
     const char *hint = weft_scene_limit(self->scene)->method == WEFT_LIMIT_NONE
                            ? ""
                            : "; the effect of a strain limit depends on the steps";
-    return self->parted ? weft_error_set(
-               err, WEFT_UNSUPPORTED,
-               "no reference: %s and %s at tolerance %g differ by more "
-               "than %g m at the first frame%s",
-               self->by[0].type->name, self->by[1].type->name, COMPARE_TIGHTEST,
-               COMPARE_PARTED, hint)
-                        : weft_error_set(
-                            err, WEFT_UNSUPPORTED,
-                            "not predictable: a twin displaced by %g m is more than "
-                            "%g m away at the first frame%s",
-                            COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
+    return self->parted
+               ? weft_error_set(
+                   err, WEFT_UNSUPPORTED,
+                   "no reference: %s and %s at tolerance %g differ by more "
+                   "than %g m at the first frame%s",
+                   self->by[0].type->name, self->by[1].type->name, COMPARE_TIGHTEST,
+                   COMPARE_PARTED, hint)
+               : weft_error_set(
+                   err, WEFT_UNSUPPORTED,
+                   "not predictable: a perturbed run displaced by %g m is more than "
+                   "%g m away at the first frame%s",
+                   COMPARE_NUDGE, COMPARE_GROWTH * COMPARE_NUDGE, hint);
 }
 
 static weft_status find_horizon(compare *self, weft_error *err)
@@ -398,7 +399,7 @@ const verb verb_compare = {
     = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
       "Runs a scene with every method of every plugin, at tolerances from 1e-2 to "
       "1e-10 or with fixed steps. Measures the difference from a reference [m] and "
-      "the evaluations of the forces (RHS calls) and processor time. Prints the "
+      "the force evaluations and processor time. Prints the "
       "fastest method for each accuracy, and writes compare.csv and compare.html, a "
       "diagram for a browser.\n\n"
       "The reference is the scene at tolerance 1e-12 with the methods of the highest "
@@ -414,7 +415,7 @@ const verb verb_compare = {
       "or empty\n"
       "  --force              replace the files of an earlier run\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
       "  --quiet              no progress, no table\n\n"
       "examples:\n"

@@ -177,7 +177,8 @@ sentence compare_horizon_text(const compare *self)
 {
     sentence out = { "" };
     say(&out,
-        "predictable to t = %.4g s%s: a twin displaced by %.0e m is then %.1e m away "
+        "predictable to t = %.4g s%s: a perturbed run displaced by %.0e m is then %.1e "
+        "m away "
         "(rate %.3g 1/s",
         compare_time(self, self->last), self->chaotic ? "" : " at least", COMPARE_NUDGE,
         self->twin[self->last], self->growth);

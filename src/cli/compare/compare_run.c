@@ -102,7 +102,7 @@ static weft_status nudge(weft_sim *twin, weft_error *err)
     double *xyz = malloc(3 * n * sizeof *xyz);
     uint32_t state = 1;
     if (xyz == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a twin");
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a perturbed run");
     }
     weft_sim_positions(twin, xyz);
     for (size_t i = 0; i < n; ++i) {

@@ -298,7 +298,7 @@ const verb verb_converge = {
       "  --csv                print the table as CSV, all digits\n"
       "  -j, --jobs N         number of processes; default 1\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --quiet              no progress\n\n"
       "examples:\n"
       "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"

@@ -451,7 +451,7 @@ const verb verb_fit = {
       "  --out DIR            write there\n"
       "  --force              replace the results of an earlier fit\n"
       "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --quiet              no progress\n\n"
       "examples:\n"
       "  weft fit cloth.yaml tracks.csv --over cloth.density,forces.damping\n\n"

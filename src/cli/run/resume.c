@@ -184,7 +184,7 @@ const verb verb_resume = {
       "  --force              also repeat runs that failed\n"
       "  --bands N            in N bands, whatever their number was before: mpirun -n "
       "N weft resume DIR --bands N\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
       "  --quiet              no progress, no summary\n\n"
       "examples:\n"

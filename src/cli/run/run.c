@@ -531,7 +531,7 @@ const verb verb_run = {
       "  --watch              the same, and serve the page with its growing frames on "
       "127.0.0.1 while the run goes on\n"
       "  --port N             of --watch, from 1024 to 65535; default: a free one\n"
-      "  --plugin-path DIRS   search stepper plugins there first ('a:b')\n"
+      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
       "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
       "line per tenth of the frames; auto (default): one of these two; yaml: only YAML "
       "documents on stdout, one line each: begin, progress, end; none\n"

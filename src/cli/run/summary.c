@@ -65,7 +65,7 @@ static void print_steps(const run *self)
     const uint64_t back = weft_sim_vetoed(self->sim);
     sentence vetoed = { "" };
     if (back > 0) {
-        say(&vetoed, ", %s taken back for contact", human_count(back).text);
+        say(&vetoed, ", %s rolled back for contact", human_count(back).text);
     }
     print_item("steps", "%s (%s rejected%s), %s evaluations of the forces",
                human_count(stats.steps).text, human_count(stats.rejected).text,
@@ -122,7 +122,7 @@ static void print_energy(const run *self)
         if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
             say(&balance, ", of shapes %.4g J", ledger.shape_work);
         }
-        say(&balance, "; ledger closes to %.2g J", ledger.residual);
+        say(&balance, "; energy balance closes to %.2g J", ledger.residual);
     }
     print_item("energy", "%.6g -> %.6g J%s", self->result.energy_start,
                weft_energy_total(ledger.energy), balance.text);
@@ -156,7 +156,7 @@ static void print_contact(const run *self)
         say_gap(&text, all.self_gap);
     }
     if (shapes > 0 || has_self) {
-        print_item("contact", "%s%s steps taken back", text.text,
+        print_item("contact", "%s%s steps rolled back", text.text,
                    human_count(weft_sim_vetoed(self->sim)).text);
     }
 }
@@ -217,7 +217,7 @@ static void print_sensitivity(const run *self)
                       "its derivatives to mean much");
     }
     if (weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps) {
-        say(&warning, "; warning: contact took back more than half of the steps");
+        say(&warning, "; warning: contact rolled back more than half of the steps");
     }
     print_item(
         "gradients",

@@ -67,7 +67,7 @@ const char *weft__lattice_of(const weft_shape *shape, double edge, weft__lattice
         return "triangles are made of a sphere, a capsule or a box";
     }
     if (weft__length(shape->spin) != 0.0) {
-        return "a shape of triangles cannot spin: it turns";
+        return "a mesh cannot spin: it turns";
     }
     if (!(edge > 0.0) || !isfinite(edge)) {
         return "the longest edge of its triangles must be finite and > 0";

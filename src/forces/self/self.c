@@ -429,10 +429,9 @@ static void check_heights(const weft_cloth_def *def, const weft__faults *to)
         }
         weft__fault(to, offsetof(weft_contact_def, thickness),
                     offsetof(weft_contact_def, self),
-                    "contact: thickness %g m is more than half the smallest height at "
-                    "rest, of triangle %zu-%zu-%zu: contact of the cloth with itself "
-                    "needs at most %.6g m",
-                    def->contact.thickness, names[0], names[1], names[2], 0.5 * least);
+                    "contact: thickness %g m is too large for self-contact: at most "
+                    "%.6g m, half the smallest height at rest, of triangle %zu-%zu-%zu",
+                    def->contact.thickness, 0.5 * least, names[0], names[1], names[2]);
     }
 }
 
@@ -445,9 +444,9 @@ static void check_spacing(const weft_cloth_def *grid, const weft_contact_def *la
     if (law->self && law->thickness > most) {
         weft__fault(
             to, offsetof(weft_contact_def, thickness), offsetof(weft_contact_def, self),
-            "contact: thickness %g m is more than half the smaller spacing%s%s, "
-            "%g m, which contact of the cloth with itself needs",
-            law->thickness, name != NULL ? " of " : "", name != NULL ? name : "", most);
+            "contact: thickness %g m is too large for self-contact: at most %g m, half "
+            "the smaller spacing%s%s",
+            law->thickness, most, name != NULL ? " of " : "", name != NULL ? name : "");
     }
 }
 
