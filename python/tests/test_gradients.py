@@ -67,7 +67,7 @@ def test_mistakes_are_errors():
         weft.gradient(sheet(), lambda t, x, v: 1 / 0, times=[0.01])
     with pytest.raises(TypeError, match="its value and its derivatives"):
         weft.gradient(sheet(), lambda t, x, v: (1.0,), times=[0.01])
-    with pytest.raises(ValueError, match="the derivative by x has the shape"):
+    with pytest.raises(ValueError, match="the derivative with respect to x has the shape"):
         weft.gradient(sheet(), lambda t, x, v: (1.0, np.zeros(3)), times=[0.01])
     with pytest.raises(weft.SceneError, match="cloth.grid.rows"):
         weft.gradient(sheet(), distance, ["cloth.grid.rows"], times=[0.01])

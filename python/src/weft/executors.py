@@ -27,7 +27,7 @@ def run_shard(arguments: Sequence[str], shard: str, stop: str) -> str:
 
 
 def _summary(arguments: Sequence[str], folder: str, out: Path) -> pd.DataFrame:
-    """summary.csv, written anew."""
+    """summary.csv, written again."""
     code, _, said = _process([*arguments, "--summary"], folder)
     if code == 3:
         raise SceneError(said)
@@ -109,7 +109,7 @@ def map(scene: Scene, sweep: Optional[Mapping[str, Any]] = None, out: Optional[P
     Raises
     ------
     SceneError
-        Mistakes of the scene or of the sweep.
+        Errors in the scene or in the sweep.
     NotFoundError
         The scene is not there.
     RunError

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gradients of an objective by many numbers of a scene."""
+"""Gradients of an objective with respect to many parameters of a scene."""
 from __future__ import annotations
 
 import warnings
@@ -28,7 +28,7 @@ class Gradient(NamedTuple):
     parameters : dict of str to float
         The derivative with respect to each key of `over`, per unit of the parameter.
     x, v : ndarray, shape (N, 3)
-        The derivatives by the positions [per m] and velocities [per m/s] at t = 0, in the order of Sim.positions.
+        The derivatives with respect to the positions [per m] and velocities [per m/s] at t = 0, in the order of Sim.positions.
     """
 
     value: float
@@ -58,10 +58,10 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
         call.seen.take(y)
         found, *slopes = call.objective(t, *call.seen.read)
         if not 1 <= len(slopes) <= 2:
-            raise ArgumentTypeError("the objective returns its value and its derivatives by x, or by x and by v")
+            raise ArgumentTypeError("the objective returns its value and its derivatives with respect to x, or to x and v")
         call.slope[:] = 0.0
         for k, by in enumerate(slopes):
-            call.slope[k] = real(by, "the derivative by " + "xv"[k], call.seen.x.shape).T
+            call.slope[k] = real(by, "the derivative with respect to " + "xv"[k], call.seen.x.shape).T
         call.seen.give(call.slope, slope)
         value[0] += float(found)
     except BaseException as error:  # also KeyboardInterrupt: the caller gets it
@@ -71,7 +71,7 @@ def weftpy_objective(ctx: Any, frame: int, t: float, y: Any, value: Any, slope: 
 
 
 def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any, list[str]]:
-    """A scene, the cloths with less and more of up to 16 numbers, and warnings."""
+    """A scene, the cloths with less and more of up to 16 parameters, and warnings."""
     of = "sensitivity={of: [%s], scale: none}" % ", ".join(keys) if keys else "sensitivity=null"
     try:
         scene, found = read_scene(form.file, form.content, [*form.sets, of], form.folder)
@@ -84,7 +84,7 @@ def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any, list[str]]:
 
 def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
              overrides: Optional[Mapping[str, Any]] = None, *, times: Optional[Sequence[float]] = None) -> Gradient:
-    """The derivative of an objective by numbers of a scene and by its first state (docs/guides/gradients.md).
+    """The derivative of an objective with respect to parameters of a scene and to its first state (docs/guides/gradients.md).
 
     It costs some four runs in all, and for each number other than those of springs, gravity and drag up to two more.
     The method is an explicit one-step method; the scene has neither a strain limit nor a stop.
@@ -94,7 +94,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     scene : path, str or dict
         As of load().
     objective : callable
-        objective(t, x, v) returns its value in a frame at t [s] and its derivatives by the positions x (N, 3) [m], or
+        objective(t, x, v) returns its value in a frame at t [s] and its derivatives with respect to the positions x (N, 3) [m], or
         by these and by the velocities v (N, 3) [m/s], all in the order of Sim.positions. It gets the same arrays in
         each call and must not change them. The last frame comes first.
     over : list of str
@@ -112,7 +112,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     Raises
     ------
     SceneError
-        Mistakes of the scene or of `over`.
+        Errors in the scene or in `over`.
     NotFoundError
         The scene is not there.
     Error

@@ -95,7 +95,7 @@ class NotFoundError(FileNotFoundError, Error):
 
 
 class Diagnostic(NamedTuple):
-    """One mistake, or one warning, with its place in a scene.
+    """One error, or one warning, with its place in a scene.
 
     Attributes
     ----------
@@ -122,12 +122,12 @@ class Diagnostic(NamedTuple):
 
 
 class SceneError(Error, ValueError):
-    """Mistakes in a scene: the message shows all of them with their places.
+    """Errors in a scene: the message shows all of them with their places.
 
     Attributes
     ----------
     diagnostics : list of Diagnostic
-        The mistakes and warnings. Empty if the program found them: then the message has them all.
+        The errors and warnings. Empty if the program found them: then the message has them all.
     """
 
     def __init__(self, message: str, diagnostics: Sequence[Diagnostic] = ()) -> None:
@@ -136,7 +136,7 @@ class SceneError(Error, ValueError):
 
 
 class SceneWarning(UserWarning):
-    """A possible mistake in a scene."""
+    """A possible error in a scene."""
 
 
 class Spring(NamedTuple):
@@ -530,7 +530,7 @@ def registry() -> Any:
 
 
 def load_plugin(file: PathLike) -> None:
-    """Loads a stepper plugin, which runs its code in this process. Plugins in the directories of WEFT_PLUGIN_PATH need no
+    """Loads a plugin, which runs its code in this process. Plugins in the directories of WEFT_PLUGIN_PATH need no
     call.
 
     Parameters
@@ -732,7 +732,7 @@ def index_of(cloth: Any) -> Optional[Places]:
 
 
 def scene_twins(scene: Any) -> Any:
-    """The cloths with less and more of each number by which a scene is differentiated."""
+    """The cloths with less and more of each parameter of `sensitivity`."""
     out, err = ffi.new("weft_scene_perturbed **"), ffi.new("weft_error *")
     with registry_lock:
         check(lib.weftpy_perturbed(registry(), scene, out, err), err)

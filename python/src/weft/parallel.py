@@ -244,7 +244,7 @@ class Batch(Fixed):
     @property
     def forces(self) -> Array:
         """(n, N, 3) [N], a copy: the force on each particle, besides all others, from now on; 0 at first. Assigning
-        (n, N, 3) restarts the stepper of the simulations whose forces change. Needs Batch(forces=True)."""
+        (n, N, 3) restarts the integrator of the simulations whose forces change. Needs Batch(forces=True)."""
         if self._added is None:
             raise Error("this batch has no forces: make it with forces=True")
         return np.array(self._added.transpose(0, 2, 1) if self._index is None else self._added[:, :, self._index].transpose(0, 2, 1))

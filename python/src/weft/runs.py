@@ -210,7 +210,7 @@ def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = No
     Raises
     ------
     SceneError
-        Mistakes of the scene.
+        Errors in the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -254,7 +254,7 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
     Raises
     ------
     SceneError
-        Mistakes of the scene.
+        Errors in the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -308,7 +308,7 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
     Raises
     ------
     SceneError
-        Mistakes of the scene.
+        Errors in the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -359,7 +359,7 @@ def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str
     Raises
     ------
     SceneError
-        Mistakes of the scene.
+        Errors in the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -440,7 +440,7 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
     Raises
     ------
     SceneError
-        Mistakes of the scene or of `over`.
+        Errors in the scene or in `over`.
     NotFoundError
         The scene or the data are not there.
     RunError

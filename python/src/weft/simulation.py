@@ -91,12 +91,12 @@ class Ledger(NamedTuple):
 
 
 class Stats(NamedTuple):
-    """Counts of the stepper since t = 0.
+    """Counts of the integrator since t = 0.
 
     Attributes
     ----------
     steps, rejected : int
-        Accepted steps, and attempts that were taken back.
+        Accepted steps, and attempts that were rejected.
     rhs_calls : int
         Evaluations of the right-hand side.
     last_step : float
@@ -108,7 +108,7 @@ class Stats(NamedTuple):
     bytes : int
         Memory of the run without the cloth; 0: not known.
     vetoed : int
-        Steps taken back because a particle may have passed through a shape.
+        Steps rejected because a particle may have passed through a shape.
     """
 
     steps: int
@@ -135,7 +135,7 @@ class Measures(NamedTuple):
     angular_momentum : ndarray, shape (3,)
         [kg m^2/s], about the origin.
     power : dict of str to float
-        [W], by what changes the energy; 0 without a ledger.
+        [W], by what changes the energy; 0 without `record.ledger`.
     worst : Spring
         The largest strain.
     hash : str
@@ -236,7 +236,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     Raises
     ------
     SceneError
-        Lists all mistakes with their places.
+        Lists all errors with their places.
     NotFoundError
         The scene is not there.
     Error
@@ -245,7 +245,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     Warns
     -----
     SceneWarning
-        A possible mistake in the scene.
+        A possible error in the scene.
     PerformanceWarning
         A Python function costs some microseconds per call.
 
@@ -624,7 +624,7 @@ class Sim(Fixed):
 
     def frames(self) -> Iterator[int]:
         """Advances from frame to frame of the scene, up to its duration, as `weft run` does and with the same bits: it
-        restarts the stepper at the checkpoints of the scene. An event is the last frame.
+        restarts the integrator at the checkpoints of the scene. An event is the last frame.
 
         Yields
         ------
@@ -656,7 +656,7 @@ class Sim(Fixed):
                 self.restart()
 
     def restart(self) -> None:
-        """Starts the stepper again from the present state, with the step size that it would try next. Call it after a
+        """Starts the integrator again from the present state, with the step size that it would try next. Call it after a
         change of the data that an own force uses.
         """
         with self._alone() as err:
@@ -664,7 +664,7 @@ class Sim(Fixed):
 
     @property
     def stats(self) -> Stats:
-        """Counts of the stepper since t = 0."""
+        """Counts of the integrator since t = 0."""
         with self._exclusion.read():
             stats, vetoed = lib.weft_sim_stats(self._sim), lib.weft_sim_vetoed(self._sim)
         return Stats(**{name: getattr(stats, name) for name in Stats._fields[:-1]}, vetoed=vetoed)
@@ -726,7 +726,7 @@ class Sim(Fixed):
 
     @property
     def sensitivity(self) -> dict[str, Array]:
-        """The derivatives of positions and velocities by the numbers of the scene's `sensitivity` (docs/guides/gradients.md): by
+        """The derivatives of positions and velocities with respect to the parameters of the scene's `sensitivity` (docs/guides/gradients.md): by
         key, as its `scale` says, an array (2, N, 3), a copy.
 
         >>> sim = weft.load(scene, {"sensitivity": {"of": ["forces.gravity.1"], "scale": "none"}})
@@ -793,7 +793,7 @@ class Sim(Fixed):
             check(lib.weft_sim_set_state(self._sim, x, v, err), err)
 
     def save(self) -> bytes:
-        """All that the future of the simulation depends on. It restarts the stepper, so that both continue with the same
+        """All that the future of the simulation depends on. It restarts the integrator, so that both continue with the same
         bits. A simulation can also be pickled, and copied with copy.deepcopy.
 
         Returns
