@@ -229,8 +229,8 @@ function fillLegend() {
 }
 
 function fillWords() {
-    document.title = `${page.scene}: which stepper? - weft`;
-    $('name').textContent = `${page.scene}: which stepper?`;
+    document.title = `${page.scene}: which integrator? - weft`;
+    $('name').textContent = `${page.scene}: which integrator?`;
     $('summary').append(...[
         page.size.replace(' x ', ' × '),
         `${page.methods.filter((m) => m.points.length > 0).length} methods over ${short(page.time)} s`,

@@ -19,7 +19,7 @@ const NAMES = {
     max_strain: ['largest strain', '%', 100], limit_strain: ['strain before the limit', '%', 100],
     min_gap: ['smallest gap', 'm'], self_gap: ['smallest gap to itself', 'm'], touching: ['touching particles'], self_touching: ['particles that touch the cloth'],
     time: ['simulated time', 's'], wall_time: ['wall time', 's'], step_size: ['step size', 's'],
-    rejected: ['rejected steps'], vetoed: ['steps vetoed by contact'], rhs_calls: ['force evaluations'], limit_sweeps: ['sweeps of the limit'],
+    rejected: ['rejected steps'], vetoed: ['steps rejected for contact'], rhs_calls: ['force evaluations'], limit_sweeps: ['sweeps of the limit'],
     linear_iterations: ['linear iterations'], newton_failures: ['Newton failures'],
 };
 // What a run cost, not what it came to.

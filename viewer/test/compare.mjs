@@ -48,7 +48,7 @@ test('the diagram loads without an error, a warning or a request', async () => {
     const { page, said } = await open(browser, file);
     await drawn(page);
     assert.deepEqual(said, []);
-    assert.match(await page.title(), /^<\/script><script>alert\(1\)<\/script>: which stepper\? - weft$/);
+    assert.match(await page.title(), /^<\/script><script>alert\(1\)<\/script>: which integrator\? - weft$/);
     assert.match(await page.textContent('#summary'), /7 × 7 particles/);
     assert.match(await page.textContent('#horizon'), /predictable to t = .* displaced by 1e-10 m/);
     assert.match(await page.textContent('#stiffness'), /The stiffest mode: omega .* damping ratio/);
