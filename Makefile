@@ -507,7 +507,7 @@ C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[c
 lint: all
 	@tools/lint $(C_FILES)
 	@tools/versions
-	@! command -v python3 >/dev/null || tools/pages
+	@! command -v python3 >/dev/null || { tools/pages && tools/words && tools/holds; }
 	@tools/rooms $(BUILD)
 
 # A hook of git that checks the form of commit messages.
