@@ -51,9 +51,9 @@ typedef struct seeking {
     kept *sides[2];
 } seeking;
 
-/* A node, or a patch of a level. */
+/* A node, or a patch of a level; in one register. */
 typedef struct seek_patch {
-    size_t r, c;
+    uint32_t r, c;
 } seek_patch;
 
 INLINE bool of_skin(const seeking *of)
@@ -382,7 +382,7 @@ INLINE bool never_meet(const seeking *of, size_t level, seek_patch a, seek_patch
                || (in->between && (high + 1) << 2 * level <= in->particles));
 }
 
-INLINE seek_patch quarter_of(const seeking *of, seek_patch a, size_t j)
+INLINE seek_patch quarter_of(const seeking *of, seek_patch a, uint32_t j)
 {
     return of_skin(of) ? (seek_patch){ 0, 4 * a.c + j }
                        : (seek_patch){ 2 * a.r + j / 2, 2 * a.c + j % 2 };
@@ -400,7 +400,7 @@ static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_pat
     }
     for (unsigned near = near_quarters(of, level, a, b); near != 0 && goes_on;
          near &= near - 1) {
-        const size_t bit = (size_t)__builtin_ctz(near);
+        const uint32_t bit = (uint32_t)__builtin_ctz(near);
         goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
                                quarter_of(of, b, bit % 4));
     }
@@ -419,14 +419,14 @@ static bool seek_within(const seeking *of, size_t level, seek_patch a)
         return visit_nodes(of, a, a);
     }
     const weft__seek_level *below = &of->in->level[level - 1];
-    for (size_t j = 0; j < 4 && goes_on; ++j) {
+    for (uint32_t j = 0; j < 4 && goes_on; ++j) {
         const seek_patch in = quarter_of(of, a, j);
         goes_on = in.r >= below->rows || in.c >= below->cols
                   || seek_within(of, level - 1, in);
     }
     for (unsigned near = near_quarters(of, level, a, a) & AFTER; near != 0 && goes_on;
          near &= near - 1) {
-        const size_t bit = (size_t)__builtin_ctz(near);
+        const uint32_t bit = (uint32_t)__builtin_ctz(near);
         goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
                                quarter_of(of, a, bit % 4));
     }
@@ -458,7 +458,7 @@ bool NAME(seek, LEVEL)(const weft__boxes *in, const double *y, const uint32_t ti
                                    : in->eights == 2 ? KEPT / 2
                                                      : KEPT / 4,
                          .sides = { &sides[0], &sides[1] } };
-    const size_t cols = in->level[in->top].cols;
+    const uint32_t cols = (uint32_t)in->level[in->top].cols;
     const seek_patch a = { tiles[0] / cols, tiles[0] % cols };
     const seek_patch b = { tiles[1] / cols, tiles[1] % cols };
     if (tiles_apart(&of, a, b)) {
