@@ -308,6 +308,70 @@ START_TEST(gains_are_foretold_within_a_factor_of_2)
 }
 END_TEST
 
+#ifdef WEFT_QHULL
+/* A disc of triangles, of damping tau [s], that falls onto a sphere or freely. */
+static void write_disc(double tau, bool touches)
+{
+    char text[1024];
+    (void)snprintf(text, sizeof text,
+                   "weft: 1\n"
+                   "cloth:\n"
+                   "  cut:\n"
+                   "    outline: {disc: 0.2}\n"
+                   "    spacing: 0.04\n"
+                   "    origin: [0, 0.02, 0]\n"
+                   "    right: [1, 0, 0]\n"
+                   "    down: [0, 0, 1]\n"
+                   "  fabric: {preset: tango-red-jet-set, damping: [%g, 1.0e-3]}\n"
+                   "%s"
+                   "stepper: {plugin: arkode, method: dormand_prince}\n"
+                   "run: {duration: 0.2}\n",
+                   tau,
+                   touches ? "contact:\n"
+                             "  thickness: 5.0e-3\n"
+                             "  friction: 0.4\n"
+                             "  shapes: [{shape: sphere, at: [0, -0.15, 0], radius: "
+                             "0.15}]\n"
+                           : "");
+    write_file(OUT "/disc.yaml", text);
+}
+
+/* What a run with the tolerances that weft check names takes, in evaluations; an
+ * iteration of a linear system counts as two of them. */
+static double work_of(const char *method)
+{
+    (void)shell("rm -rf " OUT "/work");
+    expect(shell(WEFT " run --quiet --out " OUT "/work " OUT "/disc.yaml --set "
+                      "'stepper={%s, rtol: 1.0e-3, atol: {position: 1.0e-3, velocity: "
+                      "1.0}}' 2>&1 && cat " OUT "/work/result.yaml",
+                 method),
+           0);
+    says("status: done");
+    return number_after("rhs_calls: ") + 2.0 * number_after("linear_iterations: ");
+}
+
+/* With and without contact, damped and not: the advised kind takes less work. */
+START_TEST(advice_on_triangles_is_that_of_trials)
+{
+    static const struct {
+        double tau;
+        bool touches, gains;
+    } discs[] = { { 1e-3, false, true }, { 1e-2, true, true }, { 3e-5, true, false } };
+    write_disc(discs[_i].tau, discs[_i].touches);
+    expect(shell(WEFT " check --yaml " OUT "/disc.yaml 2>&1"), 0);
+    says(discs[_i].gains ? "implicit methods gain about " : "implicit methods do not ");
+    says(discs[_i].touches ? " s in contact, at rtol 0.001, atol 0.001 m and 1 m/s, "
+                           : " s, at rtol 0.001, atol 0.001 m and 1 m/s, ");
+    const double gain = number_after("implicit methods gain about ");
+    const double stiff = work_of("plugin: stiff, method: ros2");
+    const double other = work_of("plugin: arkode, method: dormand_prince");
+    ck_assert_double_gt(discs[_i].gains ? other : stiff,
+                        discs[_i].gains ? stiff : other);
+    ck_assert(!discs[_i].gains || (gain > 2.0 && other / stiff > 2.0));
+}
+END_TEST
+#endif
+
 START_TEST(nothing_is_promised_without_damping_or_for_small_soft_cloth)
 {
     static const struct {
@@ -383,6 +447,9 @@ TEST_SUITE(cli_stability)
     tcase_add_test(tcase, the_allowance_is_named_where_it_is_used);
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, gains_are_foretold_within_a_factor_of_2);
+#ifdef WEFT_QHULL
+    tcase_add_loop_test(tcase, advice_on_triangles_is_that_of_trials, 0, 3);
+#endif
     tcase_add_test(tcase, nothing_is_promised_without_damping_or_for_small_soft_cloth);
     tcase_add_test(tcase, rkc2_is_in_the_table_where_damping_allows_it);
 #endif

@@ -175,6 +175,18 @@ static void modes_yaml(yaml_out *out, const char *key, const weft_stiffness *mod
                    modes->damping);
 }
 
+static void trial_yaml(yaml_out *out, const char *key, const survey_trial *of)
+{
+    if (of->work > 0.0) {
+        yaml_out_write(
+            out,
+            "%s: { plugin: \"%s\", method: \"%s\", rtol: %g, atol: [%g, %g], "
+            "from: %g, end: %g, work_per_second: %g }",
+            key, of->method->plugin->id, of->method->type->name, of->rtol, of->atol[0],
+            of->atol[1], of->from, of->end, of->work);
+    }
+}
+
 void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
 {
     modes_yaml(out, "at_the_start", &of->now);
@@ -205,6 +217,8 @@ void stability_yaml(yaml_out *out, const weft_scene *scene, const survey *of)
                        of->trial_steps, of->trial_held, of->trial_mean,
                        of->trial_calls);
     }
+    trial_yaml(out, "implicit_trial", &of->implicit);
+    trial_yaml(out, "explicit_trial", &of->explicit);
     yaml_out_write(out, "advice: \"%s\", stiffness: \"%s\"", advise(scene, of).text,
                    stiffness(scene, of).text);
 }

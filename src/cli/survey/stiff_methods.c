@@ -54,8 +54,7 @@ static bool is_explicit(const survey_method *method)
            && (method->type->flags & WEFT_STEPPER_STRUCTURE) == 0;
 }
 
-/* NULL: it is not there. */
-static const survey_method *find(const survey *of, const char *plugin, const char *name)
+const survey_method *survey_find(const survey *of, const char *plugin, const char *name)
 {
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *one = &of->methods[i];
@@ -88,6 +87,24 @@ static double spacing_of(const weft_cloth_def *cloth)
     return sqrt(area / (double)mesh->vertices);
 }
 
+/* By trials, as far as there are any; else by estimates, and by the stable step of the
+ * cheapest explicit method. */
+static void set_implicit(const survey *of, const weft_cloth_def *cloth,
+                         const survey_method *least, stiff_gains *out)
+{
+    out->touches = cloth->contact.shape_count > 0 || cloth->contact.self;
+    out->implicit = out->touches ? ROS2_CONTACT : ROS2_FREE;
+    out->least = least, out->against = cost(least);
+    if (of->implicit.work > 0.0) {
+        out->tried = &of->implicit;
+        out->implicit = of->implicit.work;
+    }
+    if (of->explicit.work > 0.0) {
+        out->both = true;
+        out->least = of->explicit.method, out->against = of->explicit.work;
+    }
+}
+
 stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
 {
     const double side = sqrt((double)weft_cloth_def_particles(cloth));
@@ -102,7 +119,8 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
             least = one;
         }
     }
-    const survey_method *rkc = find(of, "stiff", "rkc2"); /* measured for RKC_COST */
+    const survey_method *rkc
+        = survey_find(of, "stiff", "rkc2"); /* measured for RKC_COST */
     stiff_gains out = { 0 };
     double w = 0.0,
            c = 0.0; /* the largest omega^2, the least damping that goes with it */
@@ -124,12 +142,10 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
         const double stages = RKC_COST * out.rkc->calls / out.rkc->step;
         out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
     }
-    if (cloth->mesh != NULL && find(of, "stiff", "ros2") != NULL) {
-        out.touches = cloth->contact.shape_count > 0 || cloth->contact.self;
-        out.implicit = out.touches ? ROS2_CONTACT : ROS2_FREE;
-        out.least = least, out.against = cost(least);
+    if (cloth->mesh != NULL && survey_find(of, "stiff", "ros2") != NULL) {
+        set_implicit(of, cloth, least, &out);
     }
-    const bool may = cloth->mesh == NULL && find(of, "cvode", "bdf") != NULL
+    const bool may = cloth->mesh == NULL && survey_find(of, "cvode", "bdf") != NULL
                      && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
         const double bdf = BDF_COST * pow(out.omega / side / BDF_WAVES, BDF_STIFF)
@@ -148,6 +164,45 @@ static void say_gain(double gain, sentence *out)
     say(out, gain < 9.95 ? "%.1f x" : "%.0f x", gain);
 }
 
+/* The tolerances that a trial has shown to work are named. */
+static void say_trial(const stiff_gains *gains, sentence *out)
+{
+    const survey_trial *tried = gains->tried;
+    say(out, "in a trial of %.2g s%s, at rtol %g, atol %g m and %g m/s, ",
+        tried->end - tried->from,
+        tried->touches   ? " in contact"
+        : gains->touches ? " in which the cloth does not touch yet"
+                         : "",
+        tried->rtol, tried->atol[0], tried->atol[1]);
+}
+
+static void say_implicit(const stiff_gains *gains, sentence *out)
+{
+    const double gain = gains->against / gains->implicit;
+    say(out, "; ");
+    if (gains->both) {
+        say_trial(gains, out);
+    }
+    say(out, "%s %s%s takes %.2g evaluations per simulated second; ",
+        gains->least->plugin->id, gains->least->type->name,
+        gains->both ? "" : " at its stable step", gains->against);
+    if (gains->tried != NULL && !gains->both) {
+        say_trial(gains, out);
+    }
+    say(out, "stiff ros2%s %.2g%s: ",
+        gains->tried != NULL ? " takes the work of" : " at rtol 1e-3 the time of about",
+        gains->implicit,
+        gains->tried != NULL ? ""
+        : gains->touches     ? " where the cloth touches (estimated)"
+                             : " (estimated)");
+    if (gain >= LEAST_GAIN) {
+        say(out, "implicit methods gain about ");
+        say_gain(gain, out);
+    } else {
+        say(out, "implicit methods do not pay");
+    }
+}
+
 void stiff_say(const stiff_gains *gains, sentence *out)
 {
     say(out, "stiffest mode: omega %.4g 1/s, damping ratio %.2g: %s", gains->omega,
@@ -156,19 +211,7 @@ void stiff_say(const stiff_gains *gains, sentence *out)
         : gains->zeta >= LEAST_ZETA ? "damped"
                                     : "lightly damped");
     if (gains->implicit > 0.0) {
-        const double gain = gains->against / gains->implicit;
-        say(out,
-            "; %s %s at its stable step takes %.2g evaluations per simulated second; "
-            "stiff ros2 at rtol 1e-3 the time of about %.0e%s (estimated): implicit "
-            "methods ",
-            gains->least->plugin->id, gains->least->type->name, gains->against,
-            gains->implicit, gains->touches ? " where the cloth touches" : "");
-        if (gain >= LEAST_GAIN) {
-            say(out, "gain about ");
-            say_gain(gain, out);
-        } else {
-            say(out, "do not pay");
-        }
+        say_implicit(gains, out);
     }
     if (!(gains->stabilised > 0.0) && !(gains->bdf[0] > 0.0)) {
         if (gains->implicit > 0.0) {

@@ -206,6 +206,31 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
     return status;
 }
 
+/* The scene's own adaptive explicit method, or the one that scenes begin with. */
+static const survey_method *explicit_method(const survey *of)
+{
+    const bool own = of->own != NULL && method_adapts(of->own->type)
+                     && (of->own->type->flags & WEFT_STEPPER_STRUCTURE) == 0
+                     && (of->own->type->flags & WEFT_STEPPER_BUTCHER) == 0;
+    return own ? of->own : survey_find(of, "arkode", "dormand_prince");
+}
+
+/* Meshes only: gains on grids are foretold (stiff_methods.c). */
+static weft_status try_methods(const weft_scene *scene, const weft_cloth *cloth,
+                               const double *start, survey *out, weft_error *err)
+{
+    const survey_method *ros2 = survey_find(out, "stiff", "ros2"),
+                        *other = explicit_method(out);
+    const bool limited = weft_scene_limit(scene)->method != WEFT_LIMIT_NONE;
+    if (ros2 == NULL || limited || weft_scene_cloth(scene)->mesh == NULL) {
+        return WEFT_OK;
+    }
+    TRY(try_method(scene, cloth, ros2, start, NULL, &out->implicit, err));
+    return out->implicit.work > 0.0 && other != NULL ? try_method(
+               scene, cloth, other, start, &out->implicit, &out->explicit, err)
+                                                     : WEFT_OK;
+}
+
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
                           weft_sim *sim, const double *start, const arguments *given,
                           survey *out, weft_error *err)
@@ -225,6 +250,9 @@ weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
     if (out->own != NULL && out->own->step > 0.0
         && (out->own->type->flags & WEFT_STEPPER_STRUCTURE) == 0) {
         TRY(stable_step(scene, out->own->type, &out->any, &out->any_state, err));
+    }
+    if (sim != NULL) {
+        TRY(try_methods(scene, cloth, start, out, err));
     }
     const bool small
         = out->own != NULL && (out->own->type->flags & WEFT_STEPPER_DENSE) != 0;

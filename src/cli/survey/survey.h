@@ -22,6 +22,15 @@ typedef struct survey_method {
     double per_second; /* RHS calls per simulated second at that step */
 } survey_method;
 
+/* A trial of a method (trials.c). */
+typedef struct survey_trial {
+    const survey_method *method;
+    double work;          /* in evaluations per simulated second; 0: not known */
+    double from, end;     /* [s] of the part of the trial that it is of */
+    bool touches;         /* in that part, from its start on */
+    double rtol, atol[2]; /* [m], [m/s] */
+} survey_trial;
+
 typedef struct survey {
     bool refined;
     weft_stiffness now, any; /* guaranteed: in the first state; in whatever state */
@@ -36,6 +45,7 @@ typedef struct survey {
     double trial_calls;         /* RHS calls per simulated second */
     const survey_method *rival; /* of higher order, tried too; NULL: no or no better */
     double rival_saves;         /* trial's RHS calls / those that it took */
+    survey_trial implicit, explicit; /* of triangles, at the same tolerances */
 } survey;
 
 /* sim is of the scene, at t = 0 with that start (of start_create), and is used up by
@@ -103,7 +113,18 @@ static inline double rest_area(const rest_triangle *of) /* [m^2] */
     return 0.5 * fabs(weft__plane_turn(of->corners[0], of->corners[1], of->corners[2]));
 }
 
+/* trials.c: tries a method from a start (NULL: of the cloth) on, in the part of the
+ * motion of another trial that has found its work, or as far as that is NULL. A method
+ * that refuses the scene leaves its work unknown. */
+weft_status try_method(const weft_scene *scene, const weft_cloth *cloth,
+                       const survey_method *method, const double *start,
+                       const survey_trial *other, survey_trial *out, weft_error *err);
+
 /* ---- stiff_methods.c: estimates, not bounds ---- */
+
+/* NULL: the method is not there. */
+const survey_method *survey_find(const survey *of, const char *plugin,
+                                 const char *name);
 
 enum { STIFF_ACCURACIES = 2 };
 
@@ -118,8 +139,10 @@ typedef struct stiff_gains {
     double implicit; /* of triangles: the time of stiff ros2, in evaluations per
                         simulated second; 0: unknown */
     bool touches;    /* there are shapes, or contact of the cloth with itself */
+    const survey_trial *tried;  /* behind `implicit`; NULL: an estimate is */
     const survey_method *least; /* explicit */
     double against;             /* its evaluations per simulated second */
+    bool both;                  /* by a trial like the implicit method's */
 } stiff_gains;
 
 /* From the methods of a survey, the modes behind their steps and the cloth's width. */
