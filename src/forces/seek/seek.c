@@ -103,5 +103,6 @@ static const weft__seeker seekers[] = { { NULL, NULL, NULL }, WEFT_LEVELS(FORMS)
 
 const weft__seeker *weft__seeker_of(weft__isa isa)
 {
-    return isa == WEFT__LOOPS ? NULL : &seekers[isa];
+    const size_t count = sizeof seekers / sizeof seekers[0]; /* 1 without fast forms */
+    return isa == WEFT__LOOPS || (size_t)isa >= count ? NULL : &seekers[isa];
 }
