@@ -388,9 +388,9 @@ START_TEST(help_lists_every_key_with_unit_and_default)
                       "no %s", keys[i]);
     }
     ck_assert_uint_le(text.widest, 80);
-    ck_assert_ptr_nonnull(strstr(markdown.text, "| m/s^2 | `[0, -9.81, 0]` |"));
+    ck_assert_ptr_nonnull(strstr(markdown.text, "[m/s^2] | `[0, -9.81, 0]` |"));
     ck_assert_ptr_nonnull(
-        strstr(markdown.text, "| s | **required** | simulated time |"));
+        strstr(markdown.text, "[s] | **required** | simulated time |"));
     ck_assert_ptr_nonnull(strstr(text.text, "number >= 0 [kg/(m^2 s)]"));
 }
 END_TEST

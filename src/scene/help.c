@@ -122,9 +122,8 @@ static void print_row(const printer *to, const weft__key *key, const char *path)
     const char *fallback = default_text(key);
     const char *tick = key->fallback != NULL ? "`" : "";
     const char *bold = is_required(key) ? "**" : "";
-    (void)snprintf(line, sizeof line, "| `%s` | %s | %s | %s%s%s%s%s | %s |", path,
-                   weft__wanted(key, false, true, type, sizeof type),
-                   weft__unit_of(key) == NULL ? "" : weft__unit_of(key), bold, tick,
+    (void)snprintf(line, sizeof line, "| `%s` | %s | %s%s%s%s%s | %s |", path,
+                   weft__wanted(key, true, true, type, sizeof type), bold, tick,
                    fallback, tick, bold, key->meaning);
     to->line(to->ctx, line);
 }
@@ -161,8 +160,8 @@ static void print_markdown(const printer *to)
         (void)snprintf(text, sizeof text, "### %s", i == 0 ? "The scene" : part->name);
         to->line(to->ctx, text);
         to->line(to->ctx, "");
-        to->line(to->ctx, "| key | type | unit | default | meaning |");
-        to->line(to->ctx, "|---|---|---|---|---|");
+        to->line(to->ctx, "| key | type [unit] | default | meaning |");
+        to->line(to->ctx, "|---|---|---|---|");
         (void)snprintf(text, sizeof text, "%s.", i == 0 ? "" : part->name);
         print_rows(to, i == 0 ? root : part->section, i == 0 ? "" : text);
     }

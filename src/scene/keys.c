@@ -184,8 +184,7 @@ static const weft__key shear_keys[] = {
 static const weft__key bend_keys[] = {
     { "stiffness", WEFT__WARP_WEFT, .absent = "required: stiffness or rigidity",
       NUMBER(spring, stiffness), OF_FAMILY(WEFT_BEND),
-      .meaning = "stiffness of each spring; exactly one of stiffness and rigidity is "
-                 "required" },
+      .meaning = "stiffness of each spring" },
     { "rigidity", WEFT__PAIR, .absent = "required: stiffness or rigidity",
       NUMBER(bending, rigidity), AT(weft_cloth_def, bending),
       .meaning = "bending stiffness of a plate, which converges under refinement, "
@@ -376,10 +375,9 @@ static const weft__key cloth_keys[] = {
     { "name", WEFT__TEXT, .required = true, IN_SCENE(part_name),
       .meaning = "what results call it: letters, digits, _ and -" },
     { "grid", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(grid),
-      .meaning
-      = "exactly one of grid, mesh and cut is required; particle (row, col) rests "
-        "at origin + col * spacing * right + row * "
-        "spacing * down" },
+      .meaning = "particle (row, col) rests "
+                 "at origin + col * spacing * right + row * "
+                 "spacing * down" },
     { "mesh", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(mesh),
       IN_SCENE(mesh_file), .meaning = "triangles of any outline, instead of a grid" },
     { "cut", WEFT__MAPPING, .absent = "required: grid, mesh or cut", CHECKED(cut),
@@ -387,10 +385,7 @@ static const weft__key cloth_keys[] = {
       .meaning = "a flat panel that weft meshes itself, instead of a file; groups: "
                  "outline, hole0, ..., line0, ..." },
     { "mass", WEFT__NUMBER, .absent = "required: mass, density or fabric",
-      NUMBER(grid, mass),
-      .meaning
-      = "mass of each particle; exactly one of mass and density, or a fabric, is "
-        "required" },
+      NUMBER(grid, mass), .meaning = "mass of each particle" },
     { "density", WEFT__NUMBER, .absent = "required: mass, density or fabric",
       NUMBER(grid, density), .meaning = "mass per area, lumped to the particles" },
     { "velocity", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(grid, velocity),
@@ -437,8 +432,7 @@ static const weft__section cloth_section
 
 static const weft__key wind_keys[] = {
     { "velocity", WEFT__VECTOR, .absent = "required: velocity or table",
-      NUMBER(wind, wind_velocity),
-      .meaning = "velocity of the air; exactly one of velocity and table is required" },
+      NUMBER(wind, wind_velocity), .meaning = "velocity of the air" },
     { "table", WEFT__TRACK, SECTION(wind_table), .unit = "s, m/s",
       .absent = "required: velocity or table", AT(weft_cloth_def, wind_table),
       SPLINE(weft_cloth_def, wind_table),
@@ -858,8 +852,7 @@ static const weft__key root_keys[] = {
       AT(weft_scene, name), .meaning = "free text" },
     { "cloth", WEFT__MAPPING, .section = &cloth_section,
       .absent = "required: cloth or cloths", AT(weft_scene, cloth),
-      .meaning = "the model: grid or mesh, masses, springs, pins; exactly one of cloth "
-                 "and cloths is required" },
+      .meaning = "the model: grid or mesh, masses, springs, pins" },
     { "cloths", WEFT__CLOTHS, .section = &part_section,
       .absent = "required: cloth or cloths", AT(weft_scene, parts),
       .meaning
