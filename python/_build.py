@@ -193,10 +193,10 @@ static weft_status weftpy_pairs_create(const weft_stepper_type *type, const weft
         }
     }
     for (size_t i = 0; i < of->block_coupling_count; ++i) {
-        weftpy_pair(to, of->block_couplings[i].p, of->links[i].q);
+        weftpy_pair(to, of->block_couplings[i].p, of->block_couplings[i].q);
     }
     for (size_t i = 0; i < of->scalar_coupling_count; ++i) {
-        weftpy_pair(to, of->scalar_couplings[i].p, of->ties[i].q);
+        weftpy_pair(to, of->scalar_couplings[i].p, of->scalar_couplings[i].q);
     }
     return WEFT_OK;
 }
