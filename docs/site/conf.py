@@ -7,6 +7,8 @@ from pathlib import Path
 from unittest.mock import MagicMock
 
 from sphinx.builders.html import StandaloneHTMLBuilder
+from sphinx.ext.napoleon import Config
+from sphinx.ext.napoleon.docstring import NumpyDocstring
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -15,7 +17,7 @@ sys.path.insert(0, str(ROOT / "python/src"))
 
 project = "weft"
 copyright = "the authors of weft, BSD-3-Clause"
-extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
 root_doc = "index"
 exclude_patterns = ["README.md", "**/*.txt"]
 pygments_style, pygments_dark_style = "friendly", "native"
@@ -96,6 +98,16 @@ def undocumented(app, what, name, thing, options, lines):
         lines.clear()
 
 
+DOCSTRINGS = Config(napoleon_use_ivar=True, napoleon_use_rtype=False)
+
+
+def as_sections(app, what, name, thing, options, lines):
+    """Docstrings in the form of numpydoc; the extension napoleon itself would take a property's text for its type."""
+    form = NumpyDocstring(lines, DOCSTRINGS, app, "method" if what == "property" else what, name, thing, options)
+    lines[:] = str(form).split("\n")
+
+
 def setup(app):
+    app.connect("autodoc-process-docstring", as_sections)
     app.connect("autodoc-process-docstring", undocumented)
     app.connect("source-read", as_page)
