@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every public name has a docstring, in the form of numpydoc where it takes or gives something."""
+import builtins
 import inspect
 import re
 
@@ -100,3 +101,16 @@ def test_what_raises_says_so():
         assert "Raises" in sections(getattr(weft, name)), name
     for name in ("step", "advance", "frames", "between", "set_state", "save", "restore", "move_pin", "unpin", "add_shape"):
         assert "Raises" in sections(getattr(weft.Sim, name)), name
+
+
+@pytest.mark.parametrize("name, of", [(name, of) for name, of in EVERYTHING if inspect.isfunction(of)])
+def test_a_function_begins_with_what_it_does(name, of):
+    assert re.match(r"[A-Z][a-z]*s\b", inspect.getdoc(of)), inspect.getdoc(of)[:60]
+
+
+@pytest.mark.parametrize("name, of", EVERYTHING, ids=[name for name, _ in EVERYTHING])
+def test_exceptions_that_a_docstring_names_exist(name, of):
+    found = sections(of)
+    for one in described(found.get("Raises", "")) | described(found.get("Warns", "")):
+        kind = getattr(weft, one, None) or getattr(builtins, one, None)
+        assert inspect.isclass(kind) and issubclass(kind, Exception), one

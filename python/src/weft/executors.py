@@ -109,7 +109,7 @@ def map(scene: Scene, sweep: Optional[Mapping[str, Any]] = None, out: Optional[P
     Raises
     ------
     SceneError
-        Errors in the scene or in the sweep.
+        Errors of the scene or of the sweep.
     NotFoundError
         The scene is not there.
     RunError

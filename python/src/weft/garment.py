@@ -350,7 +350,7 @@ def _turn_of(stretch: Array) -> Array:
 
 
 def relaxed(mesh: Mesh, rounds: int) -> Array:
-    """Start positions that are nearer to the lengths of the rest shape.
+    """Computes start positions that are nearer to the lengths of the rest shape.
 
     `rounds` times, each triangle takes its rest shape, turned as it lies, and vertices the positions that fit these
     best (as rigid as possible: O. Sorkine, M. Alexa, SGP 2007). Neither bending nor bodies count. Needs SciPy.
@@ -441,9 +441,9 @@ def _mesh_panels(panels: Mapping[str, _Panel], stitches: list[Any], spacing: flo
 
 
 def load(pattern: Union[PathLike, Mapping[str, Any]], *, spacing: float = 0.02, relax: int = 100) -> Mesh:
-    """A garment from a sewing pattern of GarmentCode.
+    """Makes a garment from a sewing pattern of GarmentCode.
 
-    Stitched edges have equally many vertices, which they share; each side has its own places in the rest shape, where
+    Stitched edges have equally many vertices, which they share; each side has its own UV coordinates in the rest shape, where
     panels lie side by side, u along their x, v along their y. The directions of stitches, which a file does not have,
     are those that do not twist. Panels are placed as in the file, sewn vertices at the mean of their places, and then
     relaxed(); no body keeps them apart. Fabrics and groups are named by panels. Labels of edges are groups, too, and
@@ -465,8 +465,8 @@ def load(pattern: Union[PathLike, Mapping[str, Any]], *, spacing: float = 0.02, 
 
     Raises
     ------
-    ValueError
-        What is wrong with the pattern, and where.
+    ArgumentError
+        The pattern is wrong: the message says what, and where.
     FileNotFoundError
         The file is not there.
 

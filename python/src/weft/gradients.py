@@ -84,9 +84,10 @@ def _read(form: Form, keys: Sequence[str]) -> tuple[Any, Any, list[str]]:
 
 def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
              overrides: Optional[Mapping[str, Any]] = None, *, times: Optional[Sequence[float]] = None) -> Gradient:
-    """The derivative of an objective with respect to parameters of a scene and to its first state (docs/guides/gradients.md).
+    """Computes the gradient of an objective with respect to parameters of a scene and to its first state
+    (docs/guides/gradients.md).
 
-    It costs some four runs in all, and for each number other than those of springs, gravity and drag up to two more.
+    It costs some four runs in all, and for each parameter other than those of springs, gravity and drag up to two more.
     The method is an explicit one-step method; the scene has neither a strain limit nor a stop.
 
     Parameters
@@ -94,11 +95,11 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     scene : path, str or dict
         As of load().
     objective : callable
-        objective(t, x, v) returns its value in a frame at t [s] and its derivatives with respect to the positions x (N, 3) [m], or
-        by these and by the velocities v (N, 3) [m/s], all in the order of Sim.positions. It gets the same arrays in
+        objective(t, x, v) returns its value in a frame at t [s] and its derivatives with respect to the positions
+        x (N, 3) [m], or to these and to the velocities v (N, 3) [m/s], all in the order of Sim.positions. It gets the same arrays in
         each call and must not change them. The last frame comes first.
     over : list of str
-        Keys of numbers as overrides write them, any number of them.
+        Keys of parameters, as overrides write them; as many as you like.
     overrides : dict, optional
         {"key.path": value}.
     times : list of float, optional
@@ -112,7 +113,7 @@ def gradient(scene: Scene, objective: Objective, over: Sequence[str] = (),
     Raises
     ------
     SceneError
-        Errors in the scene or in `over`.
+        Errors of the scene or of `over`.
     NotFoundError
         The scene is not there.
     Error

@@ -192,13 +192,13 @@ class Failure(NamedTuple):
     self_pair : tuple of two tuples of int
         The particles of two parts of the cloth that are the reason, each 1, 2 or 3; empty: they are not.
     held_by_contact : bool
-        If no step was short enough: whether contact is stiffer than all else; looser tolerances do not help then.
+        Whether no step was short enough because contact is stiffer than all else; looser tolerances do not help then.
     other_shape : int
         Another shape that is nearer than the thickness; gap_shape: there is none.
     other_gap : float
         [m] of the nearest particle to it.
     held : str
-        What holds the step, in words; empty: not looked for.
+        What keeps the step short, in words; empty: not looked for.
     force : bool
         Whether an own force is the reason, which is not finite on the free particle force_particle.
     force_particle : int
@@ -466,7 +466,7 @@ def weftpy_option(ctx: Any, name: Any, value: Any) -> None:
 
 
 def scene_help(key: Optional[str] = None) -> str:
-    """The keys of a scene with type, unit, default and meaning.
+    """Describes the keys of a scene with type, unit, default and meaning.
 
     Parameters
     ----------
@@ -476,7 +476,7 @@ def scene_help(key: Optional[str] = None) -> str:
     Returns
     -------
     str
-        What `weft scene-help` prints.
+        Lines of text.
 
     Raises
     ------
@@ -530,7 +530,7 @@ def registry() -> Any:
 
 
 def load_plugin(file: PathLike) -> None:
-    """Loads a plugin, which runs its code in this process. Plugins in the directories of WEFT_PLUGIN_PATH need no
+    """Loads a plugin with integrators, which runs its code in this process. Plugins in the directories of WEFT_PLUGIN_PATH need no
     call.
 
     Parameters
@@ -565,7 +565,7 @@ def _method(plugin: Any, kind: Any) -> Method:
 
 
 def methods() -> list[Method]:
-    """Every method of every plugin that is found.
+    """Lists every method of every plugin that is found.
 
     Returns
     -------
@@ -595,7 +595,7 @@ def methods() -> list[Method]:
 
 
 def amplification(plugin: str, method: str) -> Array:
-    """The stability polynomial of an explicit Runge-Kutta method, found by running it.
+    """Computes the stability polynomial of an explicit Runge-Kutta method, found by running it.
 
     Parameters
     ----------
@@ -663,7 +663,7 @@ def yaml_text(value: Any, margin: str = "") -> str:
 
 
 def fabrics() -> dict[str, dict[str, Any]]:
-    """The measured fabrics of `weft fabrics`, in the words of cloth.fabric.
+    """Lists the measured fabrics, in the words of cloth.fabric.
 
     Returns
     -------
@@ -732,7 +732,7 @@ def index_of(cloth: Any) -> Optional[Places]:
 
 
 def scene_twins(scene: Any) -> Any:
-    """The cloths with less and more of each parameter of `sensitivity`."""
+    """The cloths with less and more of each parameter with respect to which a scene is differentiated."""
     out, err = ffi.new("weft_scene_perturbed **"), ffi.new("weft_error *")
     with registry_lock:
         check(lib.weftpy_perturbed(registry(), scene, out, err), err)

@@ -139,7 +139,7 @@ class Mesh(Fixed):
 
     Raises
     ------
-    ValueError, TypeError, IndexError
+    ArgumentError, ArgumentTypeError, ArgumentIndexError
         An array has another shape, kind or range.
 
     Examples
@@ -276,7 +276,7 @@ class Mesh(Fixed):
 
     @staticmethod
     def of(value: Any) -> Mesh:
-        """The mesh itself, or from_trimesh() or from_meshio() of what has their attributes.
+        """Makes a mesh of what has the attributes of one: by from_trimesh() or from_meshio(); a Mesh is returned itself.
 
         Parameters
         ----------
@@ -290,7 +290,7 @@ class Mesh(Fixed):
 
         Raises
         ------
-        TypeError
+        ArgumentTypeError
             It is something else, such as a trimesh.Scene.
         """
         if isinstance(value, Mesh):
@@ -305,7 +305,7 @@ class Mesh(Fixed):
 
     @staticmethod
     def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
-        """Of a trimesh.Trimesh, or what has `vertices`, `faces` and perhaps `visual.uv`.
+        """Makes a mesh of a trimesh.Trimesh, or of what has `vertices`, `faces` and perhaps `visual.uv`.
 
         Parameters
         ----------
@@ -322,7 +322,7 @@ class Mesh(Fixed):
 
         Raises
         ------
-        ValueError
+        ArgumentError
             There is neither u v nor a plane.
         """
         start, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
@@ -335,9 +335,9 @@ class Mesh(Fixed):
 
     @staticmethod
     def from_meshio(mesh: Any, *, rest: Optional[str] = None) -> Mesh:
-        """Of a meshio.Mesh, or what has `points`, `cells`, `point_data`.
+        """Makes a mesh of a meshio.Mesh, or of what has `points`, `cells`, `point_data`.
 
-        Its triangles; cells of lines and points are left out, others refused. `point_sets` are groups; physical groups
+        It has the triangles; cells of lines and points are left out, others refused. `point_sets` are groups; physical groups
         of gmsh are fabrics, if they have triangles, or groups.
 
         Parameters
@@ -355,9 +355,9 @@ class Mesh(Fixed):
 
         Raises
         ------
-        ValueError
+        ArgumentError
             It has other cells, or no rest shape.
-        KeyError
+        MissingKeyError
             There is no such point_data.
         """
         points = np.asarray(mesh.points)
@@ -404,7 +404,7 @@ def flat_coordinates(points: Any) -> Array:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         The points leave the plane by more than a thousandth of their extent.
 
     Warns

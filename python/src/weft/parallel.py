@@ -171,7 +171,7 @@ class Batch(Fixed):
         ------
         BatchError
             Some failed, when all have ended: those have the state of their last good step.
-        ValueError
+        ArgumentError
             A time is over, or not finite.
         """
         with self._exclusion.change():
@@ -221,7 +221,7 @@ class Batch(Fixed):
                 check(lib.weft_sim_restore(self._all[i], ffi.from_buffer(self._start), len(self._start), err), err)
 
     def pin(self, particle: Index, velocities: Any = None) -> None:
-        """Sim.pin() in all: holds a particle and moves it from now on.
+        """Pins a particle in all simulations, as Sim.pin() does.
 
         Parameters
         ----------

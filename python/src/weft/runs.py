@@ -56,7 +56,7 @@ def _prefix() -> Path:
 
 
 def program() -> Path:
-    """The program weft that this package uses; `weft` in a shell and `python -m weft` start it.
+    """Finds the program weft that this package uses; `weft` in a shell and `python -m weft` start it.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def program() -> Path:
 
 
 def scene(name: str) -> Path:
-    """The file of a scene that comes with weft.
+    """Finds the file of a scene that comes with weft.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = No
     Raises
     ------
     SceneError
-        Errors in the scene.
+        Errors of the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -254,7 +254,7 @@ def batch(scenes: Union[Scene, Sequence[Scene]], out: PathLike, overrides: Optio
     Raises
     ------
     SceneError
-        Errors in the scene.
+        Errors of the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -308,7 +308,7 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
     Raises
     ------
     SceneError
-        Errors in the scene.
+        Errors of the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -359,7 +359,7 @@ def converge(scene: Scene, sizes: Sequence[int], overrides: Optional[Mapping[str
     Raises
     ------
     SceneError
-        Errors in the scene.
+        Errors of the scene.
     NotFoundError
         The scene is not there.
     RunError
@@ -411,7 +411,7 @@ class Fit(NamedTuple):
 
 def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], out: PathLike,
         overrides: Optional[Mapping[str, Any]] = None, *, sigma: float = 1e-3, force: bool = False) -> Fit:
-    """Finds the numbers of a scene with which its particles follow data, as `weft fit` does.
+    """Fits parameters of a scene to measured trajectories or to a shadow, as `weft fit` does.
 
     Parameters
     ----------
@@ -422,7 +422,7 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
         x, y and z, where NaN is missing; or the outline of its shadow at the end, with the columns angle and radius
         [degrees, m] or x and y [m].
     over : list of str
-        Keys of the numbers.
+        Keys of the parameters.
     out : path
         The directory that is written.
     overrides : dict, optional
@@ -440,7 +440,7 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
     Raises
     ------
     SceneError
-        Errors in the scene or in `over`.
+        Errors of the scene or of `over`.
     NotFoundError
         The scene or the data are not there.
     RunError
@@ -649,7 +649,7 @@ class Page(Fixed):
                 % (self.height, html.escape(self.path.read_text(encoding="utf-8"))))
 
     def show(self) -> None:
-        """In a notebook, also amid a cell; else in a browser."""
+        """Shows the page: in a notebook, also amid a cell; else in a browser."""
         ipython = sys.modules.get("IPython")
         shell = ipython.get_ipython() if ipython else None
         if shell is not None and hasattr(shell, "kernel"):
@@ -802,7 +802,7 @@ class Run(Fixed):
 
     @property
     def cloths(self) -> dict[str, slice]:
-        """Of several cloths the vertices of each, by its name: run.positions[-1][run.cloths["shirt"]]."""
+        """The vertices of each of several cloths, by its name: run.positions[-1][run.cloths["shirt"]]."""
         found, first = {}, 0
         for cloth in self.manifest.get("cloths", []):
             found[cloth["name"]] = slice(first, first := first + cloth["vertices"])
@@ -854,7 +854,7 @@ class Run(Fixed):
 
 
 def open(directory: PathLike) -> Run:  # noqa: A001 - as numpy's and tarfile's
-    """The files of a run.
+    """Opens the files of a run.
 
     Parameters
     ----------

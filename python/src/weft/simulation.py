@@ -96,7 +96,7 @@ class Stats(NamedTuple):
     Attributes
     ----------
     steps, rejected : int
-        Accepted steps, and attempts that were rejected.
+        Accepted steps, and rejected attempts.
     rhs_calls : int
         Evaluations of the right-hand side.
     last_step : float
@@ -108,7 +108,7 @@ class Stats(NamedTuple):
     bytes : int
         Memory of the run without the cloth; 0: not known.
     vetoed : int
-        Steps rejected because a particle may have passed through a shape.
+        Steps that were rolled back because a particle may have passed through a collider.
     """
 
     steps: int
@@ -209,7 +209,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
         weft.Mesh, a trimesh.Trimesh or a meshio.Mesh instead of {"file": ...}, and the `file` of a mesh in
         contact.shapes a trimesh.Trimesh or (vertices, triangles), with vertices (keys, n, 3) for key frames.
     overrides : dict, optional
-        {"key.path": value}, as `--set` of the program.
+        {"key.path": value}, for keys of the scene, such as {"run.fps": 60, "cloth.density": 0.3}.
     force : callable, optional
         force(t, x, v, f) adds its own force [N] to f (N, 3) in place, at t [s], positions x (N, 3) [m], velocities v
         (N, 3) [m/s]. It must be a function of (t, x, v) alone, and is called in every evaluation of the right-hand
@@ -236,7 +236,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     Raises
     ------
     SceneError
-        Lists all errors with their places.
+        The scene has errors: the message lists all of them with their places.
     NotFoundError
         The scene is not there.
     Error
@@ -245,7 +245,7 @@ def load(scene: Scene, overrides: Optional[Mapping[str, Any]] = None, *, force: 
     Warns
     -----
     SceneWarning
-        A possible error in the scene.
+        The scene has a possible error.
     PerformanceWarning
         A Python function costs some microseconds per call.
 
@@ -401,7 +401,11 @@ class Sim(Fixed):
 
     @property
     def name(self) -> str:
-        """The name of the scene."""
+        """The name of the scene: its key `name`, or the name of its file.
+
+        >>> weft.load({**scene, "name": "curtain"}).name
+        'curtain'
+        """
         return text(lib.weft_scene_name(self._scene))
 
     @property
@@ -413,17 +417,22 @@ class Sim(Fixed):
 
     @property
     def rows(self) -> int:
-        """Of a grid; 0 of triangles."""
+        """How many rows of particles a grid has; 0 of triangles.
+
+        >>> sim = weft.load(scene)
+        >>> sim.rows, sim.cols
+        (8, 10)
+        """
         return int(lib.weft_cloth_rows(self._cloth))
 
     @property
     def cols(self) -> int:
-        """Of a grid; 0 of triangles."""
+        """How many columns of particles a grid has; 0 of triangles. Particle (r, c) has index r * cols + c."""
         return int(lib.weft_cloth_cols(self._cloth))
 
     @property
     def particles(self) -> int:
-        """N = rows * cols, or the vertices of triangles."""
+        """How many particles there are: N = rows * cols, or the vertices of triangles."""
         return int(lib.weft_cloth_particles(self._cloth))
 
     @property
@@ -433,18 +442,18 @@ class Sim(Fixed):
 
     @property
     def cloths(self) -> dict[str, slice]:
-        """Of several cloths the vertices of each, by its name: sim.positions[sim.cloths["shirt"]]."""
+        """The vertices of each of several cloths, by its name: sim.positions[sim.cloths["shirt"]]."""
         parts = [lib.weft_cloth_part_at(self._cloth, k) for k in range(lib.weft_cloth_parts(self._cloth))]
         return {text(part.name): slice(part.first, part.first + part.count) for part in parts}
 
     @property
     def triangles(self) -> np.ndarray[Any, np.dtype[np.uint32]]:
-        """(T, 3), their particles: two triangles for each cell of a grid."""
+        """(T, 3), the particles of each triangle; two triangles for each cell of a grid."""
         return self._corners()[0]
 
     @property
     def rest_shape(self) -> tuple[np.ndarray[Any, np.dtype[np.uint32]], Array]:
-        """The flat one: (T, 3), the place of each corner of `triangles`, and (P, 2) [m], u v of each place."""
+        """The flat rest shape: (T, 3), the UV index of each corner of `triangles`, and (P, 2) [m], u v of each index."""
         return self._corners()[1:]
 
     def _corners(self) -> Any:
@@ -456,24 +465,24 @@ class Sim(Fixed):
 
     @property
     def duration(self) -> float:
-        """[s], of the scene."""
+        """[s], the duration of the scene's run, where frames() ends."""
         return float(lib.weft_scene_run(self._scene).duration)
 
     @property
     def fps(self) -> float:
-        """[1/s], frames of the scene."""
+        """[1/s], how many frames the scene has per second."""
         return float(lib.weft_scene_run(self._scene).fps)
 
     @property
     def masses(self) -> Array:
-        """(N,) [kg], also of pinned particles."""
+        """(N,) [kg], the mass of each particle, also of pinned ones."""
         mass = np.empty(self.particles)
         lib.weftpy_masses(self._cloth, ffi.from_buffer("double[]", mass))
         return mass
 
     @property
     def pinned(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """(N,) bool, at present."""
+        """(N,) bool, whether each particle is pinned at present."""
         flags = np.empty(self.particles, dtype=np.bool_)
         with self._exclusion.read():
             lib.weftpy_pinned(self._present, ffi.from_buffer("bool[]", flags))
@@ -481,14 +490,14 @@ class Sim(Fixed):
 
     @property
     def rest(self) -> Array:
-        """(N, 3) [m], positions at rest."""
+        """(N, 3) [m], positions at rest; of triangles, whose rest shape is flat, those at t = 0."""
         xyz = np.empty((self.particles, 3))
         lib.weft_cloth_rest(self._cloth, ffi.from_buffer("double[]", xyz))
         return xyz
 
     @property
     def options(self) -> dict[str, str]:
-        """Every choice of the solver beyond the scene's."""
+        """Every choice of the integrator beyond the scene's settings, as text, by name."""
         found: dict[str, str] = {}
         handle = ffi.new_handle(found)
         with self._exclusion.read():
@@ -527,7 +536,7 @@ class Sim(Fixed):
         ------
         StepError
             The step failed; the state is that of the last good step, or one that a correction left not finite.
-        ValueError
+        ArgumentError
             The time is over, or not finite.
 
         Examples
@@ -550,14 +559,22 @@ class Sim(Fixed):
         Parameters
         ----------
         t : float
-            [s]
+            [s], not before the present time. Compute it as i / fps: sums of 1 / fps accumulate roundoff.
 
         Raises
         ------
         StepError
             As of step().
-        ValueError
+        ArgumentError
             The time is over, or not finite.
+
+        Examples
+        --------
+        >>> sim = weft.load(scene)
+        >>> for i in range(1, 4):
+        ...     sim.advance(i / 60)
+        >>> sim.time == 3 / 60
+        True
         """
         with self._alone() as err:
             end = later(t, self.time)
@@ -583,7 +600,7 @@ class Sim(Fixed):
             return self._at_event()
 
     def between(self, t: float) -> Array:
-        """The state within the last step or at its end, of an order of at least that of the method less one; needs
+        """Computes the state within the last step or at its end, of an order of at least that of the method less one; needs
         load(interpolate=True) or an event.
 
         Parameters
@@ -664,7 +681,13 @@ class Sim(Fixed):
 
     @property
     def stats(self) -> Stats:
-        """Counts of the integrator since t = 0."""
+        """Counts of the integrator since t = 0: steps, rejected steps, force evaluations, bytes.
+
+        >>> sim = weft.load(scene)
+        >>> sim.advance(0.1)
+        >>> sim.stats.steps, sim.stats.rejected
+        (100, 0)
+        """
         with self._exclusion.read():
             stats, vetoed = lib.weft_sim_stats(self._sim), lib.weft_sim_vetoed(self._sim)
         return Stats(**{name: getattr(stats, name) for name in Stats._fields[:-1]}, vetoed=vetoed)
@@ -726,8 +749,8 @@ class Sim(Fixed):
 
     @property
     def sensitivity(self) -> dict[str, Array]:
-        """The derivatives of positions and velocities with respect to the parameters of the scene's `sensitivity` (docs/guides/gradients.md): by
-        key, as its `scale` says, an array (2, N, 3), a copy.
+        """The derivatives of positions and velocities with respect to the parameters of the scene's `sensitivity`
+        (docs/guides/gradients.md): by key, as its `scale` says, an array (2, N, 3), a copy.
 
         >>> sim = weft.load(scene, {"sensitivity": {"of": ["forces.gravity.1"], "scale": "none"}})
         >>> sim.advance(0.1)
@@ -793,7 +816,7 @@ class Sim(Fixed):
             check(lib.weft_sim_set_state(self._sim, x, v, err), err)
 
     def save(self) -> bytes:
-        """All that the future of the simulation depends on. It restarts the integrator, so that both continue with the same
+        """Saves all that the future of the simulation depends on. It restarts the integrator, so that both continue with the same
         bits. A simulation can also be pickled, and copied with copy.deepcopy.
 
         Returns
@@ -841,7 +864,7 @@ class Sim(Fixed):
     # ---- measures ----
 
     def measure(self) -> Measures:
-        """All measures of the present state.
+        """Measures the present state.
 
         Returns
         -------
@@ -872,7 +895,7 @@ class Sim(Fixed):
 
     @property
     def ledger(self) -> Optional[Ledger]:
-        """[J], what was gained and lost; None unless the scene sets `record.ledger`."""
+        """[J], the energy balance: what was gained and lost; None unless the scene sets `record.ledger`."""
         with self._alone():
             of = lib.weft_sim_ledger(self._sim)
         return Ledger(*(getattr(of, name) for name in Ledger._fields)) if of.kept else None
@@ -889,7 +912,7 @@ class Sim(Fixed):
         return [ffi.from_buffer("double[]", real(y, "a state", (6 * self.particles,))) for y in values]
 
     def rhs(self, t: float, y: Any) -> Array:
-        """The right-hand side, with the simulation's present pins and shapes and its own force; for solvers such as
+        """Computes the right-hand side, with the simulation's present pins and shapes and its own force; for solvers such as
         scipy.integrate.solve_ivp.
 
         Parameters
@@ -937,7 +960,7 @@ class Sim(Fixed):
         out[3 * n:] += (f.reshape(3, n) * self._free).ravel() if usable else np.nan
 
     def jacobian_product(self, t: float, y: Any, dy: Any) -> Array:
-        """The derivative of the cloth's right-hand side along a direction. Exact, without an own force.
+        """Computes the derivative of the cloth's right-hand side along a direction. Exact, without an own force.
 
         Parameters
         ----------
@@ -960,7 +983,7 @@ class Sim(Fixed):
         return out
 
     def jacobian(self, t: Optional[float] = None, y: Any = None) -> Any:
-        """The derivative of the cloth's right-hand side as a matrix, that of jacobian_product(), so without an own force.
+        """Computes the derivative of the cloth's right-hand side as a matrix, that of jacobian_product(), so without an own force.
         Needs SciPy.
 
         Parameters
@@ -1011,7 +1034,7 @@ class Sim(Fixed):
         return np.asarray(cKDTree(x).query_pairs(reach, output_type="ndarray"), dtype=np.uint32)
 
     def stiffness(self, refine: int = 0, anywhere: bool = False) -> Stiffness:
-        """Guaranteed bounds of all modes.
+        """Computes guaranteed bounds of all modes.
 
         Parameters
         ----------
@@ -1036,7 +1059,7 @@ class Sim(Fixed):
         return Stiffness(out.omega2, out.damping, corners)
 
     def stable_step(self, growth: float = 0.0) -> float:
-        """The largest fixed step of the scene's method up to which no mode of the present state grows.
+        """Computes the stability limit: the largest fixed step of the scene's method up to which no mode of the present state grows.
 
         Parameters
         ----------
@@ -1075,14 +1098,22 @@ class Sim(Fixed):
                 particle, "%d x %d" % (self.rows, self.cols) if self.cols > 0 else self.particles)) from None
 
     def pin(self, particle: Index, velocity: Any = None) -> None:
-        """Holds a particle, and moves it from now on.
+        """Pins a particle where it is, and moves it at a constant velocity from now on. To reach x at the time t of the
+        next frame, use velocity = (x - sim.positions[particle]) / (t - sim.time).
 
         Parameters
         ----------
         particle : int or (row, column)
-            Which one.
+            Its index, from the end if negative.
         velocity : array, shape (3,), optional
             [m/s]; None: it stays.
+
+        Raises
+        ------
+        ArgumentIndexError
+            There is no such particle.
+        Error
+            The velocity is not finite.
 
         Examples
         --------
@@ -1096,7 +1127,7 @@ class Sim(Fixed):
             check(lib.weft_sim_pin(self._sim, self._index(particle), _vector(velocity), err), err)
 
     def pin_many(self, particles: Any, velocities: Any = None) -> None:
-        """pin() of many particles at once, which costs little more than one.
+        """Pins many particles at once, as pin() does, which costs little more than one.
 
         Parameters
         ----------
@@ -1104,6 +1135,15 @@ class Sim(Fixed):
             Their indices.
         velocities : array, shape (n, 3), optional
             [m/s]; None: they stay.
+
+        Raises
+        ------
+        ArgumentIndexError
+            There is no such particle.
+        ArgumentError
+            The velocities have another shape.
+        Error
+            A velocity is not finite.
 
         Examples
         --------
@@ -1125,7 +1165,7 @@ class Sim(Fixed):
         Parameters
         ----------
         particle : int or (row, column)
-            Which one.
+            Its index, from the end if negative.
         position : array, shape (3,)
             [m]
 
@@ -1143,7 +1183,7 @@ class Sim(Fixed):
         Parameters
         ----------
         particle : int or (row, column)
-            Which one.
+            Its index, from the end if negative.
 
         Raises
         ------
@@ -1162,7 +1202,12 @@ class Sim(Fixed):
         velocity : array, shape (3,), or None
             [m/s]; None: that of the scene again.
         drag : float
-            [kg/(m^2 s)]
+            [kg/(m^2 s)] >= 0; not used without a velocity.
+
+        Raises
+        ------
+        Error
+            A value is not finite, or drag < 0.
 
         Examples
         --------
@@ -1177,14 +1222,14 @@ class Sim(Fixed):
 
     @property
     def shapes(self) -> list[dict[str, Any]]:
-        """The present shapes, with the arguments of add_shape()."""
+        """The present colliders, each a dict of the arguments of add_shape(), and vertices and triangles of meshes."""
         with self._exclusion.read():
             return [_shape_dict(lib.weft_cloth_shape(self._present, k)) for k in range(self._shape_count())]
 
     @property
     def passages(self) -> int:
         """How many edges of the cloth pass through a sphere, capsule or box between their particles, and triangles
-        without such an edge: what weft warns of once, and `contact.strict` makes an error of advance().
+        without such an edge, of which weft warns once, and `contact.strict` makes an error of advance().
 
         >>> sim = weft.load(scene)
         >>> sim.passages
@@ -1203,26 +1248,32 @@ class Sim(Fixed):
             raise ArgumentIndexError("there is no shape %d of %d" % (k, self._shape_count())) from None
 
     def add_shape(self, kind: str, **fields: Any) -> int:
-        """Adds a rigid shape.
+        """Adds a rigid collider, as the last one.
 
         Parameters
         ----------
         kind : str
-            plane, sphere, capsule or box.
+            "plane", "sphere", "capsule" or "box". Mesh colliders belong to the scene.
         **fields
-            Those of weft_shape: at, to, half (3,) [m], normal (3,), radius, rounding [m], velocity (3,) [m/s],
-            amplitude (3,) [m], frequency [Hz], spin (3,) [rad/s], friction, orientation (4,) of a box, and turn, a dict
-            of axis (3,), about (3,) [m], rate [rad/s], amplitude [rad], frequency [Hz].
+            at : array, shape (3,) [m], a point of a plane, a centre, the first end of a capsule; to : array, shape (3,) [m], the
+            other end of a capsule; normal : array, shape (3,), outwards from a plane; radius : float [m], of a sphere or capsule;
+            half : array, shape (3,) [m], half the edges of a box, and rounding : float [m], of its edges; orientation : array,
+            shape (4,), of a box, x y z w of a quaternion; velocity : array, shape (3,) [m/s]; amplitude : array, shape (3,) [m],
+            and frequency : float [Hz], of an oscillation; spin : array, shape (3,) [rad/s], of the surface of a roller or
+            turntable; turn : dict of axis (3,), about (3,) [m], rate [rad/s], amplitude [rad] and frequency [Hz], a rotation;
+            friction : float. By default it is at rest, with the friction of the scene's contact.
 
         Returns
         -------
         int
-            The number of the shape.
+            Its index.
 
         Raises
         ------
+        ArgumentError, ArgumentTypeError
+            There is no such kind, or a field has another shape or name.
         Error
-            It would be on a particle.
+            A value is out of range, or a free particle would be in the collider.
 
         Examples
         --------
@@ -1240,13 +1291,13 @@ class Sim(Fixed):
         return int(k[0])
 
     def move_shape(self, k: int, at: Any = None, velocity: Any = None, **motion: Any) -> None:
-        """Puts a shape somewhere at once, or moves it at a constant velocity from now on. A jump passes through whatever
+        """Puts a collider somewhere at once, or moves it at a constant velocity from now on. A jump passes through whatever
         is in between; a velocity does not.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
         at : array, shape (3,), optional
             [m], where it is put at once; None: it stays.
         velocity : array, shape (3,), optional
@@ -1256,8 +1307,19 @@ class Sim(Fixed):
 
         Raises
         ------
+        ArgumentIndexError
+            There is no such collider.
         Error
-            It would be on a particle.
+            A value is not finite, or a free particle would be in the collider.
+
+        Examples
+        --------
+        >>> sim = weft.load(scene)
+        >>> k = sim.add_shape("sphere", at=[0, -2, 0], radius=0.3)
+        >>> sim.move_shape(k, velocity=[0, 0.5, 0])
+        >>> sim.advance(0.2)
+        >>> sim.shape_pose(k)[0]
+        array([ 0. , -1.9,  0. ])
         """
         if motion:
             if at is not None:
@@ -1269,12 +1331,12 @@ class Sim(Fixed):
             check(lib.weft_sim_move_shape(self._sim, self._shape(k), _vector(at), _vector(velocity), err), err)
 
     def drive_shape(self, k: int, **motion: Any) -> None:
-        """Gives a shape a new motion from now on, from where it is and as it stands.
+        """Gives a collider a new motion from now on, from where it is and as it stands.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
         **motion
             velocity, amplitude, frequency and turn as of add_shape(); those that are left out are 0, so that
             drive_shape(k) stops it. turn["about"] is where its axis is now.
@@ -1283,8 +1345,17 @@ class Sim(Fixed):
         ------
         Error
             A value is not finite or out of range.
-        TypeError
+        ArgumentTypeError
             A motion has no such key.
+
+        Examples
+        --------
+        >>> sim = weft.load(scene)
+        >>> k = sim.add_shape("sphere", at=[0, -2, 0], radius=0.3)
+        >>> sim.drive_shape(k, amplitude=[0.1, 0, 0], frequency=2)
+        >>> sim.advance(0.125)
+        >>> sim.shape_pose(k)[0].round(9)
+        array([ 0.1, -2. ,  0. ])
         """
         unknown = set(motion) - {"velocity", "amplitude", "frequency", "turn"}
         if unknown:
@@ -1295,23 +1366,23 @@ class Sim(Fixed):
             check(lib.weft_sim_drive_shape(self._sim, self._shape(k), shape, err), err)
 
     def remove_shape(self, k: int) -> None:
-        """Removes a shape; the shapes behind it get the next lower numbers.
+        """Removes a collider; those behind it get the next lower indices.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
         """
         with self._alone() as err:
             check(lib.weft_sim_remove_shape(self._sim, self._shape(k), err), err)
 
     def shape_pose(self, k: int) -> tuple[Array, Array]:
-        """Where a shape is at present.
+        """Computes where a collider is at present.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
 
         Returns
         -------
@@ -1324,12 +1395,12 @@ class Sim(Fixed):
         return numbers_of(at), numbers_of(velocity)
 
     def shape_rotation(self, k: int) -> tuple[Array, Array]:
-        """How a shape stands at present.
+        """Computes how a collider stands at present.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
 
         Returns
         -------
@@ -1344,12 +1415,12 @@ class Sim(Fixed):
         return numbers_of(rotation).reshape(3, 3), numbers_of(omega)
 
     def shape_load(self, k: int) -> tuple[Array, Array]:
-        """The force of the cloth on a shape.
+        """Computes the force and the torque of the cloth on a collider.
 
         Parameters
         ----------
         k : int
-            The number of the shape.
+            The index of the collider, as in `shapes`.
 
         Returns
         -------
