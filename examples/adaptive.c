@@ -32,6 +32,7 @@ static weft_status print_stable_step(weft_registry *registry, const weft_cloth *
     return status;
 }
 
+//! [play]
 /* Frames (from, to], one tenth of a second each. */
 static weft_status play(weft_sim *sim, int from, int to, weft_error *err)
 {
@@ -45,6 +46,7 @@ static weft_status play(weft_sim *sim, int from, int to, weft_error *err)
     }
     return status;
 }
+//! [play]
 
 /* To the end, and again from half time in a second simulation. */
 static weft_status play_twice(const weft_sim_def *run, weft_error *err)

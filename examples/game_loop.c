@@ -45,10 +45,12 @@ static weft_status play(weft_sim *sim, weft_error *err)
         if (status == WEFT_OK && frame % 10 == 0) {
             double xyz[3 * ROWS * COLS]; /* for a vertex buffer */
             weft_sim_positions(sim, xyz);
+            //! [pinned]
             const double *p = xyz + (size_t)3 * GRABBED;
             printf("%.3f s %s %+.6f %+.6f %+.6f\n", t,
                    weft_cloth_pinned(weft_sim_cloth(sim), GRABBED) ? "held" : "free",
                    p[0], p[1], p[2]);
+            //! [pinned]
         }
     }
     return status;

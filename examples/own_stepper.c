@@ -19,10 +19,12 @@ static weft_status create(const weft_stepper_type *type, const weft_ode *ode,
                           weft_error *err)
 {
     *out = NULL;
+    //! [half]
     if (!(config->fixed_step > 0.0) || config->butcher != NULL
         || weft_stepper_half(ode, config) == 0) {
         return weft_error_set(err, WEFT_INVALID, "%s: needs a fixed_step", type->name);
     }
+    //! [half]
     kutta *self = (kutta *)malloc(sizeof *self + 3 * ode->dim * sizeof(double));
     //! [create]
     if (self == NULL) {

@@ -58,15 +58,15 @@ static weft_status play(const weft_scene *scene, weft_error *err)
     run.limit = *weft_scene_limit(scene);
     status = status == WEFT_OK ? weft_sim_create(&run, &sim, err) : status;
     //! [play]
+    //! [frames]
     const weft_run_def *frames = weft_scene_run(scene);
     for (int i = 1; status == WEFT_OK && i <= frames->duration * frames->fps; ++i) {
         status = weft_sim_advance(sim, i / frames->fps, err);
-        //! [energy]
         const weft_energy energy
             = weft_cloth_energy(cloth, weft_sim_time(sim), weft_sim_state(sim));
         printf("%.3f s: kinetic %.6f J\n", weft_sim_time(sim), energy.kinetic);
-        //! [energy]
     }
+    //! [frames]
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     return status;

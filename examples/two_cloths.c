@@ -70,6 +70,7 @@ int main(void)
     run.cloth = cloth;
     ok = ok && weft_sim_create(&run, &sim, &err) == WEFT_OK
          && weft_sim_advance(sim, 0.4, &err) == WEFT_OK;
+    //! [parts]
     for (size_t k = 0; ok && k < weft_cloth_parts(cloth); ++k) {
         const weft_cloth_part part = weft_cloth_part_at(cloth, k);
         double xyz[ALL][3], height = 0.0; /* [m] */
@@ -80,6 +81,7 @@ int main(void)
         printf("%s: %zu vertices, at a height of %+.4f m\n", part.name, part.count,
                height);
     }
+    //! [parts]
     if (!ok) {
         fprintf(stderr, "%s\n", err.message);
     }

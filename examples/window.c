@@ -165,7 +165,9 @@ static int farther_first(const void *a, const void *b)
 
 static void draw(app *of)
 {
+    //! [vertices]
     weft_sim_vertices(of->sim, of->position[0], of->normal[0], 0);
+    //! [vertices]
     for (int i = 0; i < N; ++i) {
         project(of->position[i], &of->drawn[i].position);
         of->drawn[i].color = colour(of->normal[i]);
@@ -231,7 +233,9 @@ static int run(app *of, int frames, bool drags, const char *shot)
     weft_status status = make_cloth(&cloth, &err);
     status = status == WEFT_OK ? make_sim(cloth, &of->sim, &err) : status;
     if (status == WEFT_OK) {
+        //! [triangles]
         (void)weft_cloth_triangles(cloth, of->corners);
+        //! [triangles]
         status = play(of, frames, drags, &err);
         const float *corner = of->position[N - 1];
         printf("lower right corner at %+.3f %+.3f %+.3f m\n", (double)corner[0],

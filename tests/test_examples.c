@@ -298,12 +298,89 @@ START_TEST(sail_in_cpp_blows_and_is_hauled_in)
 END_TEST
 #endif
 
+/* The frames go on until the kinetic energy is 1 mJ, whose time is that of the event.
+ */
+START_TEST(frames_end_where_the_energy_is_left)
+{
+    double t = 0.0, kinetic = 0.0, end = 0.0, before = 1.0;
+    char rest[32];
+    expect(shell(EXAMPLE("frames") " 2>&1"), 0);
+    ck_assert_int_eq(strncmp(line(0), "bends in 2.0 cm of its weight", 29), 0);
+    int i = 0;
+    while (sscanf(line(i + 1), "frame %*d at %lf s: kinetic %lf J%31[^\n]", &t,
+                  &kinetic, rest)
+           >= 2) {
+        ck_assert(i == 0 || (kinetic < before && strcmp(rest, ", within a step") == 0));
+        before = kinetic;
+        ++i;
+    }
+    ck_assert_double_eq_tol(kinetic, 1e-3, 5e-7);
+    ck_assert_int_eq(
+        sscanf(line(i + 1), "1 mJ of kinetic energy is left after %lf s", &end), 1);
+    ck_assert_double_eq_tol(end, t, 1e-12);
+    ck_assert_int_eq(strncmp(line(i + 3), "half a step before ", 19), 0);
+    ck_assert_int_eq(strncmp(line(i + 4), "state is not finite: particle (", 31), 0);
+}
+END_TEST
+
+/* The sum of heights of examples/derivative.c at another stiffness [N/m]. */
+static double sum_of_heights(double stiffness)
+{
+    const weft_pin corner = { .rows = { 0, 0 }, .cols = { 0, 0 } };
+    weft_cloth_def def = weft_cloth_def_default();
+    weft_cloth *cloth = NULL;
+    weft_sim *sim = NULL;
+    double sum = 0.0;
+    def.rows = def.cols = 6;
+    def.spacing[0] = def.spacing[1] = 0.1;
+    def.springs[WEFT_STRETCH]
+        = (weft_spring_def){ .present = true, .stiffness = stiffness, .damping = 0.02 };
+    def.pins = &corner;
+    def.pin_count = 1;
+    ck_assert_int_eq(weft_cloth_create(&def, &cloth, NULL), WEFT_OK);
+    weft_sim_def run = weft_sim_def_default();
+    run.cloth = cloth;
+    run.method = test_method_named("verlet/midpoint");
+    run.config.fixed_step = 1e-3;
+    ck_assert_int_eq(weft_sim_create(&run, &sim, NULL), WEFT_OK);
+    for (int i = 1; i <= 5; ++i) {
+        ck_assert_int_eq(weft_sim_advance(sim, i / 10.0, NULL), WEFT_OK);
+        sum += weft_sim_state(sim)[2 * 36 - 1];
+    }
+    weft_sim_destroy(sim);
+    weft_cloth_destroy(cloth);
+    return sum;
+}
+
+START_TEST(derivatives_are_those_of_runs_that_differ)
+{
+    double forwards = 0.0, back = 1.0, value = 0.0, slope = 0.0, most = 0.0;
+    expect(shell(EXAMPLE("derivative") " 2>&1"), 0);
+    ck_assert_ptr_nonnull(strstr(line(0), "accelerates by -9.81 m/s^2"));
+    ck_assert_int_eq(
+        sscanf(line(1), "w.(J v) = %lf, v.(J^T w) = %lf", &forwards, &back), 2);
+    ck_assert_double_eq_tol(forwards, back, 1e-6 * fabs(forwards));
+    ck_assert_int_eq(
+        sscanf(line(2), "1 %% more stiffness accelerates by at most %lf", &most), 1);
+    ck_assert_double_gt(most, 0.0);
+    ck_assert_int_eq(sscanf(line(3),
+                            "sum of heights %lf m; %lf m per 1 %% of stiffness", &value,
+                            &slope),
+                     2);
+    ck_assert_double_eq_tol(value, sum_of_heights(100.0), 1e-6);
+    ck_assert_double_eq_tol(slope, (sum_of_heights(100.1) - sum_of_heights(99.9)) / 0.2,
+                            2e-6);
+}
+END_TEST
+
 TEST_SUITE(examples)
 {
     Suite *suite = suite_create("examples");
     TCase *tcase = tcase_create("examples");
     tcase_set_timeout(tcase, 120.0);
     tcase_add_test(tcase, minimal_prints_a_frame_a_line);
+    tcase_add_test(tcase, frames_end_where_the_energy_is_left);
+    tcase_add_test(tcase, derivatives_are_those_of_runs_that_differ);
     tcase_add_test(tcase, two_cloths_are_where_each_of_them_goes);
     tcase_add_test(tcase, dragged_corner_is_where_the_hand_is);
     tcase_add_test(tcase, dragged_sphere_pushes_the_cloth);

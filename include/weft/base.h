@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft/base.h -- shared by all weft headers: version, export mark, status, error.
  *
- * Nothing here needs the library: a stepper plugin includes weft/stepper.h, which
+ * Nothing here needs the library: an integrator's plugin includes weft/stepper.h, which
  * includes this header, and does not link with weft. */
 #ifndef WEFT_BASE_H
 #define WEFT_BASE_H
@@ -211,6 +211,7 @@ static inline int weft_text_digits(double x)
  * @param format as of printf, with its arguments behind it: one line, without a period
  *   at its end
  * @return status
+ * @par Example
  * @snippet own_stepper.c create */
 WEFT_PRINTF(3, 4)
 static inline weft_status weft_error_set(weft_error *err, weft_status status,

@@ -31,7 +31,9 @@ typedef enum weft_family {
     WEFT_FAMILIES /* their number */
 } weft_family;
 
-/* "stretch", "shear" or "bend"; never NULL. */
+/** Names a family of springs.
+ * @param family any value
+ * @return static text: "stretch", "shear" or "bend"; never NULL */
 WEFT_API const char *weft_family_name(weft_family family);
 
 typedef enum weft_law {
@@ -46,7 +48,7 @@ typedef struct weft_spring_def {
     double damping;   /* [kg/s], >= 0, along the spring only */
 } weft_spring_def;
 
-/* Bending rigidity of a plate, instead of bend springs; docs/theory/model.md. None if
+/* Bending rigidity of a plate, instead of bend springs; docs/theory/bending.md. None if
  * all three moduli are 0. Fixed for ever. */
 typedef struct weft_bending_def {
     double rigidity[2]; /* [N m] >= 0, along a column (warp), along a row (weft) */
@@ -60,6 +62,7 @@ typedef struct weft_range {
     ptrdiff_t first, last;
 } weft_range;
 
+/* A point mass on each of some particles. */
 typedef struct weft_load {
     weft_range rows, cols;  /* of a grid */
     double mass;            /* [kg] > 0, added to each particle of the range */
@@ -103,7 +106,9 @@ typedef enum weft_shape_kind {
     WEFT_SHAPES   /* their number */
 } weft_shape_kind;
 
-/* "plane", "sphere", "capsule", "box" or "mesh"; never NULL. */
+/** Names a kind of collider.
+ * @param kind any value
+ * @return static text: "plane", "sphere", "capsule", "box" or "mesh"; never NULL */
 WEFT_API const char *weft_shape_name(weft_shape_kind kind);
 
 /* A turn by the angle rate t + amplitude sin(2 pi frequency t) [rad] about an axis.
@@ -150,29 +155,50 @@ typedef struct weft_shape {
     const weft_body *body; /* mesh; of weft_cloth_shape: the cloth's own copy */
 } weft_shape;
 
-/* A plane y >= 0, a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m
- * rounded by 1 cm; at rest, with the contact's friction. */
+/** Returns a collider of a kind, at rest, with the contact's friction: a plane y >= 0,
+ * a ball of 1 m, a capsule of 1 m from 0 to 1 m along x, a cube of 2 m rounded by 1 cm,
+ * a mesh without a body.
+ * @param kind of the collider
+ * @return the collider, whose members may be changed
+ * @par Example
+ * @snippet dragged_sphere.c add */
 WEFT_RESULT(weft_shape, weft_shape_default, (weft_shape_kind kind), (kind))
 
-/* Where the vertices of a shape that is a mesh are at time t [s]: x y z of each [m]. */
+/** @copydoc weft_shape_vertices
+ * @param size [bytes] sizeof(weft_shape) of the caller, which weft_shape_vertices
+ *   passes */
 WEFT_API void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
                                         double *xyz);
+
+/** Computes where the vertices of a mesh collider are.
+ * @param shape of kind WEFT_MESH
+ * @param t [s]
+ * @param[out] xyz [m] x y z of each vertex: 3 shape->body->vertices doubles */
 static inline void weft_shape_vertices(const weft_shape *shape, double t, double *xyz)
 {
     weft_shape_vertices_sized(shape, sizeof *shape, t, xyz);
 }
 
-/* Makes triangles of a sphere, capsule or box: their vertices lie on its surface, their
- * edges are at most `edge` [m] long, by default (0) sqrt(2 R thickness), R its radius
- * or rounding, so that they lie at most a quarter of the thickness [m] below it. The
- * other function does so and makes the shape a mesh of them, which all of the cloth
- * feels, not its particles alone; *body belongs to the caller, to be freed by
- * weft_body_destroy after weft_cloth_create. allocator NULL: malloc's. Errors:
- * WEFT_INVALID (another kind, a spin, more than 200 000 triangles), WEFT_NO_MEMORY. */
+/** @copydoc weft_shape_triangulate
+ * @param size [bytes] sizeof(weft_shape) of the caller, which weft_shape_triangulate
+ *   passes; this function leaves the collider as it is */
 WEFT_API weft_status weft_shape_triangulate_sized(const weft_shape *shape, size_t size,
                                                   double thickness, double edge,
                                                   const weft_allocator *allocator,
                                                   weft_body **body, weft_error *err);
+
+/** Turns a sphere, capsule or box into a mesh of triangles, which all of the cloth
+ * feels, not its particles alone. The vertices lie on its surface; with the default
+ * edge the triangles lie at most a quarter of the thickness below it.
+ * @param[in,out] shape becomes a mesh with *body
+ * @param thickness [m] > 0 of the contact
+ * @param edge [m] largest length of an edge; 0: sqrt(2 R thickness), R the radius or
+ *   rounding
+ * @param allocator NULL: malloc's
+ * @param[out] body the triangles, for weft_body_destroy after weft_cloth_create
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_INVALID (another kind, a spin, more than 200 000 triangles),
+ *   WEFT_NO_MEMORY; on failure the collider is unchanged */
 static inline weft_status weft_shape_triangulate(weft_shape *shape, double thickness,
                                                  double edge,
                                                  const weft_allocator *allocator,
@@ -189,6 +215,10 @@ static inline weft_status weft_shape_triangulate(weft_shape *shape, double thick
     }
     return status;
 }
+
+/** Frees what weft_shape_triangulate made.
+ * @param body may be NULL
+ * @param allocator the same as there */
 WEFT_API void weft_body_destroy(weft_body *body, const weft_allocator *allocator);
 
 typedef enum weft_friction_law {
@@ -196,7 +226,7 @@ typedef enum weft_friction_law {
     WEFT_FRICTION_COULOMB /* exactly Coulomb's above `slip` */
 } weft_friction_law;
 
-/* Contact of free particles with shapes; docs/theory/model.md. Fixed for ever. */
+/* Contact of free particles with shapes; docs/theory/contact.md. Fixed for ever. */
 typedef struct weft_contact_def {
     double thickness;      /* [m] > 0: forces begin at this gap */
     double stopping_speed; /* [m/s] > 0: stops a particle where s^p / (1 - s) = 1 */
@@ -271,8 +301,15 @@ typedef struct weft_mesh_def {
                        rim_half and bending are used: 2 rows and 2 columns or more */
 } weft_mesh_def;
 
-/* No triangles, seams that bend. Set the rest. */
+/** Fills the defaults of weft_mesh_def_default, which calls it.
+ * @param[out] def filled up to size
+ * @param size [bytes] sizeof(weft_mesh_def) of the caller */
 WEFT_API void weft_mesh_def_init(weft_mesh_def *def, size_t size);
+
+/** Returns a mesh without triangles, with seams that bend; set the rest.
+ * @return the defaults, with struct_size and fabric_size set
+ * @par Example
+ * @snippet pillow.c mesh */
 static inline weft_mesh_def weft_mesh_def_default(void)
 {
     weft_mesh_def def;
@@ -333,13 +370,18 @@ typedef struct weft_cloth_def {
     void *stop_ctx;
 } weft_cloth_def;
 
-/* Particles of the whole cloth. */
+/** Counts the particles of the whole cloth.
+ * @param def complete
+ * @return N: rows * cols, or the vertices of the mesh */
 static inline size_t weft_cloth_def_particles(const weft_cloth_def *def)
 {
     return def->mesh != NULL ? def->mesh->vertices : def->rows * def->cols;
 }
 
-/* Its rows, or of triangles its blocks, which weft_comm_band divides among bands. */
+/** Counts the blocks that weft_comm_band divides among bands: the rows of a grid, or
+ * blocks of WEFT_BLOCK_VERTICES vertices of a mesh.
+ * @param def complete
+ * @return their number */
 static inline size_t weft_cloth_def_blocks(const weft_cloth_def *def)
 {
     return def->mesh == NULL
@@ -356,8 +398,12 @@ typedef struct weft_stretch {
     size_t least_at[3], largest_at[3]; /* vertices of the triangles that have them */
 } weft_stretch;
 
-/* Computes the stretch at the start of a definition of which a cloth can be made; of
- * its part `part` if its mesh has parts, else of all. Errors: WEFT_NO_MEMORY. */
+/** Computes how far a cloth is stretched where it starts.
+ * @param def one of which a cloth can be made
+ * @param part one of its mesh's parts; 0 without parts: all
+ * @param[out] out filled
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_NO_MEMORY */
 WEFT_API weft_status weft_cloth_def_stretch(const weft_cloth_def *def, size_t part,
                                             weft_stretch *out, weft_error *err);
 
@@ -434,42 +480,70 @@ typedef struct weft_limit_def {
     weft_limit_solver solver;
 } weft_limit_def;
 
-/* Makes a cloth of a fabric: sets density, mass (0), law, rim_half, springs and bending
- * of *def for its rows, columns and spacing, which must be set before. With a spacing a
- * along a column, b along a row:
+/** Makes the springs and the bending of a grid from a fabric: sets density, mass (0),
+ * law, rim_half, springs and bending. With a spacing a along a column, b along a row:
  *
  *     column C[0] b / a - G a / b    row C[1] a / b - G b / a
  *     shear  G (a^2 + b^2) / (2 a b)
  *
- * exact for homogeneous strain on every grid of 2 x 2 and more; a chain has C x 1 m /
- * spacing and no shear. Errors: WEFT_INVALID (a number out of range; not sqrt(G / C[0])
- * <= b / a <= sqrt(C[1] / G), which would need negative springs: the message has this
- * interval); *def is unchanged then. */
+ * This is exact for homogeneous strain on every grid of 2 x 2 and more; a chain has C x
+ * 1 m / spacing and no shear.
+ * @param fabric its density, moduli and damping
+ * @param[in,out] def its rows, cols and spacing must be set; unchanged on failure
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_INVALID: a value is out of range, or not sqrt(G / C[0]) <= b /
+ *   a <= sqrt(C[1] / G), where springs would be negative (the message has this
+ *   interval)
+ * @par Example
+ * @snippet frames.c fabric */
 WEFT_API weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
                                        weft_error *err);
 
-/* The reverse: the fabric that the springs and the bending rigidity of a valid
- * definition make in homogeneous strain of the whole cloth. Springs whose rim does not
- * carry half make a stiffer one on a coarser grid. Its damping is 0; twist is >= 0. */
+/** Computes the fabric that the springs and the bending rigidity of a grid make in
+ * homogeneous strain of the whole cloth: the reverse of weft_fabric_apply. Springs
+ * whose rim does not carry half make a stiffer fabric on a coarser grid.
+ * @param def of which a cloth can be made
+ * @return the fabric; its damping is 0 and its twist >= 0
+ * @par Example
+ * @snippet frames.c fabric */
 WEFT_API weft_fabric weft_fabric_of(const weft_cloth_def *def);
 
-/* [m] Peirce's bending length (bend / (density gravity))^(1/3), in which weight bends a
- * fabric, with gravity in m/s^2; way 0: of the warp, 1: of the weft. 0 without gravity.
- * A grid shows such bends if its spacing is at most half of it. */
+/** Computes Peirce's bending length (bend / (density gravity))^(1/3), in which the
+ * weight bends a fabric. A grid shows such bends if its spacing is at most half of it.
+ * @param fabric its bend and density
+ * @param way 0: along the warp, 1: along the weft
+ * @param gravity [m/s^2] > 0
+ * @return [m]; 0 without gravity
+ * @par Example
+ * @snippet frames.c fabric */
 WEFT_API double weft_fabric_length(const weft_fabric *fabric, size_t way,
                                    double gravity);
 
-/* Fabrics measured by Wang, O'Brien and Ramamoorthi (ACM Trans. Graph. 30(4), 71,
- * 2011); *count is their number. Damping is 0. */
+/** Lists the fabrics measured by Wang, O'Brien and Ramamoorthi (ACM Trans. Graph.
+ * 30(4), 71, 2011). Their damping is 0.
+ * @param[out] count their number
+ * @return static data */
 WEFT_API const weft_fabric *weft_fabric_presets(size_t *count);
 
-/* The preset of a name; NULL: there is none. */
+/** Finds a preset by its name.
+ * @param name such as "11oz-black-denim"
+ * @return static data; NULL: there is none
+ * @par Example
+ * @snippet two_cloths.c fabric */
 WEFT_API const weft_fabric *weft_fabric_find(const char *name);
 
-/* 2 x 2 particles, 1 m apart, 0.2 kg/m^2, no springs, no pins, earth's gravity along
- * -y; contact of thickness 5 mm, stopping speed 5 m/s, exponent 4, damping 1 s/m,
- * smooth friction of 0.3 and slip 1 mm/s, but no shapes. Set the fields that differ. */
+/** Fills the defaults of weft_cloth_def_default, which calls it.
+ * @param[out] def filled up to size
+ * @param size [bytes] sizeof(weft_cloth_def) of the caller */
 WEFT_API void weft_cloth_def_init(weft_cloth_def *def, size_t size);
+
+/** Returns a cloth of 2 x 2 particles, 1 m apart, of 0.2 kg/m^2, without springs and
+ * pins, with earth's gravity along -y. Its contact has thickness 5 mm, stopping speed 5
+ * m/s, exponent 4, damping 1 s/m, smooth friction of 0.3 and slip 1 mm/s, but no
+ * colliders. Set the members that differ.
+ * @return the defaults, with struct_size and the sizes of elements set
+ * @par Example
+ * @snippet minimal.c define */
 static inline weft_cloth_def weft_cloth_def_default(void)
 {
     weft_cloth_def def;
@@ -480,165 +554,362 @@ static inline weft_cloth_def weft_cloth_def_default(void)
     return def;
 }
 
-/* Creates a cloth. It uses the fastest instructions of this machine, unless the
- * environment variable WEFT_ISA selects other supported ones: "plain", "x86-64-v3"
- * (AVX2), "x86-64-v4" (AVX-512). Errors: WEFT_INVALID (a value out of range, a pin
- * outside the grid, coincident rest positions, a free particle inside a shape, with
- * contact.self a cloth that passes through itself, another name in WEFT_ISA, ...; the
- * message names the field), WEFT_NO_MEMORY. */
+/** Creates a cloth, which is constant: many threads and simulations may share it. It
+ * uses the fastest instructions of this machine, unless the environment variable
+ * WEFT_ISA selects other supported ones: "plain", "x86-64-v3" (AVX2) or "x86-64-v4"
+ * (AVX-512).
+ * @param def copied, with its arrays
+ * @param[out] out the cloth, for weft_cloth_destroy; NULL on failure
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_INVALID (a value is out of range, a pin is outside of the grid,
+ *   rest positions coincide, a free particle is in a collider, with contact.self the
+ *   cloth intersects itself, WEFT_ISA is another name, ...: the message names the
+ *   member), WEFT_STOPPED (weft_cloth_def.stop), WEFT_NO_MEMORY
+ * @par Example
+ * @snippet minimal.c create */
 WEFT_API weft_status weft_cloth_create(const weft_cloth_def *def, weft_cloth **out,
                                        weft_error *err);
-WEFT_API void weft_cloth_destroy(weft_cloth *cloth); /* NULL is allowed */
 
-WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth); /* instructions in use */
-/* 0 of triangles. rows, particles, dim and what has an index or is as long as a state
+/** Destroys a cloth, after the simulations that use it.
+ * @param cloth may be NULL */
+WEFT_API void weft_cloth_destroy(weft_cloth *cloth);
+
+/** Names the instructions that the cloth's forces use.
+ * @param cloth the cloth
+ * @return static text, such as "x86-64-v3" */
+WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth);
+
+/** Counts the rows of a grid. Functions with a row, an index or the length of a state
  * include the ghost rows of a band; springs (by the row where they begin), pins, mass,
- * energies, powers, momenta, gaps and loads are those of its own rows. Forces are right
- * in own rows. A band of triangles has its own order of particles, which is that of the
- * state, in place of vertices; its triangles, edges and places are of no use. */
+ * energies, powers, momenta, gaps and loads are those of its own rows, where also
+ * forces are right. A band of triangles has its own order of particles, which is that
+ * of the state, in place of vertices; its triangles, edges and UV coordinates are of no
+ * use.
+ * @param cloth the cloth
+ * @return 0 of triangles */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
+
+/** Counts the columns of a grid.
+ * @param cloth the cloth
+ * @return 0 of triangles */
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
+
+/** Counts the particles, of a band with its ghosts.
+ * @param cloth the cloth
+ * @return N */
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
-WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth); /* 6 N, doubles of a state */
-/* A whole one: all rows; of triangles blocks of 512. */
+
+/** Counts the doubles of a state.
+ * @param cloth the cloth
+ * @return 6 N */
+WEFT_API size_t weft_cloth_dim(const weft_cloth *cloth);
+
+/** Returns which rows of the whole cloth this one has.
+ * @param cloth a whole one: all rows, or blocks of WEFT_BLOCK_VERTICES vertices of
+ *   triangles
+ * @return the band */
 WEFT_API weft_band weft_cloth_band(const weft_cloth *cloth);
+
+/** Counts the springs of a family.
+ * @param cloth the cloth
+ * @param family of springs
+ * @return their number; of a band those of its own rows */
 WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
-WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);  /* pinned particles */
-WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth); /* its memory */
-WEFT_API double weft_cloth_mass(const weft_cloth *cloth); /* [kg] in all, also pinned */
-WEFT_API double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i); /* [kg] */
+
+/** Counts the pinned particles.
+ * @param cloth the cloth
+ * @return their number; of a band those of its own rows */
+WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);
+
+/** Returns how much memory the cloth takes.
+ * @param cloth the cloth
+ * @return [bytes] */
+WEFT_API size_t weft_cloth_bytes(const weft_cloth *cloth);
+
+/** Sums the masses of all particles, also of pinned ones.
+ * @param cloth the cloth
+ * @return [kg] */
+WEFT_API double weft_cloth_mass(const weft_cloth *cloth);
+
+/** Returns the mass of a particle.
+ * @param cloth the cloth
+ * @param i < N: r * cols + c on a grid, the vertex index on a mesh
+ * @return [kg] */
+WEFT_API double weft_cloth_particle_mass(const weft_cloth *cloth, size_t i);
+
+/** Returns whether a particle is pinned.
+ * @param cloth the cloth; weft_sim_cloth() for the present pins of a simulation
+ * @param i as weft_cloth_particle_mass
+ * @return whether it is
+ * @par Example
+ * @snippet game_loop.c pinned */
 WEFT_API bool weft_cloth_pinned(const weft_cloth *cloth, size_t i);
 
-/* Numbers of particles, here and in weft/sim.h, are those of the definition, r * cols +
- * c of a grid and the vertices of triangles, as is the order of what has three values
- * for each particle (x y z of particle 0, x y z of particle 1, ...) or one. States, and
- * planes as long as those of a state, have an order of their own: i of a grid. The
- * place of a vertex in a state, and the vertex at a place: */
+/** Finds the place of a vertex in the planes of a state. Particle indices, and arrays
+ * with one or three values for each particle, follow the definition: r * cols + c on a
+ * grid, the vertex index on a mesh. States, and planes as long as those of a state,
+ * have an order of their own on a mesh.
+ * @param cloth the cloth
+ * @param vertex < N
+ * @return the place; on a grid it is the particle index
+ * @par Example
+ * @snippet pillow.c index */
 WEFT_API size_t weft_cloth_index(const weft_cloth *cloth, size_t vertex);
+
+/** Finds the vertex at a place of a state: the reverse of weft_cloth_index.
+ * @param cloth the cloth
+ * @param index < N
+ * @return the vertex index */
 WEFT_API size_t weft_cloth_vertex(const weft_cloth *cloth, size_t index);
 
-/* The index that files and messages have for a vertex: weft_mesh_def.file_index. */
+/** Returns the index by which files and messages name a vertex:
+ * weft_mesh_def.file_index.
+ * @param cloth the cloth
+ * @param vertex < N
+ * @return the index */
 WEFT_API size_t weft_cloth_file_index(const weft_cloth *cloth, size_t vertex);
 
-/* The number of weft_mesh_def.parts, part k < weft_cloth_parts, the part of a name, or
- * SIZE_MAX, and that of a vertex; 0 of a cloth without parts. A part's vertices are
- * also [first, first + count) of a state, in another order. */
+/** Counts the cloths that a mesh joins: weft_mesh_def.parts.
+ * @param cloth the cloth
+ * @return their number; 0 without parts
+ * @par Example
+ * @snippet two_cloths.c parts */
 WEFT_API size_t weft_cloth_parts(const weft_cloth *cloth);
+
+/** Returns one of the cloths that a mesh joins. Its vertices [first, first + count)
+ * also have the places [first, first + count) of a state, in another order.
+ * @param cloth the cloth
+ * @param k < weft_cloth_parts()
+ * @return the part; its name is valid as long as the cloth
+ * @par Example
+ * @snippet two_cloths.c parts */
 WEFT_API weft_cloth_part weft_cloth_part_at(const weft_cloth *cloth, size_t k);
+
+/** Finds one of the cloths that a mesh joins by its name.
+ * @param cloth the cloth
+ * @param name of the part
+ * @return its index; SIZE_MAX: there is none */
 WEFT_API size_t weft_cloth_part_find(const weft_cloth *cloth, const char *name);
+
+/** Finds the cloth that a vertex belongs to.
+ * @param cloth the cloth
+ * @param vertex < N
+ * @return the index of the part; 0 without parts */
 WEFT_API size_t weft_cloth_part_of(const weft_cloth *cloth, size_t vertex);
 
-/* Triangles and edges as they are drawn and touch; both return their number, and write
- * their particles to corners[3 T] and ends[2 E] unless NULL. A cell (r, c) of a grid
- * has the triangles (r, c), (r + 1, c), (r, c + 1) and (r + 1, c + 1), (r, c + 1), (r +
- * 1, c), one after the other; edges are its rows, its columns and the diagonals between
- * these. Triangles of a mesh turn as they are defined. */
+/** Lists the triangles as they are drawn and touched. A cell (r, c) of a grid has the
+ * triangles (r, c), (r + 1, c), (r, c + 1) and (r + 1, c + 1), (r, c + 1), (r + 1, c),
+ * one after the other; triangles of a mesh turn as they are defined.
+ * @param cloth the cloth
+ * @param[out] corners particle indices, three of each triangle: 3 T; NULL: only count
+ * @return T
+ * @par Example
+ * @snippet window.c triangles */
 WEFT_API size_t weft_cloth_triangles(const weft_cloth *cloth, uint32_t *corners);
+
+/** Lists the edges as they are touched: of a grid its rows, its columns and the
+ * diagonals between the triangles of its cells.
+ * @param cloth the cloth
+ * @param[out] ends particle indices, two of each edge: 2 E; NULL: only count
+ * @return E */
 WEFT_API size_t weft_cloth_edges(const weft_cloth *cloth, uint32_t *ends);
 
-/* The flat rest shape: returns the number P of its places, and writes those of the
- * corners of all triangles to corner_uv[3 T] and u v [m] of each to uv[2 P], unless
- * NULL. Two triangles that share an edge, but not its places, are sewn there. A
- * particle (r, c) of a grid is a place, at c spacing[1], -r spacing[0]. */
+/** Lists the UV coordinates of the flat rest shape. Two triangles that share an edge
+ * but not its UV coordinates are sewn there. Particle (r, c) of a grid has one pair, c
+ * spacing[1], -r spacing[0].
+ * @param cloth the cloth
+ * @param[out] corner_uv which pair each corner of the triangles has: 3 T; NULL: not
+ *   wanted
+ * @param[out] uv [m] u v of each pair: 2 P; NULL: not wanted
+ * @return P */
 WEFT_API size_t weft_cloth_uv(const weft_cloth *cloth, uint32_t *corner_uv, double *uv);
 
-/* The number of pieces of the rest shape, 1 of a grid, and of edges along which they
- * are sewn, with the length [m] of these. */
+/** Counts the panels of the rest shape, and the edges along which they are sewn.
+ * @param cloth the cloth
+ * @param[out] sewn the number of sewn edges
+ * @param[out] length [m] of these edges, in all
+ * @return the number of panels; 1 of a grid */
 WEFT_API size_t weft_cloth_panels(const weft_cloth *cloth, size_t *sewn,
                                   double *length);
 
-/* These write to text[size] as snprintf does and return text: "16 x 24 particles" or
- * "85 vertices, 140 triangles"; "particle (3, 4)" or "vertex 17"; "shear spring (3,
- * 4)-(4, 5)" or "edge 17-4"; "edge (3, 4)-(3, 5)", "cell (3, 4)" or "triangle 17-4-21".
- * Of several cloths "... in 2 cloths" and "... of NAME".
- * Of a band the numbers are those of the whole cloth. */
+/** Describes a cloth, as messages do: "16 x 24 particles" or "85 vertices, 140
+ * triangles", "... in 2 cloths" of several; of a band it is the whole cloth.
+ * @param cloth the cloth
+ * @param[out] text receives the words, as snprintf writes
+ * @param size [bytes] of text
+ * @return text */
 WEFT_API const char *weft_cloth_text(const weft_cloth *cloth, char *text, size_t size);
+
+/** Names a particle as messages do: "particle (3, 4)" or "vertex 17", "... of NAME" if
+ * there are several cloths.
+ * @param cloth the cloth
+ * @param i < N
+ * @param[out] text receives the words, as snprintf writes
+ * @param size [bytes] of text
+ * @return text
+ * @par Example
+ * @snippet frames.c failure */
 WEFT_API const char *weft_particle_text(const weft_cloth *cloth, size_t i, char *text,
                                         size_t size);
+
+/** Names a spring as messages do: "shear spring (3, 4)-(4, 5)" or "edge 17-4".
+ * @param cloth the cloth
+ * @param spring as weft_cloth_worst_spring returns it
+ * @param[out] text receives the words, as snprintf writes
+ * @param size [bytes] of text
+ * @return text */
 WEFT_API const char *weft_spring_text(const weft_cloth *cloth,
                                       const weft_spring *spring, char *text,
                                       size_t size);
+
+/** Names a particle, an edge or a triangle as messages do: "edge (3, 4)-(3, 5)", "cell
+ * (3, 4)" or "triangle 17-4-21".
+ * @param cloth the cloth
+ * @param primitive of the cloth
+ * @param[out] text receives the words, as snprintf writes
+ * @param size [bytes] of text
+ * @return text */
 WEFT_API const char *weft_primitive_text(const weft_cloth *cloth,
                                          const weft_primitive *primitive, char *text,
                                          size_t size);
 
-/* Writes the state at t = 0 to y[6 N]. */
+/** Computes the state at t = 0.
+ * @param cloth the cloth
+ * @param[out] y a state, 6 N doubles */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
-/* Rest positions [m], 3 N; of triangles, whose rest shape is flat (weft_cloth_uv),
- * where they are at t = 0. */
+/** Computes the rest positions; of triangles, whose rest shape is flat (weft_cloth_uv),
+ * the positions at t = 0.
+ * @param cloth the cloth
+ * @param[out] xyz [m] x y z of particle 0, ...: 3 N doubles */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);
 
-/* Writes dy/dt at time t [s] to dydt[6 N]. Returns 0, or 1 if dy/dt, or a force on a
- * pinned particle, is not finite or a free particle has no gap > 0 to a shape. Calls
- * nothing, allocates nothing; y and dydt must not overlap. The bits are the same on
- * every machine, whatever its instructions. */
+/** Computes dy/dt, the right-hand side. Calls nothing and allocates nothing, and has
+ * the same bits on every machine, whatever its instructions.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param[out] dydt [m/s], [m/s^2]: 6 N doubles, which must not overlap y
+ * @return 0; 1 if dy/dt, or a force on a pinned particle, is not finite or a free
+ *   particle has no gap > 0 to a collider
+ * @par Example
+ * @snippet derivative.c rhs */
 WEFT_API int weft_cloth_rhs(const weft_cloth *cloth, double t, const double *y,
                             double *dydt);
 
-/* Writes the derivative of weft_cloth_rhs along dy, J dy, to out[6 N]:
+/** Computes J dy, the derivative of weft_cloth_rhs along dy:
  *
  *     dx' = dv,   dv' = M^-1 (dF/dx dx + dF/dv dv)
  *
- * for free particles and 0 for pinned ones, whose motion does not depend on the state.
+ * for free particles, and 0 for pinned ones, whose motion does not depend on the state.
  * F is all forces. Exact; a spring of length 0, where F has no derivative, adds
- * nothing. y, dy and out are planes as a state, and out must not overlap the others.
- * Returns 0, 1 as weft_cloth_rhs, or -1: no memory for the points of a shape of
- * triangles. Allocates nothing else; the bits are the same on every machine. It costs
- * two weft_cloth_rhs on a cloth without shapes or wind. */
+ * nothing. The bits are the same on every machine. It costs two weft_cloth_rhs on a
+ * cloth without colliders or wind.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param dy planes as a state
+ * @param[out] out planes as a state, which must not overlap the others
+ * @return 0; 1 as weft_cloth_rhs; -1: no memory for the points of a mesh collider, the
+ *   only thing that it allocates
+ * @par Example
+ * @snippet derivative.c product */
 WEFT_API int weft_cloth_jacobian_product(const weft_cloth *cloth, double t,
                                          const double *y, const double *dy,
                                          double *out);
 
-/* Writes the transposed product J^T w to out[6 N], the derivative of w.f by the state:
- * for every v, v.(J^T w) is w.(J v), but for roundoff. Planes, forces and return value
- * as above, or -1: no memory, or a grid among several cloths, of which it is not known.
- * On the calling thread alone; it costs some two weft_cloth_rhs. */
+/** Computes the transposed product J^T w, the derivative of w.f with respect to the
+ * state: for every v, v.(J^T w) is w.(J v), but for roundoff. On the calling thread; it
+ * costs some two weft_cloth_rhs.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param w planes as a state
+ * @param[out] out planes as a state, which must not overlap the others
+ * @return 0; 1 as weft_cloth_rhs; -1: no memory, or a grid among several cloths, whose
+ *   product is not known
+ * @par Example
+ * @snippet derivative.c product */
 WEFT_API int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
                                                     const double *y, const double *w,
                                                     double *out);
 
-/* Writes the derivative of weft_cloth_rhs by a number to out[6 N], in [m/s] and [m/s^2]
- * per unit of `span`: of two cloths that differ in that number alone, `less` and `more`
- * of it, whose difference is `span`. Of springs, weight, air and masses exact but for
- * roundoff, of the other forces a central difference; of pinned particles, the
- * derivative of their motion. Only the other forces that differ are evaluated. Returns
- * 0, 1 as weft_cloth_rhs, or -1: the two have other particles, pins or shapes than one
- * another, or there is no memory. */
+/** Computes the derivative of weft_cloth_rhs with respect to a parameter, from two
+ * cloths that differ in it. For springs, weight, air and masses it is exact but for
+ * roundoff, for the other forces a central difference, for pinned particles the
+ * derivative of their motion. Only the other forces that differ are evaluated.
+ * @param less a cloth with less of the parameter
+ * @param more a cloth with more of it, and otherwise the same definition
+ * @param span the difference of the parameter between the two
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param[out] out [m/s], [m/s^2] per unit of span: 6 N doubles
+ * @return 0; 1 as weft_cloth_rhs; -1: the two have other particles, pins or colliders
+ *   than one another, or there is no memory
+ * @par Example
+ * @snippet derivative.c parameter */
 WEFT_API int weft_cloth_parameter_product(const weft_cloth *less,
                                           const weft_cloth *more, double span, double t,
                                           const double *y, double *out);
 
-/* Writes w.(df/dp), the product of w[6 N] with what weft_cloth_parameter_product
- * writes, to *out [per unit of `span`]. Returns as that. */
+/** Computes w.(df/dp), the product of w with what weft_cloth_parameter_product
+ * computes.
+ * @param less a cloth with less of the parameter
+ * @param more a cloth with more of it, and otherwise the same definition
+ * @param span the difference of the parameter between the two
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param w 6 N doubles
+ * @param[out] out one number, per unit of span
+ * @return 0, 1 or -1, as weft_cloth_parameter_product */
 WEFT_API int weft_cloth_parameter_product_transposed(const weft_cloth *less,
                                                      const weft_cloth *more,
                                                      double span, double t,
                                                      const double *y, const double *w,
                                                      double *out);
 
-/* Writes the force [N] on every particle, as if none were pinned, to f[3 N]: planes fx
- * fy fz. Pinned particles feel no contact with shapes. */
+/** Computes the force on every particle, as if none were pinned; pinned particles feel
+ * no contact with colliders.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param[out] f [N] planes fx fy fz: 3 N doubles */
 WEFT_API void weft_cloth_force(const weft_cloth *cloth, double t, const double *y,
                                double *f);
 
-/* Energies, powers, momenta and masses are summed over each row of particles, and of
- * the springs that begin there, then over the rows in their order: the same bits
- * everywhere, also from weft_sim_measure on threads. */
+/** Computes the energies. Energies, powers, momenta and masses are summed over each row
+ * of particles, and of the springs that begin there, then over the rows in their order:
+ * the same bits everywhere, also from weft_sim_measure on threads.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @return [J]
+ * @par Example
+ * @snippet scene.c frames */
 WEFT_API weft_energy weft_cloth_energy(const weft_cloth *cloth, double t,
                                        const double *y);
 
-/* [J] The sum of all energies. */
+/** Sums all energies.
+ * @param energy of weft_cloth_energy
+ * @return [J] */
 WEFT_API double weft_energy_total(weft_energy energy);
 
-/* Rate [W] >= 0 at which springs, bending, viscous drag, contact and friction turn
+/** Computes the rate at which springs, bending, air drag, contact and friction turn
  * energy into heat. The drag of pinned particles does not count, because their motion
- * is prescribed. */
+ * is prescribed.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @return [W] >= 0 */
 WEFT_API double weft_cloth_dissipation(const weft_cloth *cloth, double t,
                                        const double *y);
 
-/* All powers at time t [s]: d(energy)/dt = wind + pins + shapes - springs - drag -
- * contact - friction, exactly. */
+/** Computes all powers: d(energy)/dt = wind + pins + shapes - springs - drag - contact
+ * - friction, exactly.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param[out] power [W] */
 WEFT_API void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                                double power[WEFT_POWERS]);
 
@@ -657,56 +928,97 @@ typedef struct weft_stiffness {
     double corners[WEFT_STIFFNESS_CORNERS][2]; /* (w2, c), in order round the polygon */
 } weft_stiffness;
 
-/* Guaranteed bounds in the state y at time t. With y NULL they hold in any state and
- * are less sharp; on triangles while no stretch is above 1.1 and no triangle has less
- * than 0.6 of its area, as a stretched membrane stiffens without end, and with `arc`
- * while no edge turns by more than 0.25 rad; with shapes, for particles that touch one
- * at a time and arrive at no more than stopping_speed (docs/theory/model.md). Where
- * friction makes w2 and c complex, their real parts are bounded. With contact of the
- * cloth with itself the bounds are estimates: the slopes of the weights are left out,
- * and with y NULL layers meet at no more than stopping_speed. One pass over the
- * springs, without allocation; not finite if y is not. */
+/** Computes guaranteed bounds of all modes in a state, in one pass over the springs,
+ * without allocation.
+ *
+ * With y NULL they hold in any state and are less sharp: on triangles while no stretch
+ * is above 1.1 and no triangle has less than 0.6 of its area, as a stretched membrane
+ * stiffens without end, and with `arc` while no edge turns by more than 0.25 rad; with
+ * colliders, for particles that touch one at a time and arrive at no more than
+ * stopping_speed (docs/theory/stability.md). Where friction makes w2 and c complex,
+ * their real parts are bounded. With contact of the cloth with itself the bounds are
+ * estimates: the slopes of the feature weights are left out, and with y NULL layers
+ * meet at no more than stopping_speed.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles; NULL: any state
+ * @return the bounds; not finite if y is not
+ * @par Example
+ * @snippet adaptive.c stable step */
 WEFT_API weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t,
                                              const double *y);
 
-/* The same in a state y, sharpened by `iterations` steps of the power method (0: 100)
- * from a fixed start. omega2 and damping become Rayleigh quotients, which never exceed
- * the largest values, and the corners are cut down to slightly above them. The result
- * is not guaranteed; together with the guaranteed bounds it encloses the true values.
- * Errors: WEFT_INVALID (y is NULL), WEFT_NO_MEMORY. */
+/** Computes bounds in a state, sharpened by the power method from a fixed start. omega2
+ * and damping become Rayleigh quotients, which never exceed the largest values, and the
+ * corners are cut down to slightly above them. The result is not guaranteed; together
+ * with the guaranteed bounds it encloses the true values.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param iterations steps of the power method; 0: 100
+ * @param[out] out the bounds
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_INVALID (y is NULL), WEFT_NO_MEMORY */
 WEFT_API weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
                                                   const double *y, size_t iterations,
                                                   weft_stiffness *out, weft_error *err);
 
-/* Sums over the free particles: m v [kg m/s], and m x cross v [kg m^2/s] about the
- * origin of the coordinates. */
+/** Sums m v over the free particles.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @param[out] p [kg m/s] */
 WEFT_API void weft_cloth_momentum(const weft_cloth *cloth, const double *y,
                                   double p[3]);
+
+/** Sums m x cross v over the free particles, about the origin of the coordinates.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @param[out] l [kg m^2/s] */
 WEFT_API void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y,
                                           double l[3]);
 
-/* The spring with the largest strain, the first by rows among equals; NaN counts as
- * larger than every number. A cloth without springs gives strain 0 and p = q = 0. */
+/** Finds the spring with the largest strain, the first by rows among equals; NaN counts
+ * as larger than every number.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @return the spring; strain 0 and p = q = 0 of a cloth without springs */
 WEFT_API weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y);
 
-/* Writes the largest strain (L - s) / s of the springs at each particle to strain[N]:
- * negative if all are compressed, 0 without springs. */
+/** Computes the largest strain (L - s) / s of the springs at each particle.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @param[out] strain N doubles, by particle index: negative if all springs are
+ *   compressed, 0 without springs */
 WEFT_API void weft_cloth_strains(const weft_cloth *cloth, const double *y,
                                  double *strain);
 
-/* [m] The smallest gap of a free particle to a shape at time t, and where: the first by
- * particles, then shapes, among equals; NaN counts as smaller than every number.
- * INFINITY and 0, 0 if there is none. particle and shape may be NULL. */
+/** Computes the smallest gap of a free particle to a collider, and where: the first by
+ * particles, then colliders, among equals; NaN counts as smaller than every number.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param[out] particle its index, 0 if there is none; may be NULL
+ * @param[out] shape the collider's index, 0 if there is none; may be NULL
+ * @return [m]; INFINITY if there is none
+ * @par Example
+ * @snippet dragged_sphere.c load */
 WEFT_API double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
                                size_t *particle, size_t *shape);
 
-/* Free particles with a gap below the thickness to some shape; with meshes, those of
- * edges and triangles that have it, too. */
+/** Counts the free particles with a gap below the thickness to some collider; with mesh
+ * colliders, those of edges and triangles with such a gap, too.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @return their number */
 WEFT_API size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y);
 
-/* [m] The smallest distance of two primitives that push each other apart, and which:
- * the first in the order of the search among equals. INFINITY, and counts of 0, if none
- * do. pair may be NULL. */
+/** Computes the smallest distance of two primitives that push each other apart, and
+ * which: the first in the order of the search among equals.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @param[out] pair the two primitives, counts of 0 if there are none; may be NULL
+ * @return [m]; INFINITY if there are none */
 WEFT_API double weft_cloth_self_gap(const weft_cloth *cloth, const double *y,
                                     weft_primitive pair[2]);
 
@@ -716,34 +1028,47 @@ typedef struct weft_passage {
     size_t shape;
 } weft_passage;
 
-/* How many edges of the cloth pass through a sphere, capsule or box at time t, and
+/** Counts the edges of the cloth that pass through a sphere, capsule or box, and
  * triangles without such an edge: they have a point deeper inside than a quarter of the
- * thickness, or of the radius or rounding if that is less, as cloth that sags between
- * particles has not. Decided exactly, by the gap of the shape along them. Primitives
- * that pins hold there, by all of their corners or by one inside the shape, do not
- * count. first (unless NULL) is one of them; of count 0 if there is none.
- * y must be finite. */
+ * thickness, or of the radius or rounding if that is less; cloth that sags between
+ * particles has not. Decided exactly, by the gap of the collider along them. Primitives
+ * that pins hold there, by all of their corners or by one inside the collider, do not
+ * count.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N finite doubles
+ * @param[out] first one of them, of count 0 if there is none; may be NULL
+ * @return their number */
 WEFT_API size_t weft_cloth_passages(const weft_cloth *cloth, double t, const double *y,
                                     weft_passage *first);
 
-/* Pairs of primitives that push each other apart. */
+/** Counts the pairs of primitives that push each other apart.
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @return their number */
 WEFT_API size_t weft_cloth_self_touching(const weft_cloth *cloth, const double *y);
 
-/* How often the cloth passes through itself or touches itself: pairs of an edge and a
- * triangle that have a point in common beside a common particle, or in a chain of two
- * such edges, and neighbours at the same place. Decided exactly, whether the cloth has
- * self-contact or not; pairs of pinned particles alone do not count. pair (unless NULL)
- * is the first, by its edge: the particles of the smallest index; counts of 0 if there
- * is none. Lips of a slit of triangles pass through each other freely. y must be
- * finite. Allocates nothing of a grid, nor of triangles with self-contact; SIZE_MAX: no
- * memory. Takes O(N log N) unless much of the cloth is in one place. */
+/** Counts self-intersections: pairs of an edge and a triangle that have a point in
+ * common beside a common particle, or in a chain of two such edges, and neighbours at
+ * the same place. Decided exactly, whether the cloth has self-contact or not; pairs of
+ * pinned particles alone do not count, and the edges of a slit pass through each other
+ * freely. Takes O(N log N) unless much of the cloth is in one place. Allocates nothing
+ * on a grid, nor on triangles with self-contact.
+ * @param cloth the cloth
+ * @param y a state, 6 N finite doubles
+ * @param[out] pair the first, by its edge: the particles of the smallest index; counts
+ *   of 0 if there is none. May be NULL
+ * @return their number; SIZE_MAX: no memory */
 WEFT_API size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
                                      weft_primitive pair[2]);
 
-WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth); /* their number */
+/** Counts the colliders.
+ * @param cloth the cloth; weft_sim_cloth() for the present colliders of a simulation
+ * @return their number */
+WEFT_API size_t weft_cloth_shapes(const weft_cloth *cloth);
 
-/* Two parts of a cloth, or one and a shape of triangles, that cross or touch; or a free
- * particle inside another shape. Fixed for ever. */
+/* Two parts of a cloth, or one and a mesh collider, that cross or touch; or a free
+ * particle inside another collider. Fixed for ever. */
 typedef struct weft_crossing {
     char text[224];        /* "edge (3, 4)-(3, 5) passes through cell (9, 2)" */
     size_t count[2];       /* points of both: 1 to 3; 0: none */
@@ -754,48 +1079,92 @@ typedef struct weft_crossing {
  * weft_cloth_create, but cloth inside a closed body; returns their number, SIZE_MAX: no
  * memory. */
 typedef void weft_crossing_fn(void *ctx, const weft_crossing *one);
+
+/** Calls a function for each intersection that makes a state at t = 0 an error of
+ * weft_cloth_create, but for cloth inside a closed body.
+ * @param cloth the cloth
+ * @param y a state, 6 N finite doubles
+ * @param each called with each intersection; NULL: only count
+ * @param ctx passed to each
+ * @return their number; SIZE_MAX: no memory */
 WEFT_API size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
                                          weft_crossing_fn *each, void *ctx);
 
-/* Relaxes a start of a cloth with weft_cloth_def.untangle, for so long at most, by its
- * elastic forces, strongly damped, while what crosses is moved apart; then free
- * particles are at rest. A y without crossings is not changed. Ends early where the
- * number of crossings does not fall any more; y is then the state with the fewest, and
- * never has more than it began with. Errors, with y finite: WEFT_SOLVER, with what is
- * left; WEFT_STOPPED, by `stop` of the definition; WEFT_INVALID, of a y that is not
- * finite; WEFT_NO_MEMORY. */
+/** Relaxes a start of a cloth with weft_cloth_def.untangle by its elastic forces,
+ * strongly damped, while what intersects is moved apart; then free particles are at
+ * rest. A state without intersections stays as it is. Ends after untangle seconds, or
+ * where the number of intersections does not fall any more; y is then the state with
+ * the fewest, and never has more than it began with.
+ * @param cloth the cloth
+ * @param[in,out] y a state, 6 N doubles
+ * @param[out] err may be NULL
+ * @return WEFT_OK; with y finite: WEFT_SOLVER (the message says what is left),
+ *   WEFT_STOPPED (`stop` of the definition), WEFT_NO_MEMORY; WEFT_INVALID (y is not
+ *   finite) */
 WEFT_API weft_status weft_cloth_untangle(const weft_cloth *cloth, double *y,
                                          weft_error *err);
 
-/* The contact that a cloth was defined with, without the shapes, and its shape
- * k < weft_cloth_shapes. */
+/** Returns the contact that a cloth was defined with, without the colliders.
+ * @param cloth the cloth
+ * @return the contact; weft_cloth_shape has the colliders */
 WEFT_API weft_contact_def weft_cloth_contact(const weft_cloth *cloth);
+
+/** Returns a collider of the cloth.
+ * @param cloth the cloth
+ * @param k < weft_cloth_shapes()
+ * @return the collider; the body of a mesh is the cloth's own */
 WEFT_RESULT(weft_shape, weft_cloth_shape, (const weft_cloth *cloth, size_t k),
             (cloth, k))
 
-/* Where `at` of shape k is at time t [m], and its velocity [m/s]; both may be NULL. */
+/** Computes where a collider is.
+ * @param cloth the cloth
+ * @param k < weft_cloth_shapes()
+ * @param t [s]
+ * @param[out] at [m] the place of its `at`; may be NULL
+ * @param[out] velocity [m/s] of that point; may be NULL
+ * @par Example
+ * @snippet dragged_sphere.c drag */
 WEFT_API void weft_cloth_shape_pose(const weft_cloth *cloth, size_t k, double t,
                                     double at[3], double velocity[3]);
 
-/* How shape k stands at time t: the rotation, by rows, of its directions as defined, of
- * a box from x, y, z; and omega [rad/s] of its turn. Both may be NULL. */
+/** Computes how a collider stands.
+ * @param cloth the cloth
+ * @param k < weft_cloth_shapes()
+ * @param t [s]
+ * @param[out] rotation 3 x 3, by rows: of its directions as defined, of a box from x,
+ *   y, z; may be NULL
+ * @param[out] omega [rad/s] of its rotation; may be NULL */
 WEFT_API void weft_cloth_shape_rotation(const weft_cloth *cloth, size_t k, double t,
                                         double rotation[9], double omega[3]);
 
-/* The force [N] that the cloth exerts on shape k, and its torque [N m] about `at`. */
+/** Computes the force and the torque that the cloth exerts on a collider.
+ * @param cloth the cloth
+ * @param t [s]
+ * @param y a state, 6 N doubles
+ * @param k < weft_cloth_shapes()
+ * @param[out] force [N]
+ * @param[out] torque [N m] about its `at` */
 WEFT_API void weft_cloth_shape_load(const weft_cloth *cloth, double t, const double *y,
                                     size_t k, double force[3], double torque[3]);
 
-/* A 64-bit hash of the bits of a state; equal states have equal hashes on every machine
- * with IEEE 754 doubles and either byte order. Each row of a grid, or block of 512
- * particles of triangles, is hashed, plane after plane in their order, and the hashes
- * of the rows in their order, both by
+/** Computes a 64-bit hash of the bits of a state. Equal states have equal hashes on
+ * every machine with IEEE 754 doubles and either byte order. Each row of a grid, or
+ * block of 512 particles of triangles, is hashed, plane after plane in their order, and
+ * the hashes of the rows in their order, both by
  *
  *     h = 0xcbf29ce484222325; for each word w of 64 bits:
- *         h = (h ^ w ^ (w >> 32)) * 0x100000001b3; h = h ^ (h >> 29)        */
+ *         h = (h ^ w ^ (w >> 32)) * 0x100000001b3; h = h ^ (h >> 29)
+ *
+ * @param cloth the cloth
+ * @param y a state, 6 N doubles
+ * @return the hash */
 WEFT_API uint64_t weft_cloth_state_hash(const weft_cloth *cloth, const double *y);
 
-/* The same of a grid whose cloth is not at hand: y[6 rows cols]. */
+/** Computes weft_cloth_state_hash of a grid without its cloth.
+ * @param y 6 rows cols doubles
+ * @param rows of the grid
+ * @param cols of the grid
+ * @return the hash */
 WEFT_API uint64_t weft_state_hash(const double *y, size_t rows, size_t cols);
 
 #ifdef __cplusplus

@@ -54,6 +54,7 @@ typedef struct weft_parcel {
     double *in;
 } weft_parcel;
 
+/* Joins the bands of a cloth; the head of this file has the rules of its calls. */
 typedef struct weft_comm {
     uint32_t struct_size;
     void *self;
@@ -83,10 +84,10 @@ typedef struct weft_comm {
     void (*stop)(void *self, int code);
 
     /* Of bands of triangles, in place of begin, and of all with contact.self, before
-     * it: sends each parcel and receives those of the same bands, of which each appears
-     * once; `end` waits until all are there; between the two nobody writes to what is
-     * sent or received. The same bands have parcels for this one, of these sizes. NULL:
-     * rows alone, without contact.self. */
+     * it: sends each of `parcels` and receives those of the same bands, of which each
+     * appears once; `end` waits until all are there; between the two nobody writes to
+     * what is sent or received. The same bands have `parcels` for this one, of these
+     * sizes. NULL: rows alone, without contact.self. */
     void (*post)(void *self, const weft_parcel *parcels, size_t count);
 } weft_comm;
 
@@ -99,6 +100,7 @@ typedef struct weft_comm {
  * @param[out] count the number of own rows; unchanged on failure
  * @return true; false if a band would have fewer than WEFT_GHOST_ROWS rows or rank is
  *   not below size
+ * @par Example
  * @snippet bands.c band */
 static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t *first,
                                   size_t *count)
@@ -120,6 +122,7 @@ static inline bool weft_comm_band(size_t rows, size_t rank, size_t size, size_t 
  *   failed. May be NULL
  * @return WEFT_OK if all bands have it, else the status of the first band that has
  *   another
+ * @par Example
  * @snippet bands.c agree */
 WEFT_API weft_status weft_comm_agree(const weft_comm *comm, weft_status status,
                                      weft_error *err);

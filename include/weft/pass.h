@@ -26,7 +26,7 @@ typedef struct weft_attempt {
     double rtol, atol[2]; /* as in the config */
     double norm;          /* out: the largest |error_j (1 / (rtol |y_j| + atol))| */
     double most[2];       /* out: the largest |y_end|, of positions and of velocities */
-    int calls;            /* out: the evaluations that count as RHS calls */
+    int calls;            /* out: the evaluations that count as rhs_calls */
 } weft_attempt;
 
 /* Does something with the positions [first, end) of a state and with their velocities,
@@ -47,15 +47,16 @@ typedef struct weft_round {
     size_t sum; /* out: of what the parts returned */
 } weft_round;
 
-/* Makes attempts in one pass over the state, with the bits of the sums and of rhs calls
- * one after the other: a large state is then read once per step, not once per stage.
+/* Makes attempts in one pass over the state, with the bits of the sums and of calls of
+ * rhs one after the other: a large state is then read once per step, not once per
+ * stage.
  *
  * run returns 0; < 0 to end the run, as rhs does; or > 0: the pass is not to be had
  * now, or something in it is not finite. Then the plugin makes the attempt by rhs,
  * which finds out what it is. y and k stay as they are. It is called in the thread that
  * calls step, and allocates nothing. round does and returns the same for one evaluation
- * amid a method's own arithmetic, as in velocity Verlet; it counts as one RHS call, and
- * not where it returns > 0. A method of one call a step has only round. */
+ * amid a method's own arithmetic, as in velocity Verlet; it counts as one of rhs_calls,
+ * and not where it returns > 0. A method of one call a step has only round. */
 typedef struct weft_pass {
     void *self;
     int stages; /* at most, of run */

@@ -13,6 +13,7 @@ extern "C" {
 
 /** Returns the plugin "verlet": symplectic methods of weft.
  * @return static data; any thread may call this at any time
+ * @par Example
  * @snippet minimal.c create */
 WEFT_API const weft_plugin *weft_plugin_verlet(void);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/registry.h -- stepper plugins: found, loaded and known by their names. */
+/* weft/registry.h -- plugins with integrators: found, loaded and known by their names.
+ */
 #ifndef WEFT_REGISTRY_H
 #define WEFT_REGISTRY_H
 
@@ -10,7 +11,7 @@ extern "C" {
 #endif
 
 /* The plugins of a program, linked in or loaded. The registry owns their handles:
- * destroy it after the last stepper of these plugins. One thread at a time. */
+ * destroy it after the last integrator of these plugins. One thread at a time. */
 typedef struct weft_registry weft_registry;
 
 /* The places where weft searches for weft-<id>.so, in this order. Lists are separated
@@ -42,6 +43,7 @@ WEFT_DEFAULT(weft_registry_def)
  * @param[out] out the registry, for weft_registry_destroy; NULL on failure
  * @param[out] err may be NULL
  * @return WEFT_OK; WEFT_INVALID (the definition is of a later version), WEFT_NO_MEMORY
+ * @par Example
  * @snippet adaptive.c registry */
 WEFT_API weft_status weft_registry_create(const weft_registry_def *def,
                                           weft_registry **out, weft_error *err);
@@ -77,6 +79,7 @@ WEFT_API weft_status weft_registry_load(weft_registry *registry, const char *fil
  * @param[out] err may be NULL
  * @return WEFT_OK; WEFT_BAD_PLUGIN (it was not found: the message lists the directories
  *   searched; or it was refused), WEFT_NO_MEMORY
+ * @par Example
  * @snippet scene.c find */
 WEFT_API weft_status weft_registry_find(weft_registry *registry, const char *id,
                                         const weft_plugin **out, weft_error *err);
@@ -126,6 +129,7 @@ WEFT_API const char *weft_registry_file(const weft_registry *registry, size_t i)
  * @param name the method's name or full name
  * @return the method, which lives as long as the plugin; NULL if there is none, or
  *   plugin is NULL
+ * @par Example
  * @snippet minimal.c create */
 WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
                                                      const char *name);
@@ -138,6 +142,7 @@ WEFT_API const weft_stepper_type *weft_plugin_method(const weft_plugin *plugin,
  * @param[out] err may be NULL
  * @return WEFT_OK; WEFT_BAD_PLUGIN and WEFT_NO_MEMORY as weft_registry_find,
  *   WEFT_INVALID (no such method: the message lists those of the plugin)
+ * @par Example
  * @snippet adaptive.c stable step */
 WEFT_API weft_status weft_registry_method(weft_registry *registry, const char *plugin,
                                           const char *method,

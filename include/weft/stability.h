@@ -10,15 +10,16 @@
 extern "C" {
 #endif
 
+/* The highest degree of a polynomial in weft_stability. */
+enum { WEFT_STABILITY_DEGREE = 47 };
+
 /* The effect of a method on modes x'' + c x' + w2 x = 0 in fixed steps, found by
  * running it. This works for every method of any plugin that is explicit and one-step.
  * Fixed for ever. */
-enum { WEFT_STABILITY_DEGREE = 47 };
-
 typedef struct weft_stability {
     const weft_stepper_type *type;
     const weft_butcher *butcher;
-    double calls; /* RHS calls per step; 0: weft_stability_calls */
+    double calls; /* rhs_calls per step; 0: weft_stability_calls */
     int degree;   /* of r; -1: not a Runge-Kutta method, and r is not set */
     double r[WEFT_STABILITY_DEGREE + 1]; /* R(z) = sum r[k] z^k: y1 = R(h A) y0 */
 } weft_stability;
@@ -32,6 +33,7 @@ typedef struct weft_stability {
  * @param[out] err may be NULL
  * @return WEFT_OK; WEFT_UNSUPPORTED (the method is implicit or multistep),
  *   WEFT_BAD_PLUGIN, WEFT_NO_MEMORY, and what creating the integrator returns
+ * @par Example
  * @snippet adaptive.c stable step */
 WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
                                            const weft_butcher *butcher,
@@ -53,6 +55,7 @@ WEFT_API weft_status weft_stability_create(const weft_stepper_type *type,
  * @param[out] h [s]; INFINITY if no mode ever grows, 0 if the modes are not finite
  * @param[out] err may be NULL
  * @return WEFT_OK; WEFT_NO_MEMORY, WEFT_UNSUPPORTED (the method refuses such a cloth)
+ * @par Example
  * @snippet adaptive.c stable step */
 WEFT_API weft_status weft_stability_step(const weft_stability *stability,
                                          const weft_stiffness *modes, double growth,

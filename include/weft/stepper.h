@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* weft/stepper.h -- the contract between weft and a time stepper.
+/* weft/stepper.h -- the contract between weft and an integrator.
  *
- * A stepper integrates y' = f(t, y) with an existing solver. The solver
+ * An integrator computes y' = f(t, y) with an existing solver. The solver
  * chooses h, judges the error and retries. weft requests one accepted step at a time,
  * so that it can correct the state in between and reach every frame time.
  *
  * The state is partitioned: y[0 .. dim/2) are positions [m], y[dim/2 .. dim) their
  * velocities [m/s]. With config->quadratures = q > 0, the last q components are
  * separate and the halves have length (dim - q) / 2. For a cloth of N particles dim = 6
- * N and each half is three planes: x[N] y[N] z[N], vx[N] vy[N] vz[N]. A stepper knows
- * nothing else about the cloth.
+ * N and each half is three planes: x[N] y[N] z[N], vx[N] vy[N] vz[N]. An integrator
+ * knows nothing else about the cloth.
  *
  * Threads: instances are independent; only one thread at a time uses an instance. */
 #ifndef WEFT_STEPPER_H
@@ -35,10 +35,11 @@ extern "C" {
  * < 0 to end the run. Must not print, allocate or write to y. */
 typedef int weft_rhs_fn(double t, const double *y, double *dydt, void *ctx);
 
+/* The problem y' = f(t, y). */
 typedef struct weft_ode {
     size_t dim; /* length of y: > 0, even without config->quadratures */
     weft_rhs_fn *rhs;
-    void *ctx; /* passed to rhs, not read by the stepper */
+    void *ctx; /* passed to rhs, not read by the integrator */
 } weft_ode;
 
 typedef enum weft_norm { WEFT_NORM_MAX, WEFT_NORM_RMS } weft_norm;
@@ -133,17 +134,17 @@ enum {
  *     dF = u [(k - q) u.dd + z.dd + c u.dw] + q dd,    q = T / L,   z = (c / L) P w
  *
  * where dd, dw are the differences of dx, dv. Source: D. Baraff, A. Witkin, Large steps
- * in cloth simulation, SIGGRAPH 1998; derived in docs/theory/model.md. A symmetric
- * matrix that is never negative follows without z and with q from [0, k] (K.-J. Choi,
- * H.-S. Ko, Stable but responsive cloth, SIGGRAPH 2002).
+ * in cloth simulation, SIGGRAPH 1998; derived in docs/theory/sensitivities.md. A
+ * symmetric matrix that is never negative follows without z and with q from [0, k]
+ * (K.-J. Choi, H.-S. Ko, Stable but responsive cloth, SIGGRAPH 2002).
  *
  * Bending rigidity adds pairs without u (bend_runs below). J is not complete: it lacks
  * the wind and a force of the embedder's own. weft_cloth_jacobian_product has the wind.
  *
  * All functions are pure: they may be called within create and step, in the thread that
- * calls those, and allocate nothing. All addresses stay while the stepper exists. Pins
- * and shapes may change between two steps, also between create and the first one, and
- * with them the values of mass and block_planes: ode_changed announces it. */
+ * calls those, and allocate nothing. All addresses stay while the integrator exists.
+ * Pins and shapes may change between two steps, also between create and the first one,
+ * and with them the values of mass and block_planes: ode_changed announces it. */
 typedef struct weft_structure {
     uint32_t struct_size;
     size_t particles;            /* N; y begins with its 6 N numbers */
@@ -253,13 +254,14 @@ typedef struct weft_stepper_config {
     size_t quadratures;    /* number of components at the end of y that are neither
                               positions nor velocities: integrated too, but without
                               influence on any step. Needs WEFT_STEPPER_QUADRATURES */
-    const weft_team *team; /* must outlive the stepper; NULL: none, or, in the
+    const weft_team *team; /* must outlive the integrator; NULL: none, or, in the
                               definition of a simulation, its own */
     const weft_allocator *allocator; /* for the plugin's own memory; solvers that only
                                         know malloc still use it. NULL: malloc's */
-    const weft_structure *structure; /* of the ode, must outlive the stepper; NULL: not
-                                        known. A simulation gives that of its cloth */
-    const weft_linear *linear;       /* for an implicit method; NULL: its defaults */
+    const weft_structure
+        *structure;            /* of the ode, must outlive the integrator; NULL: not
+                                  known. A simulation gives that of its cloth */
+    const weft_linear *linear; /* for an implicit method; NULL: its defaults */
     const weft_agree
         *agree;            /* NULL: the state is whole. Needs
                               WEFT_STEPPER_DISTRIBUTED, and         for the rms norm `rms` */
@@ -282,8 +284,8 @@ enum {
     WEFT_STEPPER_QUADRATURES = 1 << 8, /* config->quadratures may be > 0 */
     /* 1 << 9 is reserved: plugins for earlier versions of weft may set it */
     WEFT_STEPPER_LIBM = 1 << 10, /* the solver decides by powers, sines, ... of libm,
-                                   whose rounding differs between machines: no promise
-                                   of the same bits on another machine */
+                                   whose rounding differs between machines: another
+                                   machine may have other bits */
     WEFT_STEPPER_STRUCTURE = 1 << 11,     /* needs config->structure */
     WEFT_STEPPER_ADAPTIVE_ONLY = 1 << 12, /* every step is the solver's choice: create
                                              refuses fixed_step */
@@ -297,8 +299,12 @@ enum {
 /* The fields that every version of the struct has. */
 #define WEFT_STEPPER_CONFIG_LEAST offsetof(weft_stepper_config, controller)
 
-/* Number of positions, and of velocities, in y; 0 if dim and quadratures are
- * inconsistent. */
+/** Computes the number of positions, and of velocities, in y.
+ * @param ode its dim
+ * @param config its quadratures
+ * @return (dim - quadratures) / 2; 0 if the two are inconsistent
+ * @par Example
+ * @snippet own_stepper.c half */
 static inline size_t weft_stepper_half(const weft_ode *ode,
                                        const weft_stepper_config *config)
 {
@@ -307,26 +313,34 @@ static inline size_t weft_stepper_half(const weft_ode *ode,
     return apart < ode->dim && (ode->dim - apart) % 2 == 0 ? (ode->dim - apart) / 2 : 0;
 }
 
-/* The structure of the ode, or NULL. */
+/** Returns the structure of the right-hand side, for an implicit method.
+ * @param config of any version
+ * @return NULL: not known */
 static inline const weft_structure *
 weft_stepper_structure(const weft_stepper_config *config)
 {
     return WEFT_HAS(config, weft_stepper_config, structure) ? config->structure : NULL;
 }
 
-/* The settings for implicit methods, or NULL. */
+/** Returns the settings for implicit methods.
+ * @param config of any version
+ * @return NULL: the method's defaults */
 static inline const weft_linear *weft_stepper_linear(const weft_stepper_config *config)
 {
     return WEFT_HAS(config, weft_stepper_config, linear) ? config->linear : NULL;
 }
 
-/* The others that must agree, or NULL. */
+/** Returns the other integrators that must take the same decisions.
+ * @param config of any version
+ * @return NULL: the state is whole */
 static inline const weft_agree *weft_stepper_agree(const weft_stepper_config *config)
 {
     return WEFT_HAS(config, weft_stepper_config, agree) ? config->agree : NULL;
 }
 
-/* The pass of the ode, or NULL. */
+/** Returns the pass over the state that makes a whole attempt.
+ * @param config of any version
+ * @return NULL: there is none; call the right-hand side for each stage */
 static inline const weft_pass *weft_stepper_pass(const weft_stepper_config *config)
 {
     const weft_pass *pass
@@ -334,26 +348,36 @@ static inline const weft_pass *weft_stepper_pass(const weft_stepper_config *conf
     return pass != NULL && pass->run != NULL ? pass : NULL;
 }
 
-/* The rms norm of the whole state, or NULL: sum by yourself. */
+/** Returns the rms norm of the whole state.
+ * @param config of any version
+ * @return NULL: sum in the method itself */
 static inline const weft_rms *weft_stepper_rms(const weft_stepper_config *config)
 {
     return WEFT_HAS(config, weft_stepper_config, rms) ? config->rms : NULL;
 }
 
-/* The largest of `mine` >= 0 or NaN among all that must agree; `mine` if agree is NULL.
- */
+/** Computes the largest value among all integrators that must agree. Collective, if
+ * agree is not NULL.
+ * @param agree of weft_stepper_agree
+ * @param mine >= 0 or NaN
+ * @return the largest, NaN if one is NaN; mine if agree is NULL */
 static inline double weft_stepper_agreed(const weft_agree *agree, double mine)
 {
     return agree ? agree->max(agree->self, mine) : mine;
 }
 
-/* The allocator for a plugin's own memory. */
+/** Returns the allocator for a plugin's own memory.
+ * @param config of any version
+ * @return its allocator, or malloc's
+ * @par Example
+ * @snippet weft-bogacki.c memory */
 static inline weft_allocator weft_stepper_memory(const weft_stepper_config *config)
 {
     return weft_allocator_or_malloc(
         WEFT_HAS(config, weft_stepper_config, allocator) ? config->allocator : NULL);
 }
 
+/* Counts of an instance. */
 typedef struct weft_stepper_stats {
     uint32_t struct_size;
     uint64_t steps;     /* accepted, since create; state_changed keeps all counts */
@@ -384,7 +408,7 @@ typedef struct weft_stepper_type {
     const char *license;   /* SPDX id of all code linked with this method */
     int order;             /* of the solution that is continued; 0: variable */
     int error_order;       /* of the solution it is compared with; 0: none */
-    int stages;     /* RHS calls of one attempt when nothing is reused; 0: varies */
+    int stages;     /* calls of rhs of one attempt when nothing is reused; 0: varies */
     uint32_t flags; /* WEFT_STEPPER_... */
 
     /* Creates an instance for *ode, which must outlive it. Checks every name and number
@@ -406,9 +430,9 @@ typedef struct weft_stepper_type {
     weft_status (*step)(void *self, double t_end, double *t, double *y,
                         weft_error *err);
 
-    /* y was edited from outside, or t was set back with it (weft takes back a step that
+    /* y was edited from outside, or t was set back with it (weft rolls back a step that
      * may have passed through a shape): the next step starts from the t and y that it
-     * is given. O(1). A needless call may cost one RHS call and never changes the
+     * is given. O(1). A needless call may cost one call of rhs and never changes the
      * results of a one-step method; a multistep method restarts its history. */
     void (*state_changed)(void *self);
 
@@ -436,7 +460,10 @@ typedef struct weft_stepper_type {
 /* The fields that every version of the struct has. */
 #define WEFT_STEPPER_TYPE_LEAST offsetof(weft_stepper_type, full_name)
 
-/* Calls ode_changed, or state_changed if there is no ode_changed. */
+/** Announces to an instance that the right-hand side has changed: calls ode_changed, or
+ * state_changed if there is no ode_changed.
+ * @param type the method
+ * @param self its instance */
 static inline void weft_stepper_ode_changed(const weft_stepper_type *type, void *self)
 {
     if (WEFT_HAS(type, weft_stepper_type, ode_changed) && type->ode_changed != NULL) {
@@ -446,12 +473,18 @@ static inline void weft_stepper_ode_changed(const weft_stepper_type *type, void 
     }
 }
 
+/** Returns the solver's own name of a method.
+ * @param type of any version
+ * @return NULL: there is none */
 static inline const char *weft_stepper_full_name(const weft_stepper_type *type)
 {
     return WEFT_HAS(type, weft_stepper_type, full_name) ? type->full_name : NULL;
 }
 
-/* Whether a method has that name or full name. */
+/** Returns whether a method has a name.
+ * @param type the method
+ * @param name may be its full name
+ * @return whether it has */
 static inline bool weft_stepper_is(const weft_stepper_type *type, const char *name)
 {
     const char *full = weft_stepper_full_name(type);
@@ -460,12 +493,17 @@ static inline bool weft_stepper_is(const weft_stepper_type *type, const char *na
 
 /* ---- for the functions of a method ----------------------------------------------- */
 
+/** Returns whether a number is positive and finite.
+ * @param x any number; NaN is not
+ * @return whether it is */
 static inline bool weft_stepper_positive(double x)
 {
     return x > 0.0 && x < (double)INFINITY;
 }
 
-/* The fault of the numbers of error control, or NULL. NaN fails every comparison. */
+/** Finds the fault of the numbers of error control.
+ * @param c the configuration, of any version
+ * @return static text; NULL: there is none */
 static inline const char *weft_stepper_adaptive_mistake(const weft_stepper_config *c)
 {
     return c->norm != WEFT_NORM_MAX && c->norm != WEFT_NORM_RMS ? "unknown norm"
@@ -478,7 +516,10 @@ static inline const char *weft_stepper_adaptive_mistake(const weft_stepper_confi
                                                       : NULL;
 }
 
-/* The fault of config->agree, or NULL. */
+/** Finds the fault of config->agree.
+ * @param type the method
+ * @param c the configuration, of any version
+ * @return static text; NULL: there is none */
 static inline const char *weft_stepper_agree_mistake(const weft_stepper_type *type,
                                                      const weft_stepper_config *c)
 {
@@ -493,8 +534,14 @@ static inline const char *weft_stepper_agree_mistake(const weft_stepper_type *ty
                : NULL;
 }
 
-/* For create: the fault of its arguments that is one for every method with such flags,
- * or NULL. */
+/** Finds the fault of the arguments of `create` that is one for every method with such
+ * flags. Call it first in `create`.
+ * @param type the method
+ * @param ode the problem
+ * @param c the configuration, of any version
+ * @return static text; NULL: there is none
+ * @par Example
+ * @snippet weft-bogacki.c check */
 static inline const char *weft_stepper_mistake(const weft_stepper_type *type,
                                                const weft_ode *ode,
                                                const weft_stepper_config *c)
@@ -525,7 +572,12 @@ static inline const char *weft_stepper_mistake(const weft_stepper_type *type,
                            : NULL;
 }
 
-/* For step: WEFT_INVALID if t_end is not later than t, or not finite. */
+/** Checks the arguments of `step`.
+ * @param type the method, whose name the message has
+ * @param t [s] the present time
+ * @param t_end [s] where the step may end at most
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_INVALID if t_end is not later than t, or not finite */
 static inline weft_status weft_stepper_check_end(const weft_stepper_type *type,
                                                  double t, double t_end,
                                                  weft_error *err)
@@ -537,7 +589,11 @@ static inline weft_status weft_stepper_check_end(const weft_stepper_type *type,
                                 weft_text_digits(t_end), t_end);
 }
 
-/* For stats: copies as much as the caller's struct holds, which may be older. */
+/** Copies counts into a struct that may be older, as `stats` must.
+ * @param from the instance's own
+ * @param[in,out] out its struct_size gives its length, and stays
+ * @par Example
+ * @snippet weft-bogacki.c stats */
 static inline void weft_stepper_stats_copy(const weft_stepper_stats *from,
                                            weft_stepper_stats *out)
 {
