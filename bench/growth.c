@@ -119,7 +119,7 @@ static steady start(const char *kind, const weft_cloth *cloth, size_t threads,
         def.config.fixed_step = 1e-8;
     }
     def.config.threads = threads;
-    def.config.sweep = by_stages ? &none : NULL;
+    def.config.pass = by_stages ? &none : NULL;
     bench_must(weft_sim_create(&def, &out.sim, &err), &err);
     take_steps(&out);
     out.steps = 1 + (int)(200000 / weft_cloth_particles(cloth));

@@ -196,7 +196,7 @@ START_TEST(area_and_topology_are_those_of_the_piece)
     const weft_mesh_def *mesh = mesh_of(scene);
     ck_assert_double_eq_tol(area_of(mesh), of->area, 1e-12);
     ck_assert_int_eq(euler(mesh), of->euler);
-    ck_assert_uint_eq(mesh->vertices, mesh->places);
+    ck_assert_uint_eq(mesh->vertices, mesh->uv_count);
     ck_assert_uint_eq(found.count, 0);
     ck_assert_double_ge(least_angle(mesh), 25.0);
     weft_scene_destroy(scene);
@@ -625,7 +625,7 @@ START_TEST(a_file_is_refined_by_splitting)
         static const double start[] = { 0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0 };
         ck_assert_uint_eq(mesh->triangles, 32);
         ck_assert_uint_eq(mesh->vertices, 25);
-        ck_assert_uint_eq(mesh->places, sewn ? 30 : 25);
+        ck_assert_uint_eq(mesh->uv_count, sewn ? 30 : 25);
         ck_assert_int_eq(euler(mesh), 1);
         ck_assert_double_eq(area_of(mesh), 4.0);
         ck_assert_mem_eq(mesh->start, start, sizeof start);

@@ -36,7 +36,7 @@ static void begin(void)
     for (size_t i = 0; i < N; ++i) {
         names[i] = 1000 - i;
     }
-    mesh.def.names = names;
+    mesh.def.file_index = names;
     held[0] = to[0], held[1] = to[COLS - 1];
     weft_cloth_def def = mesh_cloth(&mesh);
     def.gravity[2] = -9.81;
