@@ -1056,7 +1056,7 @@ START_TEST(what_has_no_derivative_is_refused)
     def.correct = keep, refuse(&def, "`correct`"), def = start;
     def.force = push, refuse(&def, "`force`"), def = start;
     def.event = never, refuse(&def, "event"), def = start;
-    def.ledger = true, refuse(&def, "ledger"), def = start;
+    def.ledger = true, refuse(&def, "energy balance"), def = start;
     def.interpolate = true, refuse(&def, "interpolate"), def = start;
     def.limit.method = WEFT_LIMIT_PROVOT, refuse(&def, "strain limit"), def = start;
     def.method = test_method_named("gsl/msadams"), refuse(&def, "history"), def = start;
