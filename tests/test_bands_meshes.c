@@ -150,6 +150,33 @@ START_TEST(contact_and_ledger_have_the_same_bits_and_steps_are_taken_back_togeth
 }
 END_TEST
 
+/* Into the middle of a triangle, which is larger than the ball. */
+START_TEST(passages_have_the_message_of_the_whole)
+{
+    test_mesh sheet;
+    outcome whole;
+    scenario of = falling(&sheet);
+    const uint32_t *corner = sheet.def.corners + 3 * (sheet.def.triangles / 2);
+    shapes[0].radius = 2e-3;
+    for (size_t k = 0; k < 3; ++k) {
+        shapes[0].at[k] = 0.0;
+        for (size_t c = 0; c < 3; ++c) {
+            shapes[0].at[k] += sheet.def.start[3 * corner[c] + k] / 3.0;
+        }
+    }
+    shapes[0].at[2] -= 5e-3;
+    shapes[0].velocity[2] = 5e-3 / of.duration;
+    of.cloth.contact.thickness = 5e-4;
+    of.cloth.strict = true;
+    run_whole(&of, &whole);
+    ck_assert_msg(strstr(whole.err.message, "passes through") != NULL, "%s",
+                  whole.err.message);
+    drop(&whole);
+    check_bands(&of);
+    mesh_free(&sheet);
+}
+END_TEST
+
 START_TEST(failures_have_the_message_of_the_whole)
 {
     test_mesh sheet;
@@ -265,6 +292,7 @@ TEST_SUITE(bands_meshes)
     tcase_add_test(same, threads_of_bands_have_the_same_bits);
     tcase_add_test(
         same, contact_and_ledger_have_the_same_bits_and_steps_are_taken_back_together);
+    tcase_add_test(same, passages_have_the_message_of_the_whole);
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     tcase_add_test(same, saved_bands_restore_on_any_number);
     tcase_add_test(same, a_band_without_memory_fails_all);

@@ -310,22 +310,36 @@ static void search_grid(passing *of, const weft__mesh *grid, size_t first, size_
     }
 }
 
-/* The edges of triangle t of which it is the first, and the triangle. */
-static void try_triangle(const passing *of, uint32_t t)
+/* Whether no triangle around particle i before the j-th has corner c as well. */
+static bool is_first_with(const weft__triangles *all, size_t i, size_t j, uint32_t c)
+{
+    bool first = true;
+    for (size_t m = all->around_first[i]; m < j && first; ++m) {
+        const uint32_t *corner = all->corner[all->around[m]];
+        first = corner[0] != c && corner[1] != c && corner[2] != c;
+    }
+    return first;
+}
+
+/* The j-th triangle around a particle, if that is its lowest corner, and its edges from
+ * there to higher corners: a band has all triangles around its own particles, but no
+ * list of edges. */
+static void try_triangle(const passing *of, size_t i, size_t j)
 {
     const weft__triangles *all = of->mesh->triangles;
-    const uint32_t *corner = all->corner[t];
+    const uint32_t *corner = all->corner[all->around[j]];
     for (size_t k = 0; k < 3; ++k) {
-        const weft__edge *edge = &all->edge_list[all->edge[t][k]];
-        const uint32_t ends[2] = { corner[(k + 1) % 3], corner[(k + 2) % 3] };
-        if (edge->triangle[0] == t && !(edge->sewn < all->edge[t][k])) {
+        const uint32_t ends[2] = { (uint32_t)i, corner[k] };
+        if (corner[k] > i && is_first_with(all, i, j, corner[k])) {
             try_primitive(of, 0, ends, 2);
         }
     }
-    try_primitive(of, 0, corner, 3);
+    if (corner[0] == i) {
+        try_primitive(of, 0, corner, 3);
+    }
 }
 
-/* The triangles of which particle i is the lowest corner. */
+/* The edges and triangles of which particle i is the lowest corner. */
 static void search_triangles(passing *of, size_t i)
 {
     const weft__triangles *all = of->mesh->triangles;
@@ -333,15 +347,15 @@ static void search_triangles(passing *of, size_t i)
     vantage at = vantage_of(of, i);
     for (size_t j = first; j < end; ++j) {
         const uint32_t *corner = all->corner[all->around[j]];
-        for (size_t k = 1; k < 3 && corner[0] == i; ++k) {
-            add_neighbour(of, &at, corner[k]);
+        for (size_t k = 0; k < 3; ++k) {
+            if (corner[k] > i) {
+                add_neighbour(of, &at, corner[k]);
+            }
         }
     }
     const bool near = is_near(of, &at, i);
     for (size_t j = first; j < end && near; ++j) {
-        if (all->corner[all->around[j]][0] == i) {
-            try_triangle(of, all->around[j]);
-        }
+        try_triangle(of, i, j);
     }
 }
 
