@@ -133,11 +133,12 @@ INLINE void fill_grid(const weft__boxes *to, const double *y, size_t k, size_t f
 INLINE void fill_skin(const weft__boxes *to, const double *y, size_t k, size_t first,
                       size_t end)
 {
+    const weft__seek_level *at = &to->level[k];
     for (size_t c = first; c < end && k == 0; ++c) {
         fill_point(to, y, c);
     }
     if (k > 0) {
-        join_planes(to, k, 0, first, end, 6, to->level[k - 1].box, to->level[k].box);
+        join_planes(to, k, 0, first, end, 6, at[-1].box, at->box);
     }
 }
 
