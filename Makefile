@@ -507,7 +507,7 @@ C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[c
 lint: all
 	@tools/lint $(C_FILES)
 	@tools/versions
-	@! command -v python3 >/dev/null || { tools/pages && tools/words && tools/holds; }
+	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds; }
 	@tools/rooms $(BUILD)
 
 # A hook of git that checks the form of commit messages.
