@@ -88,6 +88,15 @@ typedef struct weft__primitives {
  * slice, with the point once more. */
 enum { WEFT__OWNED = 12 };
 
+/* Cuts a range down to a slice of it; true: there is another slice. */
+static inline bool weft__owned_slice(size_t slice, size_t *first, size_t *end)
+{
+    const size_t all = *end, from = *first + WEFT__OWNED * slice;
+    *first = from < all ? from : all;
+    *end = *first + WEFT__OWNED < all ? *first + WEFT__OWNED : all;
+    return *end < all;
+}
+
 /* Bounds of the patches of a level, in planes of rows: boxes have three low and three
  * high ones. Beyond the cloth they are empty. A grid also has the slopes of its edges
  * down and right, by the spacing, and of each patch the square of how far they are from

@@ -121,15 +121,6 @@ static void fill_node(const seeking *of, seek_patch at, node_slice *to)
     to->eights = 1, to->more = false;
 }
 
-/* Sets [*first, *end) to a slice of it. */
-INLINE bool cut(size_t number, size_t *first, size_t *end)
-{
-    const size_t all = *end, from = *first + WEFT__OWNED * number;
-    *first = from < all ? from : all;
-    *end = *first + WEFT__OWNED < all ? *first + WEFT__OWNED : all;
-    return *end < all;
-}
-
 typedef struct slice_range {
     size_t point, edge, edge_end, triangle, triangle_end;
     bool more;
@@ -145,8 +136,9 @@ INLINE slice_range range_of(const seeking *of, const node_slice *at)
                         in->triangle_first[i],
                         in->triangle_first[i + 1],
                         false };
-    out.more = cut(at->number, &out.edge, &out.edge_end);
-    out.more = cut(at->number, &out.triangle, &out.triangle_end) || out.more;
+    out.more = weft__owned_slice(at->number, &out.edge, &out.edge_end);
+    out.more
+        = weft__owned_slice(at->number, &out.triangle, &out.triangle_end) || out.more;
     return out;
 }
 
@@ -388,23 +380,31 @@ INLINE seek_patch quarter_of(const seeking *of, seek_patch a, uint32_t j)
                        : (seek_patch){ 2 * a.r + j / 2, 2 * a.c + j % 2 };
 }
 
+static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_patch b);
+
+/* Between quarters of two patches, as near_quarters has them. */
+INLINE bool seek_quarters(const seeking *of, size_t level, seek_patch a, seek_patch b,
+                          unsigned near)
+{
+    bool goes_on = true;
+    for (; near != 0 && goes_on; near &= near - 1) {
+        const uint32_t bit = (uint32_t)__builtin_ctz(near);
+        goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
+                               quarter_of(of, b, bit % 4));
+    }
+    return goes_on;
+}
+
 /* Of patches that are near each other. */
 static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_patch b)
 {
-    bool goes_on = true;
     if (flat_about(of, level, a, b) || never_meet(of, level, a, b)) {
         return true;
     }
     if (level == 0) {
         return visit_nodes(of, a, b);
     }
-    for (unsigned near = near_quarters(of, level, a, b); near != 0 && goes_on;
-         near &= near - 1) {
-        const uint32_t bit = (uint32_t)__builtin_ctz(near);
-        goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
-                               quarter_of(of, b, bit % 4));
-    }
-    return goes_on;
+    return seek_quarters(of, level, a, b, near_quarters(of, level, a, b));
 }
 
 /* First within each quarter, then between each and those after it. */
@@ -424,13 +424,8 @@ static bool seek_within(const seeking *of, size_t level, seek_patch a)
         goes_on = in.r >= below->rows || in.c >= below->cols
                   || seek_within(of, level - 1, in);
     }
-    for (unsigned near = near_quarters(of, level, a, a) & AFTER; near != 0 && goes_on;
-         near &= near - 1) {
-        const uint32_t bit = (uint32_t)__builtin_ctz(near);
-        goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
-                               quarter_of(of, a, bit % 4));
-    }
-    return goes_on;
+    return goes_on
+           && seek_quarters(of, level, a, a, near_quarters(of, level, a, a) & AFTER);
 }
 
 INLINE bool tiles_apart(const seeking *of, seek_patch a, seek_patch b)

@@ -229,6 +229,9 @@ typedef size_t weft__meets_fn(const weft__self *own, weft__pair_kind kind,
 typedef size_t weft__within_fn(const double *numbers, size_t first, size_t end,
                                double most, uint32_t *which);
 
+/* As many numbers are looked at in turn, where their room is on the stack. */
+enum { WEFT__STRIP = 256 };
+
 WEFT_FORMS(weft__pushes_fn, pushes);
 weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->base */
 WEFT_FORMS(weft__waits_fn, waits);

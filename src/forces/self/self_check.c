@@ -3,7 +3,7 @@
  * proves the others clear. */
 #include "forces/self/self_list.h"
 
-enum { HALVINGS = 60, SOME = 256 };
+enum { HALVINGS = 60 };
 
 typedef struct stride_search {
     const weft__stride *stride;
@@ -45,8 +45,8 @@ static bool look_at_all(stride_search *of, weft__pair_kind kind, const weft__nea
 {
     const weft__stride *stride = of->stride;
     const weft__self *own = stride->own;
-    uint32_t left[SOME];
-    double ends[SOME], starts[SOME];
+    uint32_t left[WEFT__STRIP];
+    double ends[WEFT__STRIP], starts[WEFT__STRIP];
     size_t some = 0;
     bool goes_on = true;
     own->gaps(own, kind, near, which, count, stride->y1, ends);
@@ -145,8 +145,8 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
         const size_t end = in->now.spans[g].end[kind];
         size_t i = weft__self_first(&in->now, g, kind);
         while (i < end && goes_on && !(to->nearest > reach)) {
-            const size_t stop = end - i < SOME ? end : i + SOME;
-            uint32_t which[SOME + WEFT__BLOCK];
+            const size_t stop = end - i < WEFT__STRIP ? end : i + WEFT__STRIP;
+            uint32_t which[WEFT__STRIP + WEFT__BLOCK];
             const size_t count
                 = of->stride->own->within(at->distances, i, stop, reach, which);
             i = stop;

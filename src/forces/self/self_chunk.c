@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { STRETCH = 256, ROOM = 512, STRIP = 256 };
+enum { STRETCH = 256, ROOM = 512 };
 
 static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
 {
@@ -117,9 +117,9 @@ void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end
                           const double *numbers, double most, weft__within_fn *within,
                           weft__self_pairs *to)
 {
-    uint32_t which[STRIP + WEFT__BLOCK];
+    uint32_t which[WEFT__STRIP + WEFT__BLOCK];
     while (first < end) {
-        const size_t strip = end - first < STRIP ? end - first : STRIP;
+        const size_t strip = end - first < WEFT__STRIP ? end - first : WEFT__STRIP;
         const size_t count = within(numbers, first, first + strip, most, which);
         if (count == strip) {
             add_run(from, first, count, to);

@@ -17,7 +17,7 @@
 
 #include "forces/self/self_list.h"
 
-enum { SHELVES = 64, SOME = 256 };
+enum { SHELVES = 64 };
 
 /* Of the skin: what is left of it at least where pairs are not sought again, and how
  * far particles may have moved where waits are not found again; beside bodies half. */
@@ -657,7 +657,7 @@ typedef struct visiting {
 static bool visit_pushing(const visiting *of, weft__pair_kind kind,
                           const weft__near *near, const uint32_t *which, size_t count)
 {
-    uint32_t found[SOME];
+    uint32_t found[WEFT__STRIP];
     bool goes_on = true;
     count = of->own->meets(of->own, kind, near, which, count, of->y, found);
     for (size_t i = 0; i < count && goes_on; ++i) {
@@ -667,22 +667,23 @@ static bool visit_pushing(const visiting *of, weft__pair_kind kind,
     return goes_on;
 }
 
-/* Those of a chunk that have waited long enough are looked at, SOME at a time. */
+/* Those of a chunk that have waited long enough are looked at, WEFT__STRIP at a time.
+ */
 static bool visit_along(const visiting *of, const weft__self_chunk *in,
                         weft__pair_kind kind)
 {
     const weft__near *near = &in->bins[kind].now.near;
-    uint32_t which[SOME + WEFT__BLOCK];
+    uint32_t which[WEFT__STRIP + WEFT__BLOCK];
     size_t count = 0, i = 0;
     bool goes_on = true;
     for (size_t g = 0; g < in->now.count && goes_on; ++g) {
         const weft__span *span = &in->now.spans[g];
         while (i < span->end[kind] && goes_on) {
-            const size_t left = span->end[kind] - i, room = SOME - count;
+            const size_t left = span->end[kind] - i, room = WEFT__STRIP - count;
             const size_t stop = i + (left < room ? left : room);
             count += of->own->within(near->waits, i, stop, span->moved, which + count);
             i = stop;
-            if (count == SOME) {
+            if (count == WEFT__STRIP) {
                 goes_on = visit_pushing(of, kind, near, which, count);
                 count = 0;
             }

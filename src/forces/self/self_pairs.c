@@ -74,15 +74,6 @@ static void box_of(const weft__quadtree *tree, const uint32_t *points, size_t co
     }
 }
 
-/* Sets [from, end) to slice `slice` of [from, end). */
-static bool cut(size_t slice, size_t *from, size_t *end)
-{
-    const size_t all = *end;
-    *from = *from + WEFT__OWNED * slice < all ? *from + WEFT__OWNED * slice : all;
-    *end = *from + WEFT__OWNED < all ? *from + WEFT__OWNED : all;
-    return *end < all;
-}
-
 static void find_owned_of_skin(const weft__quadtree *tree, size_t node, size_t slice,
                                owned *out)
 {
@@ -91,8 +82,8 @@ static void find_owned_of_skin(const weft__quadtree *tree, size_t node, size_t s
     size_t e = skin->edge_first[node], t = skin->triangle_first[node];
     size_t edges = skin->edge_first[node + 1],
            triangles = skin->triangle_first[node + 1];
-    out->more = cut(slice, &e, &edges);
-    out->more = cut(slice, &t, &triangles) || out->more;
+    out->more = weft__owned_slice(slice, &e, &edges);
+    out->more = weft__owned_slice(slice, &t, &triangles) || out->more;
     out->edge_count = edges - e, out->triangle_count = triangles - t;
     box_of(tree, &point, 1, node, &out->vertex);
     for (size_t k = 0; k < out->edge_count; ++k) {
