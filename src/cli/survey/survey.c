@@ -226,9 +226,10 @@ static weft_status try_methods(const weft_scene *scene, const weft_cloth *cloth,
         return WEFT_OK;
     }
     TRY(try_method(scene, cloth, ros2, start, NULL, &out->implicit, err));
-    return out->implicit.work > 0.0 && other != NULL ? try_method(
-               scene, cloth, other, start, &out->implicit, &out->explicit, err)
-                                                     : WEFT_OK;
+    if (!(out->implicit.work > 0.0) || other == NULL) {
+        return WEFT_OK;
+    }
+    return try_method(scene, cloth, other, start, &out->implicit, &out->explicit, err);
 }
 
 weft_status survey_create(const weft_scene *scene, const weft_cloth *cloth,
