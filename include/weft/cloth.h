@@ -283,7 +283,7 @@ typedef struct weft_mesh_def {
     size_t uv_count;
     const double *rest;        /* [m] u v of each of them */
     size_t triangles;          /* T */
-    const uint32_t *corners;   /* vertices, 3 T: in one order all over a piece */
+    const uint32_t *corners;   /* vertices, 3 T: in one order all over a panel */
     const uint32_t *corner_uv; /* indices of `rest`, 3 T; NULL: as `corners` */
     const uint32_t *fabric_of; /* T indices of `fabrics`; NULL: 0 for all */
     const weft_fabric *fabrics;
@@ -361,9 +361,9 @@ typedef struct weft_cloth_def {
     double untangle; /* [s] >= 0; > 0: a start may pass through itself and shapes, and
                        weft_sim_create calls weft_cloth_untangle */
     bool wind_table_natural; /* the wind's table is a natural spline */
-    bool strict;             /* cloth that passes through a shape between its particles
-                               (weft_cloth_passages) is an error: at the start, and at frames
-                               (weft_sim_check_frame) */
+    bool strict;             /* cloth that passes through a collider between its
+                               particles (weft_cloth_passages) is an error: at the
+                               start, and at frames (weft_sim_check_frame) */
     weft_log log;       /* progress of weft_cloth_untangle, at least once a second */
     weft_stop_fn *stop; /* asked while the cloth is made, which takes a minute for a
                        million triangles, and by weft_cloth_untangle; NULL: none */
@@ -586,15 +586,15 @@ WEFT_API const char *weft_cloth_isa(const weft_cloth *cloth);
  * of the state, in place of vertices; its triangles, edges and UV coordinates are of no
  * use.
  * @param cloth the cloth
- * @return 0 of triangles */
+ * @return their number; 0 if the cloth is a mesh */
 WEFT_API size_t weft_cloth_rows(const weft_cloth *cloth);
 
 /** Counts the columns of a grid.
  * @param cloth the cloth
- * @return 0 of triangles */
+ * @return their number; 0 if the cloth is a mesh */
 WEFT_API size_t weft_cloth_cols(const weft_cloth *cloth);
 
-/** Counts the particles, of a band with its ghosts.
+/** Counts the particles; a band counts its ghosts too.
  * @param cloth the cloth
  * @return N */
 WEFT_API size_t weft_cloth_particles(const weft_cloth *cloth);
@@ -613,12 +613,12 @@ WEFT_API weft_band weft_cloth_band(const weft_cloth *cloth);
 /** Counts the springs of a family.
  * @param cloth the cloth
  * @param family of springs
- * @return their number; of a band those of its own rows */
+ * @return their number; a band counts those of its own rows */
 WEFT_API size_t weft_cloth_springs(const weft_cloth *cloth, weft_family family);
 
 /** Counts the pinned particles.
  * @param cloth the cloth
- * @return their number; of a band those of its own rows */
+ * @return their number; a band counts those of its own rows */
 WEFT_API size_t weft_cloth_pins(const weft_cloth *cloth);
 
 /** Returns how much memory the cloth takes.
@@ -707,7 +707,7 @@ WEFT_API size_t weft_cloth_part_of(const weft_cloth *cloth, size_t vertex);
  * @snippet window.c triangles */
 WEFT_API size_t weft_cloth_triangles(const weft_cloth *cloth, uint32_t *corners);
 
-/** Lists the edges as they are touched: of a grid its rows, its columns and the
+/** Lists the edges as they are touched: on a grid those of rows, of columns and the
  * diagonals between the triangles of its cells.
  * @param cloth the cloth
  * @param[out] ends particle indices, two of each edge: 2 E; NULL: only count
@@ -728,12 +728,12 @@ WEFT_API size_t weft_cloth_uv(const weft_cloth *cloth, uint32_t *corner_uv, doub
  * @param cloth the cloth
  * @param[out] sewn the number of sewn edges
  * @param[out] length [m] of these edges, in all
- * @return the number of panels; 1 of a grid */
+ * @return the number of panels; a grid has 1 */
 WEFT_API size_t weft_cloth_panels(const weft_cloth *cloth, size_t *sewn,
                                   double *length);
 
 /** Describes a cloth, as messages do: "16 x 24 particles" or "85 vertices, 140
- * triangles", "... in 2 cloths" of several; of a band it is the whole cloth.
+ * triangles", "... in 2 cloths" if there are several; a band describes the whole cloth.
  * @param cloth the cloth
  * @param[out] text receives the words, as snprintf writes
  * @param size [bytes] of text
@@ -778,8 +778,8 @@ WEFT_API const char *weft_primitive_text(const weft_cloth *cloth,
  * @param[out] y a state, 6 N doubles */
 WEFT_API void weft_cloth_start(const weft_cloth *cloth, double *y);
 
-/** Computes the rest positions; of triangles, whose rest shape is flat (weft_cloth_uv),
- * the positions at t = 0.
+/** Computes the rest positions. The rest shape of a mesh is flat (weft_cloth_uv), so
+ * for a mesh these are the positions at t = 0.
  * @param cloth the cloth
  * @param[out] xyz [m] x y z of particle 0, ...: 3 N doubles */
 WEFT_API void weft_cloth_rest(const weft_cloth *cloth, double *xyz);

@@ -302,7 +302,7 @@ static const weft__key fabric_keys[] = {
       = "damping = this time * stiffness; a pair: [in the plane, of bending]" },
     { "coupling", WEFT__NUMBER, .absent = "shear, or the preset's",
       NUMBER(fabric, coupling),
-      .meaning = "modulus between warp and weft; of a mesh only" },
+      .meaning = "modulus between warp and weft; meshes only" },
 };
 
 static const weft__section fabric_section
@@ -347,7 +347,7 @@ static const weft__key cut_keys[] = {
       AT(weft__cut, holes), .meaning = "each as outline" },
     { "lines", WEFT__PATHS, .absent = "none", .section = &disc_section, .unit = "m",
       AT(weft__cut, lines),
-      .meaning = "edges of triangles run along these, as far as they lie in the piece; "
+      .meaning = "edges of triangles run along these, as far as they lie in the panel; "
                  "each points in order, or a disc's circle" },
     { "spacing", WEFT__NUMBER, .required = true, NUMBER(grid, spacing),
       .meaning = "length of edge aimed at" },

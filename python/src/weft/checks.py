@@ -22,7 +22,7 @@ class Check(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the scene; of a sweep its first run is described.
+        Of the scene; if it is a sweep, of its first run, which is described.
     particles, pinned : int
         How many particles it has, and how many of them pins hold.
     omega, damping : float

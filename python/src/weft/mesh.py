@@ -127,7 +127,7 @@ class Mesh(Fixed):
     start : array, shape (N, 3), or None
         [m] at t = 0; None: u, v, 0.
     triangles : array, shape (T, 3)
-        Vertices, in one order all over a piece.
+        Vertices, in one order all over a panel.
     corner_uv : array, shape (T, 3), optional
         The row of `rest` of each corner, if rest has shape (P, 2).
     fabrics : dict or list, optional

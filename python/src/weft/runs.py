@@ -197,7 +197,7 @@ def run(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] = No
     force : bool
         Replaces an earlier run.
     own : dict, optional
-        Methods of one's own, {"mine": step}, for scenes with stepper.plugin "own" and stepper.method "mine", and a
+        Your own methods, {"mine": step}, for scenes with stepper.plugin "own" and stepper.method "mine", and a
         fixed_step. step(rhs, t, y, h) returns the state at t + h [s] that follows from y, at t; rhs(t, y) is dy/dt.
         States are arrays of any even length: positions, then velocities. The program, which looks for the largest
         stable step of the method, too, calls it from several threads, and takes nothing to be kept from call to call.
@@ -298,7 +298,7 @@ def compare(scene: Scene, out: PathLike, overrides: Optional[Mapping[str, Any]] 
     force : bool
         Replaces an earlier comparison.
     own : dict, optional
-        Methods of one's own, as of run(), which take part; their time is without that of Python.
+        Your own methods, as for run(), which take part; their time is without that of Python.
 
     Returns
     -------
@@ -418,7 +418,7 @@ def fit(scene: Scene, data: Union[PathLike, pd.DataFrame], over: Sequence[str], 
     scene : path, str or dict
         As of load().
     data : path or pandas.DataFrame
-        A CSV file or a table with the columns time, row and col (of a mesh vertex, of several cloths cloth and vertex),
+        A CSV file or a table with the columns time, row and col (vertex for a mesh, cloth and vertex for several cloths),
         x, y and z, where NaN is missing; or the outline of its shadow at the end, with the columns angle and radius
         [degrees, m] or x and y [m].
     over : list of str
@@ -489,7 +489,7 @@ def resume(run: RunLike, until: Optional[float] = None, *, force: bool = False,
     force : bool
         Repeats a run that failed.
     own : dict, optional
-        The run's methods of one's own, as of run().
+        Your own methods that the run uses, as for run().
 
     Returns
     -------
@@ -796,7 +796,8 @@ class Run(Fixed):
 
     @property
     def final(self) -> pd.DataFrame:
-        """final.csv: row, col (of triangles vertex, of several cloths cloth and vertex), x, y, z [m], vx, vy, vz [m/s] at the end."""
+        """final.csv: row, col (a mesh has vertex instead, several cloths have cloth and vertex), x, y, z [m], vx, vy, vz
+        [m/s] at the end."""
         why = "its scene has record.final: false" if (self.directory / "result.yaml").exists() else "the run has not ended"
         return _table(self._file("final.csv", why))
 
@@ -825,7 +826,7 @@ class Run(Fixed):
 
     @property
     def positions(self) -> Array:
-        """(frames, rows, cols, 3) or, of triangles, (frames, N, 3) [m], of the present frames: run.vtkhdf as memory,
+        """(frames, rows, cols, 3) or, on a mesh, (frames, N, 3) [m], of the present frames: run.vtkhdf as memory,
         read as it is used (all at once after h5repack).
 
         >>> weft.run(scene, tmp / "positions").positions[-1].shape

@@ -417,7 +417,7 @@ class Sim(Fixed):
 
     @property
     def rows(self) -> int:
-        """How many rows of particles a grid has; 0 of triangles.
+        """How many rows of particles a grid has; 0 if the cloth is a mesh.
 
         >>> sim = weft.load(scene)
         >>> sim.rows, sim.cols
@@ -427,7 +427,7 @@ class Sim(Fixed):
 
     @property
     def cols(self) -> int:
-        """How many columns of particles a grid has; 0 of triangles. Particle (r, c) has index r * cols + c."""
+        """How many columns of particles a grid has; 0 if the cloth is a mesh. Particle (r, c) has index r * cols + c."""
         return int(lib.weft_cloth_cols(self._cloth))
 
     @property
@@ -490,7 +490,7 @@ class Sim(Fixed):
 
     @property
     def rest(self) -> Array:
-        """(N, 3) [m], positions at rest; of triangles, whose rest shape is flat, those at t = 0."""
+        """(N, 3) [m], positions at rest; on a mesh, whose rest shape is flat, those at t = 0."""
         xyz = np.empty((self.particles, 3))
         lib.weft_cloth_rest(self._cloth, ffi.from_buffer("double[]", xyz))
         return xyz
@@ -714,7 +714,7 @@ class Sim(Fixed):
 
     @property
     def positions(self) -> Array:
-        """(N, 3) [m], a view; of triangles a copy, by vertices. Assigning (N, 3) or (rows, cols, 3) moves the free
+        """(N, 3) [m], a view; on a mesh a copy, by vertices. Assigning (N, 3) or (rows, cols, 3) moves the free
         particles, as set_state().
 
         >>> sim = weft.load(scene)
@@ -740,7 +740,7 @@ class Sim(Fixed):
 
     @property
     def velocities(self) -> Array:
-        """(N, 3) [m/s], a view; of triangles a copy, by vertices; may be assigned."""
+        """(N, 3) [m/s], a view; on a mesh a copy, by vertices; may be assigned."""
         return self._triples_of(self.state[3 * self.particles:])
 
     @velocities.setter
