@@ -65,6 +65,7 @@ void weftpy_pinned(const weft_cloth *, bool *);
 void weftpy_index(const weft_cloth *, size_t *);
 weft_status weftpy_joined(const weft_cloth *, uint32_t *, size_t *, weft_error *);
 void weftpy_stop(weft_sim_def *, const weft_run_def *, bool);
+void weftpy_destroy(long, size_t, weft_sim *);
 weft_status weftpy_advance(weft_sim *, double, double, const bool *, weft_error *);
 typedef struct weftpy_added { size_t count; const double *force; } weftpy_added;
 int weftpy_add(void *, double, const double *, double *);
@@ -76,6 +77,7 @@ SOURCE = r"""
 #include <math.h>
 #include <stdatomic.h>
 #include <time.h>
+#include <unistd.h>
 #include <weft/weft.h>
 
 static const char *const weftpy_prefix = WEFTPY_PREFIX;
@@ -205,6 +207,15 @@ static weft_status weftpy_no_step(void *self, double t_end, double *t, double *y
 {
     (void)self, (void)t_end, (void)t, (void)y;
     return weft_error_set(err, WEFT_UNSUPPORTED, "takes no steps");
+}
+
+/* Unless it would wait for threads that a fork of `process` lacks. In C, because Python would handle a signal, and lose
+ * what the handler raises, in a destructor of its own. */
+static void weftpy_destroy(long process, size_t threads, weft_sim *sim)
+{
+    if ((long)getpid() == process || threads < 2) {
+        weft_sim_destroy(sim);
+    }
 }
 
 static void weftpy_nothing(void *self)

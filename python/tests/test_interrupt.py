@@ -71,6 +71,17 @@ OWN = {
 }
 
 
+def test_a_simulation_is_destroyed_without_python_code():
+    """There a handler of a signal would run, and what it raises would be lost."""
+    called, sim = [], weft.load(brief())
+    sys.setprofile(lambda frame, event, _: called.append(frame.f_code.co_name) if event == "call" else None)
+    try:
+        del sim
+    finally:
+        sys.setprofile(None)
+    assert called == []
+
+
 @pytest.mark.filterwarnings("ignore::weft.PerformanceWarning")
 @pytest.mark.parametrize("name", OWN)
 def test_no_signal_is_lost_between_weft_and_an_own_function(name):

@@ -7,6 +7,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, NamedTuple, Optional, Union
 
 import numpy as np
@@ -372,11 +373,8 @@ class Sim(Fixed):
     @staticmethod
     def _destroyer(definition: Any, *of: Any) -> Any:
         """Destroys a simulation, before what it was made of."""
-        process = os.getpid()
-
-        def destroy(sim: Any, lib: Any = lib, getpid: Any = os.getpid, of: Any = of) -> None:
-            if getpid() == process or definition.config.threads < 2:  # else it would wait for threads that a fork lacks
-                lib.weft_sim_destroy(sim)
+        destroy: Any = partial(lib.weftpy_destroy, os.getpid(), definition.config.threads)
+        destroy.of = definition, of
         return destroy
 
     def __repr__(self) -> str:
