@@ -154,7 +154,8 @@ def test_what_the_executor_raises_is_the_error_of_the_run(file, expected, tmp_pa
     assert files(tmp_path / "out") == expected
 
 
-LONG = {"cloth.springs.stretch.stiffness": [50, 100], "run.duration": [60]}
+# Runs of 2 s: those of a pool look twice a second whether they are to stop.
+LONG = {"cloth.springs.stretch.stiffness": [50, 100], "run.duration": [1000], "run.fps": [1]}
 
 
 @pytest.mark.parametrize("pool", ["None", "concurrent.futures.ProcessPoolExecutor(2)"])
@@ -174,7 +175,7 @@ def test_interrupted_it_is_continued_by_weft_batch_and_the_other_way_round(pool,
     assert set(left["status"]) <= {"done", "interrupted", "missing"} and "interrupted" in set(left["status"])
     assert not list((tmp_path / "out").glob(".map-*"))
     shutil.copytree(tmp_path / "out", tmp_path / "copy")
-    sweep = "sweep={cloth.springs.stretch.stiffness: [50, 100], run.duration: [60]}"
+    sweep = "sweep={cloth.springs.stretch.stiffness: [50, 100], run.duration: [1000], run.fps: [1]}"
     (tmp_path / "whole").mkdir()
     for out in ("out", "whole"):
         subprocess.run([weft.program(), "batch", file, "--out", tmp_path / out, "--quiet", "--set", sweep], check=True)
