@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* saved_sum.h -- the checksums of forged bytes, as docs/reference/output.md describes
+/* saved_sum.h -- the checksums of forged bytes, as include/weft/cloth.h describes
  * them. */
 #pragma once
 

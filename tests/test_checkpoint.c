@@ -183,7 +183,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
 END_TEST
 
 /* Bytes made up with a checksum that is right: t, the next h, the first x and the last
- * vz, each in its word (docs/reference/output.md). */
+ * vz, each in its word (bench/NOTES.md). */
 START_TEST(numbers_that_are_not_finite_are_refused)
 {
     const size_t size = weft_sim_save_size(sim), first = saved_front(saved, size);
@@ -243,7 +243,7 @@ START_TEST(saved_winds_that_make_no_sense_are_refused)
 }
 END_TEST
 
-/* Words of docs/reference/output.md: the sums of a ledger. */
+/* Words of bench/NOTES.md: the sums of a ledger. */
 START_TEST(ledgers_that_are_not_finite_are_refused)
 {
     const double odd[] = { (double)NAN, (double)INFINITY, -(double)INFINITY };

@@ -435,7 +435,7 @@ START_TEST(saved_shapes_that_are_damaged_are_refused)
 }
 END_TEST
 
-/* With a checksum that is right: words of the last shape (docs/reference/output.md). */
+/* With a checksum that is right: words of the last shape (bench/NOTES.md). */
 START_TEST(saved_shapes_that_make_no_sense_are_refused)
 {
     enum { WORDS = 40, RADIUS = 10, COUNT = -WORDS - 2, LAW = -WORDS - 1 };

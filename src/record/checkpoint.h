@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* checkpoint.h -- checkpoint.weft, from which a run can be resumed.
- * docs/reference/output.md describes its layout. */
+ * bench/NOTES.md lists its words. */
 #pragma once
 
 #include "record/vtkhdf.h"
