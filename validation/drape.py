@@ -115,20 +115,20 @@ def cusick_lengths():
     rows.append(("smallest step of DC from one c to the next [%]", (0.0, 100.0), min(b - a for a, b in zip(means, means[1:])), 0.0))
     return {
         "title": "Drape coefficients of isotropic fabrics of five bending lengths c = (B / (density g))^(1/3), beside published bands "
-                 "and one other program, whose fabrics are calibrated to those bands.",
+                 "and one other program, calibrated to those bands.",
         "source": CUSICK + "; bands as collected in ppf-contact-solver, calibration/cusick_drape/targets.csv: silk 20 to 40 "
                   "(Matsudaira and Yang 2003), wool 40 to 70, cotton 60 to 76 (Gan, Ly and Steven 1991), denim 70 to 90; its own "
-                  "coefficients there, with c derived from its bending numbers",
+                  "coefficients there",
         "formula": "DC = (A_projected - A_support) / (A_disc - A_support), disc of 30 cm on a support of 18 cm",
         "tolerance": "none for bands; 5 points against the other program, chosen here: Kenkare et al. 2007 call "
-                "drapes of one fabric highly variable",
+                     "drapes of one fabric highly variable",
         "rows": rows, "tables": [(HEAD, [line("isotropic", c, r) for c, r in zip(LENGTHS, results)])],
         "figure": plot([("weft, %g mm" % (1e3 * h), [(1e3 * c, r[0][i][0]) for c, r in zip(LENGTHS, results)], "line")
                         for i, h in enumerate(SPACINGS)] + [("other program", [(1e3 * c, v) for c, v in zip(LENGTHS, PPF)], "dots")],
                        "c [mm]", "DC [%]"),
         "caption": "drape coefficient against bending length",
         "text": METHOD + "\n\nThe bending length of a band is that of the other program's fabric, derived from its parameters. Neither "
-                "program is a measurement: hinges on its mesh may be stiffer than their parameter says, and weft's meshes are coarse.",
+                "program is a measurement: hinges on its mesh may be stiffer than their parameter, and weft's meshes are coarse.",
     }
 
 
@@ -155,10 +155,9 @@ def cusick_fabrics():
         "whole": True, "tables": [(HEAD, [line("`%s`" % name, c, r) for (name, c), r in zip(fabrics, results)])],
         "figure": sheets([(fabrics[i][0], outlines(results[i])) for i in picked], (210, 190)),
         "caption": "rims of three drapes from above, and the support",
-        "text": "Method, meshes and seeds are those of cusick-lengths. A measured drape of one of the nine fabrics was not found, "
-                "and only denim has a published band: that of stiffer denims, because this one has a bending length of 18 mm in the mean, "
-                "cusick-lengths 23.6 mm. More nodes than on a drapemeter appear where a drape from the plane stops in a state with "
-                "many folds, the more on a coarse mesh.",
+        "text": "Method, meshes and seeds are those of cusick-lengths. Only denim has a published band, that of stiffer denims: this "
+                "one has a bending length of 18 mm in the mean, cusick-lengths 23.6 mm. More nodes than on a drapemeter appear where a "
+                "drape from the plane stops in a state with many folds, the more on a coarse mesh.",
     }
 
 

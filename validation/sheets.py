@@ -46,16 +46,16 @@ def capstan():
     frictions = (0.2, 0.3, 0.5)
     found = runs([(mu,) for mu in frictions], capstan_pull)
     return {
-        "title": "A taut strip of triangles is drawn over a cylinder, by half a turn, with 0.1 m/s. The tensions before and behind "
-                 "it follow from the force and the torque on the cylinder (shapes.csv).",
+        "title": "A taut strip of triangles without weight is drawn over a cylinder, by half a turn, with 0.1 m/s. Its tensions follow "
+                 "from the force and the torque on the cylinder (shapes.csv).",
         "source": EULER, "formula": "T2 / T1 = exp(mu alpha), alpha = pi",
-        "tolerance": "2 %: vertices that come to and leave the cylinder let the ratio ripple (figure); mean of 0.1 to 0.3 s",
+        "tolerance": "2 %, because vertices that come to and leave the cylinder let the ratio ripple; mean of 0.1 to 0.3 s",
         "rows": [("T2 / T1, mu = %g" % mu, math.exp(mu * math.pi), f[0], 0.02 * math.exp(mu * math.pi))
                  for mu, f in zip(frictions, found)],
         "figure": plot([("mu = %g" % mu, f[1][::3], "line") for mu, f in zip(frictions, found)], "t [s]", "T2 / T1",
                        lines=[("exp(mu pi)", math.exp(mu * math.pi)) for mu in frictions]),
         "caption": "ratio of the tensions by time",
-        "text": "The strip has no weight; it starts at rest, stretched by 2 %. The law of friction is `coulomb`.",
+        "text": "The strip starts at rest, stretched by 2 %. The law of friction is `coulomb`.",
     }
 
 
@@ -124,14 +124,13 @@ def provot():
         "title": "Provot's sheet of 17 x 17 masses, hung by two corners: springs near the corners stretch far more than cloth does; "
                  "his correction limits them to 10 %.",
         "source": "X. Provot, *Deformation constraints in a mass-spring model to describe rigid cloth behavior*, Graphics "
-                  "Interface '95; the numbers by an independent program in another language (tests/test_papers.c)",
+                  "Interface '95, which shows pictures only; the numbers by an independent program (tests/test_papers.c)",
         "formula": "a spring longer than 1.1 rest lengths is shortened to that after every step, sweep after sweep",
         "tolerance": "1 %: the independent program started from another side of the sheet",
         "rows": [("largest strain of a stretch spring, " + name, want, strains(done), 0.01 * want)
                  for name, want, done in zip(names, wants, found)],
         "figure": sheets([(names[k], wires(found[k], 17, 17, 0, 1)) for k in (0, 3)]),
         "caption": "the sheet without and with the limit",
-        "text": "The paper itself shows pictures, not these strains.",
     }
 
 
@@ -166,8 +165,8 @@ def lander():
     return {
         "title": "A level sheet falls from two corners: stretch springs alone, with shear springs, with bend springs as well.",
         "source": "J. Lander, *Devil in the blue faceted dress*, Game Developer (May 1999); the lecture *Introduction to cloth* (CMU 15-864)",
-        "formula": "none; what their pictures show: stretch springs alone collapse, shear springs keep the cells, bend springs round the folds",
-        "tolerance": "the signs of the differences, of which the sources show pictures only",
+        "formula": "none; their pictures show that stretch springs alone collapse, shear springs keep the cells, bend springs round the folds",
+        "tolerance": "the signs of the differences",
         "rows": [("mean area of cells gained by shear springs (over that at rest)", (0.1, 1.0), a1 - a0, 0.0),
                  ("mean cosine between neighbouring cells gained by bend springs", (0.0, 2.0), f2 - f1, 0.0)],
         "tables": [(("springs", "mean area of cells / at rest", "mean cosine between neighbouring cells"),

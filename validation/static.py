@@ -14,7 +14,7 @@ REST = {"forces": {"wind": {"velocity": [0, 0, 0], "drag": 5}}, "stepper": {**IM
 ROMERO = "V. Romero et al., *Physical validation of simulators in computer graphics*, ACM Trans. Graph. 40(4) (2021), test " \
          "\"Cantilever\"; F. T. Peirce, J. Textile Inst. 21, T377 (1930)"
 ELASTICA = "theta'' = -G (1 - s) cos theta, theta(0) = 0, theta'(1) = 0, G = density g L^3 / B; reach W, drop H of the tip; " \
-           "solved by validation/exact.py (Runge-Kutta of order 4, bisection)"
+           "solved by Runge-Kutta of order 4 and bisection"
 
 
 def extrapolated(values, spacings):
@@ -105,16 +105,16 @@ def elastica_mesh():
                              for a, b, p, q in zip(errors, errors[1:], sizes, sizes[1:]))))
         curves.append((name, [(n, abs(g[1] - drop)) for n, g in zip(sizes, got)], "line"))
     return {
-        "title": "The same strip, L x L/4, of triangles at G = 8: a structured mesh, lattices of equal triangles of which a row "
-                 "runs at 0, 20 and 45 degrees, and a random mesh of `cloth.cut`; 8, 16 and 24 triangles along the strip.",
+        "title": "The same strip, L x L/4, of triangles at G = 8: a structured mesh, lattices of equal triangles turned by 0, 20 "
+                 "and 45 degrees, and a random mesh of `cloth.cut`; 8, 16 and 24 triangles along the strip.",
         "source": "as elastica-grid", "formula": "as elastica-grid",
         "tolerance": "0.003 L at 24 triangles, three times the error that order 2 leaves of the .007 to .01 at 8; "
                      "C L^2 / B = 1e6 moves the tip by 4e-6 L",
         "rows": rows, "tables": [(("error of", "8", "16", "24", "order 8 to 16", "order 16 to 24"), orders)],
         "figure": plot(curves, "triangles along the strip", "error of H / L", True, True),
         "caption": "error of the drop against the number of triangles",
-        "text": "Membranes are `chord`. Oblique meshes [lock](model.md#membrane-of-triangles) a little, with the other sign than "
-                "the error of bending, so that their orders scatter where the two cancel.",
+        "text": "Membranes are `chord`. Oblique meshes [lock](model.md#membrane-of-triangles) a little, which cancels part of the "
+                "error of bending, so that their orders scatter.",
     }
 
 
@@ -140,7 +140,7 @@ def catenary():
     limit = extrapolated(values, [1.0 / n for n in sizes])
     curve = [(0.02 * i, a * (math.cosh((0.02 * i - 0.4) / a) - math.cosh(0.4 / a))) for i in range(41)]
     return {
-        "title": "A chain of 8, 16 and 32 springs between two points at 0.8 of its length; its springs do not stretch by more than 3e-5.",
+        "title": "A chain of 8, 16 and 32 springs, which stretch by at most 3e-5, between two points at 0.8 of its length.",
         "source": "Jac. Bernoulli, Leibniz, Huygens (1691)",
         "formula": "y = a cosh(x/a), sinh(s)/s = 1.25, s = 0.4 L/a; sag = a (cosh s - 1)",
         "tolerance": "the step of the extrapolation from 16 and 32 springs (order 2), and 1e-5 for the stretch",
@@ -209,9 +209,8 @@ def ribbon():
     return {
         "title": "A ribbon of triangles, 5 widths long, is twisted by eta = 0.5 per width between ends that keep their distance.",
         "source": "A. E. Green, Proc. R. Soc. A 154, 430 (1936), 161, 197 (1937); J. Chopin, A. Kudrolli, PRL 111, 174302 (2013); "
-                  "J. Chopin, V. Demery, B. Davidovitch, arXiv 1403.0267; the formula is derived "
-                  "here",
-        "formula": "strain at r widths from the middle: E = (stretch^2 - 1) / 2 + eta^2 r^2 / 2; its mean is the tension T (over "
+                  "J. Chopin, V. Demery, B. Davidovitch, arXiv 1403.0267",
+        "formula": "(derived here) strain at r widths from the middle: E = (stretch^2 - 1) / 2 + eta^2 r^2 / 2; its mean is the tension T (over "
                    "the stiffness and the width), so that E = T + eta^2 (r^2 - 1/12) / 2 and the middle is free of stress at "
                    "eta = sqrt(24 T)",
         "tolerance": "one diagonal: the step of the extrapolation from 6 and 12 triangles a width (order 2), and 0.2 %; lattice at 45 "
