@@ -100,8 +100,8 @@ static const weft__section shape_section;
           .absent = "none",                                                            \
           AT(type, vertices),                                                          \
           .meaning                                                                     \
-          = "meshes only: the vertex that starts nearest to a point; of two equally "  \
-            "near ones the one with the lower index" },                                \
+          = "meshes only: the vertex that starts nearest to a point, at equal "        \
+            "distances the lower index" },                                             \
     {                                                                                  \
         "inside", WEFT__INSIDE,                                                        \
             .section = &shape_section, .absent = "none", AT(type, vertices),           \
@@ -146,7 +146,7 @@ static const weft__key pin_keys[] = {
     { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(pin, amplitude),
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(pin, frequency),
-      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+      .meaning = "of the oscillation, together with amplitude" },
     { "path", WEFT__TRACK, SECTION(pin_table), .unit = "s, m", .absent = "none",
       AT(weft_pin, path), SPLINE(weft_pin, path),
       .meaning
@@ -478,7 +478,7 @@ static const weft__key shape_turn_keys[] = {
     { "amplitude", WEFT__NUMBER, .fallback = "0", NUMBER(turn, amplitude),
       .meaning = "of an oscillation" },
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(turn, frequency),
-      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+      .meaning = "of the oscillation, together with amplitude" },
 };
 
 /* The shape comes first: it decides which other keys belong to it. */
@@ -532,7 +532,7 @@ static const weft__key shape_keys[] = {
     { "amplitude", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, amplitude),
       .meaning = "oscillation: + amplitude * sin(2 pi frequency t)" },
     { "frequency", WEFT__NUMBER, .fallback = "0", NUMBER(shape, frequency),
-      .meaning = "frequency of the oscillation; amplitude and frequency go together" },
+      .meaning = "of the oscillation, together with amplitude" },
     { "spin", WEFT__VECTOR, .fallback = "[0, 0, 0]", NUMBER(shape, spin),
       .meaning
       = "surface velocity, as of a roller: a rotation about at, along the normal "
@@ -882,10 +882,8 @@ static const weft__key root_keys[] = {
         "(docs/guides/gradients.md)" },
     { "sweep", WEFT__SWEEP, .absent = "none: one run",
       .meaning
-      = "weft batch runs every combination of the values, or, with zip: "
-        "true, the first value of each list, then the second, ...; with sample: "
-        "N, N values drawn from the range of each list "
-        "(docs/guides/sweep-parameters.md)" },
+      = "weft batch runs every combination of the values; zip and sample combine "
+        "them otherwise (docs/guides/sweep-parameters.md)" },
 };
 
 const weft__section weft__root = { .title = "the scene",
