@@ -60,7 +60,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
 #undef TEXT
           };
     const char *more = key->kind == WEFT__PAIR || key->kind == WEFT__WARP_WEFT
-                           ? " or a pair of them"
+                           ? " or a pair"
                        : key->kind == WEFT__ATOL ? " or a mapping"
                                                  : "";
     const char *range = "";

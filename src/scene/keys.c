@@ -347,8 +347,8 @@ static const weft__key cut_keys[] = {
       AT(weft__cut, holes), .meaning = "each as outline" },
     { "lines", WEFT__PATHS, .absent = "none", .section = &disc_section, .unit = "m",
       AT(weft__cut, lines),
-      .meaning = "edges of triangles run along these, as far as they lie in the panel; "
-                 "each points in order, or a disc's circle" },
+      .meaning = "edges of triangles run along these within the panel; each points in "
+                 "order, or a disc's circle" },
     { "spacing", WEFT__NUMBER, .required = true, NUMBER(grid, spacing),
       .meaning = "length of edge aimed at" },
     { "seed", WEFT__INTEGER, .fallback = "1", RANGE(.type = WEFT__SIZE),
@@ -562,8 +562,7 @@ static const weft__key contact_keys[] = {
     { "friction", WEFT__NUMBER, .fallback = "0.3", NUMBER(contact, friction),
       .meaning
       = "coefficient of friction of shapes without their own, and of the cloth on "
-        "itself; with law smooth, cloth at rest creeps at a speed that this does not "
-        "change" },
+        "itself; with law smooth it does not change how fast a cloth at rest creeps" },
     { "law", WEFT__CHOICE, .names = friction_names, AT(weft_contact_def, law),
       .fallback = "smooth",
       .meaning = "smooth: no stiffer than 10 times the contact; coulomb: exact above "
@@ -577,8 +576,8 @@ static const weft__key contact_keys[] = {
     { "untangle", WEFT__NUMBER, .fallback = "0.0", .number = &weft__untangle,
       .at = -offsetof(weft_cloth_def, contact),
       .meaning
-      = "the longest time for which a start that intersects itself or shapes is "
-        "relaxed before t = 0; 0: such a start is an error" },
+      = "longest time to relax a start that intersects itself or shapes, before t = "
+        "0; 0: such a start is an error" },
     { "strict", WEFT__BOOLEAN, .fallback = "false",
       .at = offsetof(weft_cloth_def, strict) - offsetof(weft_cloth_def, contact),
       .meaning
@@ -776,8 +775,8 @@ static const weft__key record_keys[] = {
       .meaning
       = "run.vtkhdf holds every n-th frame, and always the first and the last" },
     { "ledger", WEFT__BOOLEAN, .fallback = "false", AT(weft_record_def, ledger),
-      .meaning = "integrate the powers of springs, drag, wind and pins with the state, "
-                 "and add the energy balance to series.csv" },
+      .meaning = "integrate the energy balance with the state, and add it to "
+                 "series.csv" },
     { "final", WEFT__BOOLEAN, .fallback = "true", AT(weft_record_def, final),
       .meaning = "write the state at the end to final.csv: some 130 bytes per "
                  "particle" },
@@ -813,8 +812,8 @@ static const weft__key run_keys[] = {
     { "threads", WEFT__INTEGER, RANGE(.least = 1), .fallback = "1",
       AT(weft_run_def, threads),
       .meaning = "threads for the forces, from 64 x 64 particles on, and for the "
-                 "solver's vector work (plugins arkode, cvode); the result does not "
-                 "depend on it" },
+                 "solver's vectors (plugins arkode, cvode); results do not depend on "
+                 "it" },
     { "frames", WEFT__EITHER, .names = frames_names, .fallback = "step",
       AT(weft_run_def, interpolate),
       .meaning = "step: every frame ends a step; interpolate: frames are taken from "
