@@ -33,12 +33,11 @@ HEAD = """# Validation
 
 This page compares weft with exact and published results, for you who must defend a result. `make validate` computes every case
 with the program, in 22 minutes on two cores, and names those that differ from this page; `make validate CASE=NAME` computes one.
-`make check-validation` (the quick half) and `make nightly` (all) fail if a number differs.
-[results.md](../../validation/results.md) has every number; the programs stand beside it, in Python without other packages.
+[results.md](../../validation/results.md) has every number, and the programs stand beside it.
 
 The tolerance of a case is the uncertainty of its source, or of the method by which an exact value is approached (the finest
-mesh, the step). A case that disagrees stays with the reason. Expected values come from validation/exact.py or from the formula of the
-case. Of the sources, those of drapes, of the plate with nu = 0.3 and Provot's paper were read; the others are cited from memory, and no
+mesh, the step). A case that disagrees stays, with the reason. Expected values come from validation/exact.py or from the formula of the
+case. The sources of drapes and of the plate with nu = 0.3 and Provot's paper were read; the others are cited from memory, and no
 value is taken from them.
 
 **What is missing**: no case compares the drape of a fabric with the measured drape of that same fabric, because no table with bending,
