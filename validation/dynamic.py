@@ -203,8 +203,7 @@ def plate_cantilever():
     modes = [("bending", soft[0], "cantilever", bending), ("torsion", soft[1], "cantilever", torsion)]
     case = plates("plate-cantilever", modes,
                   "A square plate that one edge clamps: bending and torsion. weft's fabric has D12 = 0: Poisson's ratio is 0.",
-                  "M. V. Barton, J. Appl. Mech. 18, 129 (1951) for nu = 0.3, as code_aster's V2.03.001 (SDLS01) has it; for nu = 0 the Ritz "
-                  "computation of this page",
+                  "M. V. Barton, J. Appl. Mech. 18, 129 (1951) for nu = 0.3, as code_aster's V2.03.001 (SDLS01) has it",
                   "Ritz with x^2 times Legendre polynomials, 49 terms (validation/exact.py)",
                   AS_SUPPORTED, "", sizes=(6, 12, 18))
     rows = case["rows"]

@@ -31,8 +31,8 @@ CASES = {case.__name__.replace("_", "-"): case
          for module in (static, dynamic, sheets, drape) for case in module.CASES}
 HEAD = """# Validation
 
-This page compares weft with exact and published results, for you who must defend a result. `make validate` computes every case
-with the program, in 22 minutes on two cores, and names those that differ from this page; `make validate CASE=NAME` computes one.
+If you must defend a result: these cases compare weft with exact and published results. `make validate` computes all of them
+in 22 minutes on two cores, and names those that differ from this page; `make validate CASE=NAME` computes one.
 [results.md](../../validation/results.md) has every number, and the programs stand beside it.
 
 The tolerance of a case is the uncertainty of its source, or of the method by which an exact value is approached (the finest
