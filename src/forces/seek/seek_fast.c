@@ -10,6 +10,8 @@ typedef float four_anywhere __attribute__((vector_size(16), aligned(4), may_alia
 typedef float eight __attribute__((vector_size(32)));
 typedef float eight_anywhere __attribute__((vector_size(32), aligned(4), may_alias));
 typedef int32_t eight_mask __attribute__((vector_size(32)));
+typedef int32_t eight_mask_anywhere
+    __attribute__((vector_size(32), aligned(4), may_alias));
 
 /* Two numbers in a row. */
 typedef double two_anywhere __attribute__((aligned(4), may_alias));
@@ -200,28 +202,84 @@ INLINE unsigned bits_of(const eight_mask *a)
 #endif
 }
 
-/* Which boxes are not further apart than the range. Empty ones are. */
-INLINE unsigned near_boxes(const eight a[6], const eight b[6], float range)
+/* Which of some boxes, by their bits, are not further apart than the range. Empty ones
+ * are. */
+INLINE unsigned near_boxes(const eight a[6], const eight b[6], float range,
+                           unsigned among)
 {
+#if defined __AVX512VL__
+    const __m256 most = (__m256)(range - (eight){ 0 });
+    __mmask8 near = (__mmask8)among;
+    for (size_t k = 0; k < 3; ++k) {
+        const __m256 up = (__m256)(a[k] - b[3 + k]), down = (__m256)(b[k] - a[3 + k]);
+        near = _mm256_mask_cmp_ps_mask(near, up, most, _CMP_LE_OQ);
+        near = _mm256_mask_cmp_ps_mask(near, down, most, _CMP_LE_OQ);
+    }
+    return near;
+#else
     const eight_mask x = (a[0] - b[3] <= range) & (b[0] - a[3] <= range);
     const eight_mask y = (a[1] - b[4] <= range) & (b[1] - a[4] <= range);
     const eight_mask z = (a[2] - b[5] <= range) & (b[2] - a[5] <= range);
     const eight_mask all = x & y & z;
-    return bits_of(&all);
+    return bits_of(&all) & among;
+#endif
 }
 
-/* Which primitives of b are near primitive p of a. */
+/* Which of eight primitives of b are near primitive p of a. */
+INLINE unsigned near_eight(const node_slice *a, size_t p, const node_slice *b, size_t i,
+                           float range, unsigned among)
+{
+    eight one[6], others[6];
+    for (size_t k = 0; k < 6; ++k) {
+        one[k] = a->box[p / 8][k][p % 8] - (eight){ 0 };
+        others[k] = *(const eight_anywhere *)b->box[i][k];
+    }
+    return near_boxes(one, others, range, among);
+}
+
+/* Two nodes of a grid side by side: bit 4 r + c of a primitive is its point that many
+ * rows and columns after the first of both. */
+typedef struct joint {
+    unsigned first;    /* bit of a */
+    eight_mask points; /* of b's primitives */
+} joint;
+
+static const int32_t points_of[8]
+    = { 1, 1 | 2, 1 | 16, 2 | 16, 1 | 2 | 16, 2 | 16 | 32, 0, 0 };
+
+INLINE void join(joint *to, seek_patch a, seek_patch b)
+{
+    const uint32_t r = a.r < b.r ? a.r : b.r, c = a.c < b.c ? a.c : b.c;
+    const bool beside = a.r + b.r - 2 * r < 2 && a.c + b.c - 2 * c < 2;
+    to->first = 4 * (a.r - r) + a.c - c;
+    to->points = *(const eight_mask_anywhere *)points_of
+                     << (int32_t)(4 * (b.r - r) + b.c - c)
+                 & -(int32_t)beside;
+}
+
+/* Which primitives of b have no point in common with primitive p of a. */
+INLINE unsigned apart(const joint *at, size_t p)
+{
+    const int32_t own = points_of[p] << at->first;
+#if defined __AVX512VL__
+    return _mm256_testn_epi32_mask((__m256i)at->points, _mm256_set1_epi32(own));
+#else
+    const eight_mask none = (at->points & own) == 0;
+    return bits_of(&none);
+#endif
+}
+
+/* Which primitives of b are near primitive p of a; at: but for those that have a point
+ * in common with it. */
 INLINE unsigned near_one(const node_slice *a, size_t p, const node_slice *b,
-                         float range)
+                         float range, const joint *at)
 {
     unsigned found = 0;
+    if (at != NULL) {
+        return near_eight(a, p, b, 0, range, apart(at, p));
+    }
     for (size_t i = 0; i < b->eights; ++i) {
-        eight one[6], all[6];
-        for (size_t k = 0; k < 6; ++k) {
-            one[k] = a->box[p / 8][k][p % 8] - (eight){ 0 };
-            all[k] = *(const eight_anywhere *)b->box[i][k];
-        }
-        found |= near_boxes(one, all, range) << 8 * i;
+        found |= near_eight(a, p, b, i, range, 0xffU) << 8 * i;
     }
     return found;
 }
@@ -251,8 +309,8 @@ INLINE unsigned near_quarters(const seeking *of, size_t level, seek_patch a,
         last[k] = EIGHT_OF(x, 2, 2, 2, 2, 3, 3, 3, 3);
         others[k] = EIGHT_OF(y, 0, 1, 2, 3, 0, 1, 2, 3);
     }
-    return near_boxes(first, others, of->range)
-           | near_boxes(last, others, of->range) << 8;
+    return near_boxes(first, others, of->range, 0xffU)
+           | near_boxes(last, others, of->range, 0xffU) << 8;
 }
 
 /* ---- pairs ----------------------------------------------------------------------- */
@@ -282,8 +340,19 @@ INLINE uint32_t write_points(const seeking *of, const node_slice *at, size_t l,
     return (uint32_t)item;
 }
 
-/* Visits the pairs of primitive p of a and those of b whose bits are set, but those
- * that have a common point. */
+/* Of a skin: whether two primitives have a point in common. */
+INLINE bool share_points(const weft__pair *pair, size_t first, size_t all)
+{
+    bool common = false;
+    for (size_t i = 0; i < first; ++i) {
+        for (size_t j = first; j < all; ++j) {
+            common = common || pair->particle[i] == pair->particle[j];
+        }
+    }
+    return common;
+}
+
+/* Visits the pairs of primitive p of a and those of b whose bits are set. */
 INLINE bool visit_pairs(const seeking *of, weft__pair_kind kind, const node_slice *a,
                         size_t p, const node_slice *b, unsigned which)
 {
@@ -291,16 +360,11 @@ INLINE bool visit_pairs(const seeking *of, weft__pair_kind kind, const node_slic
     bool goes_on = true;
     for (; which != 0 && goes_on; which &= which - 1) {
         weft__pair pair = { .kind = kind };
-        bool common = false;
         pair.item[0] = write_points(of, a, p, first, pair.particle);
         pair.item[1] = write_points(of, b, (size_t)__builtin_ctz(which), all - first,
                                     pair.particle + first);
-        for (size_t i = 0; i < first; ++i) {
-            for (size_t j = first; j < all; ++j) {
-                common = common || pair.particle[i] == pair.particle[j];
-            }
-        }
-        goes_on = common || of->visit(of->ctx, &pair);
+        goes_on = (of_skin(of) && share_points(&pair, first, all))
+                  || of->visit(of->ctx, &pair);
     }
     return goes_on;
 }
@@ -313,18 +377,33 @@ INLINE bool visit_vertex(const seeking *of, const node_slice *a, const node_slic
            && visit_pairs(of, WEFT__VERTEX_EDGE, a, 0, b, near & b->edges);
 }
 
-/* The order of self_pairs.c, kind by kind. */
-static bool visit_slices(const seeking *of, const node_slice *a, const node_slice *b)
+/* The order of self_pairs.c, kind by kind. ab, ba: of a grid, how they join. */
+INLINE bool visit_slices(const seeking *of, const node_slice *a, const node_slice *b,
+                         const joint *ab, const joint *ba)
 {
     const bool first = a->number == 0, last = b->number == 0;
-    const unsigned by_a = first ? near_one(a, 0, b, of->range) : 0U;
-    const unsigned by_b = last ? near_one(b, 0, a, of->range) : 0U;
+    const unsigned by_a = first ? near_one(a, 0, b, of->range, ab) : 0U;
+    const unsigned by_b = last ? near_one(b, 0, a, of->range, ba) : 0U;
     bool goes_on = visit_vertex(of, a, b, by_a) && visit_vertex(of, b, a, by_b)
                    && visit_pairs(of, WEFT__VERTICES, a, 0, b, last ? by_a & 1U : 0U);
     for (unsigned edges = a->edges; edges != 0 && goes_on; edges &= edges - 1) {
         const size_t p = (size_t)__builtin_ctz(edges);
         goes_on = visit_pairs(of, WEFT__EDGES, a, p, b,
-                              near_one(a, p, b, of->range) & b->edges);
+                              near_one(a, p, b, of->range, ab) & b->edges);
+    }
+    return goes_on;
+}
+
+static bool visit_owned(const seeking *of, seek_patch i, seek_patch j)
+{
+    const node_slice *a = slice_of(of, 0, i, 0), *b = NULL;
+    bool goes_on = true;
+    for (size_t k = 0; goes_on && (k == 0 || a->more); ++k) {
+        a = slice_of(of, 0, i, k);
+        for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
+            b = slice_of(of, 1, j, l);
+            goes_on = visit_slices(of, a, b, NULL, NULL);
+        }
     }
     return goes_on;
 }
@@ -332,19 +411,15 @@ static bool visit_slices(const seeking *of, const node_slice *a, const node_slic
 /* All edges of one node of a grid have it in common but the diagonal. */
 static bool visit_nodes(const seeking *of, seek_patch i, seek_patch j)
 {
-    const node_slice *a = slice_of(of, 0, i, 0), *b = NULL;
-    bool goes_on = true;
-    if (i.r == j.r && i.c == j.c) {
-        return of_skin(of) || visit_vertex(of, a, a, near_one(a, 0, a, of->range));
+    const bool same = i.r == j.r && i.c == j.c;
+    joint ab, ba;
+    if (of_skin(of)) {
+        return same || visit_owned(of, i, j);
     }
-    for (size_t k = 0; goes_on && (k == 0 || a->more); ++k) {
-        a = slice_of(of, 0, i, k);
-        for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
-            b = slice_of(of, 1, j, l);
-            goes_on = visit_slices(of, a, b);
-        }
-    }
-    return goes_on;
+    const node_slice *a = slice_of(of, 0, i, 0);
+    join(&ab, i, j), join(&ba, j, i);
+    return same ? visit_vertex(of, a, a, near_one(a, 0, a, of->range, &ab))
+                : visit_slices(of, a, slice_of(of, 1, j, 0), &ab, &ba);
 }
 
 /* ---- patches --------------------------------------------------------------------- */
