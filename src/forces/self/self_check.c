@@ -161,20 +161,44 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
 /* [m] As far as ranges go in single precision. */
 #define LONGEST 1e30
 
-/* As look_at, of pairs of all kinds in turn: vertices and triangles come before edges,
- * and each kind in its order. */
-static bool look_in_turn(void *ctx, const weft__pair *pair)
+/* Pairs that a search has found, until they are looked at: those of vertices and
+ * triangles, and those of edges. */
+typedef struct tile_search {
+    stride_search of[2];
+    uint32_t which[WEFT__STRIP];
+    size_t count[2];
+    int32_t particle[2][WEFT__NEAR_PLANES][WEFT__STRIP];
+} tile_search;
+
+/* As look_at_all, until one of the kind is not clear. */
+static void look_at_found(tile_search *in, size_t k)
 {
-    stride_search *of = ctx;
-    const weft__stride *stride = of->stride;
-    double gap;
-    if ((of->found && pair->kind == WEFT__EDGES) || pair->kind < WEFT__VERTEX_TRIANGLE
-        || weft__pair_distance(pair, stride->y1, stride->own->points) > of->way
-        || is_clear(stride, pair, &gap)) {
-        return true;
+    weft__near near = { .mass = NULL };
+    for (size_t j = 0; j < WEFT__NEAR_PLANES; ++j) {
+        near.particle[j] = in->particle[k][j];
     }
-    of->found = true, of->pair = *pair, of->gap = gap;
-    return pair->kind != WEFT__VERTEX_TRIANGLE;
+    if (!in->of[k].found) {
+        (void)look_at_all(&in->of[k], k == 0 ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES,
+                          &near, in->which, in->count[k]);
+    }
+    in->count[k] = 0;
+}
+
+/* A weft__pair_fn; a pair of a vertex and a triangle comes before all of edges. */
+static bool keep_found(void *ctx, const weft__pair *pair)
+{
+    tile_search *to = ctx;
+    if (pair->kind >= WEFT__VERTEX_TRIANGLE) {
+        const size_t k = pair->kind == WEFT__EDGES, i = to->count[k]++;
+        for (size_t j = 0; j < WEFT__NEAR_PLANES; ++j) {
+            to->particle[k][j][i]
+                = (int32_t)(j < 4 ? pair->particle[j] : pair->item[j - 4]);
+        }
+        if (to->count[k] == WEFT__STRIP) {
+            look_at_found(to, k);
+        }
+    }
+    return !to->of[0].found;
 }
 
 /* [m] As far as pairs of two tiles may have been apart that can have met, and sets
@@ -195,6 +219,24 @@ static double reach_between(const weft__self_list *list, const uint32_t tiles[2]
     const double range = reach(of->stride, extent);
     of->way = way_of(of->stride, extent);
     return apart > range ? -1.0 : range;
+}
+
+/* In each kind's order, as look_at does. */
+static void look_between(const weft__self_list *list, double most, stride_search *of)
+{
+    tile_search in = { .of = { *of, *of } };
+    for (uint32_t i = 0; i < WEFT__STRIP; ++i) {
+        in.which[i] = i;
+    }
+    for (size_t i = 0; i < list->between_count && !in.of[0].found; ++i) {
+        const double range = reach_between(list, list->between[i], most, of);
+        if (range >= 0.0) {
+            in.of[0].way = in.of[1].way = of->way;
+            (void)weft__self_search(list, list->between[i], range, keep_found, &in);
+            look_at_found(&in, 0), look_at_found(&in, 1);
+        }
+    }
+    *of = in.of[0].found ? in.of[0] : in.of[1];
 }
 
 /* By what two tiles move against each other, which is less than what all do. false: it
@@ -228,14 +270,7 @@ static bool look_by_tiles(weft__self_list *list, stride_search *of)
         }
     }
     weft__self_search_begin(list);
-    for (size_t i = 0; i < list->between_count
-                       && !(of->found && of->pair.kind == WEFT__VERTEX_TRIANGLE);
-         ++i) {
-        const double range = reach_between(list, list->between[i], most, of);
-        if (range >= 0.0) {
-            (void)weft__self_search(list, list->between[i], range, look_in_turn, of);
-        }
-    }
+    look_between(list, most, of);
     return true;
 }
 
