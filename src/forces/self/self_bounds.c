@@ -160,9 +160,26 @@ void weft__self_multiply(const void *own, const weft__state *at, double a, doubl
     (void)seek(&self);
 }
 
+/* The numbers of a symmetric matrix, row by row from the diagonal on. */
+enum { SYMMETRIC = 6, BLOCK = 9 + SYMMETRIC };
+
+/* n n^T, all of it and then its symmetric numbers, and those of 1. */
+static void products_of(const double n[3], double nn[BLOCK], double one[SYMMETRIC])
+{
+    size_t k = 0;
+    for (size_t j = 0; j < 9; ++j) {
+        nn[j] = n[j / 3] * n[j % 3];
+        if (j / 3 <= j % 3) {
+            nn[9 + k] = nn[j], one[k++] = j / 3 == j % 3 ? 1.0 : 0.0;
+        }
+    }
+}
+
 static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
 {
     const size_t n = self->own->mesh->particles;
+    double nn[BLOCK], one[SYMMETRIC], bad[3] = { 0.0 }; /* sums that do not wait */
+    products_of(of->normal, nn, one);
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         if (i >= n) {
@@ -170,21 +187,18 @@ static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *
         }
         const double by = weft__self_held(self->own, i) ? 0.0 : 2.0 * fabs(of->arm[k]);
         double *to = self->blocks + i;
-        for (size_t j = 0; j < 9; ++j, to += n) {
-            *to += by * of->stiffness * (of->normal[j / 3] * of->normal[j % 3]);
-            self->bad += *to * 0.0;
-        }
         for (size_t j = 0; j < 9; ++j) {
-            const double nn = of->normal[j / 3] * of->normal[j % 3];
-            if (j / 3 <= j % 3) {
-                *to += by
-                       * ((of->damping - of->drag) * nn
-                          + (j / 3 == j % 3 ? of->drag : 0.0));
-                self->bad += *to * 0.0;
-                to += n;
-            }
+            to[j * n] += by * of->stiffness * nn[j];
+        }
+        for (size_t j = 9; j < BLOCK; ++j) {
+            to[j * n]
+                += by * ((of->damping - of->drag) * nn[j] + of->drag * one[j - 9]);
+        }
+        for (size_t j = 0; j < BLOCK; ++j) {
+            bad[j % 3] += to[j * n] * 0.0;
         }
     }
+    self->bad += bad[0] + bad[1] + bad[2];
 }
 
 int weft__self_blocks(const void *own, void *space, const weft__state *at,
