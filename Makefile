@@ -27,7 +27,7 @@ WARN := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wmissing-prototypes \
         -Wstrict-prototypes -Werror
 # No contraction of a*b+c into one rounding: the same bits on every instruction set.
 STRICT := -std=c11 -D_POSIX_C_SOURCE=200809L -ffp-contract=off -fvisibility=hidden -fPIC
-INCS := -Iinclude -Isrc
+INCS := -Iinclude -Isrc -I.
 # `make V=1` shows the commands.
 say = $(if $(V),,@echo '  $(1)  $@';)
 COMPILE = $(CC) $(STRICT) $(WARN) $(INCS) $(CPPFLAGS) $(CFLAGS) $(OWN) $(SAN) -MMD -MP
@@ -106,10 +106,13 @@ KERNELS  := $(if $(filter plain,$(KERNEL)),,$(FAST:%.c=$(BUILD)/%))
 LIB_OBJ  += $(KERNELS:=.o)
 LEVELS   := $(if $(filter x86_64%,$(TARGET)),v3 v4)
 LIB_OBJ  += $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o))
-RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/record/*.c src/record/*/*.c)) $(BUILD)/src/record/pages.o
-PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cli/*.c src/cli/*/*.c src/conformance/*.c))
+RECORD_OBJ := $(patsubst %.c,$(BUILD)/%.o,$(wildcard program/record/*.c program/record/*/*.c)) $(BUILD)/program/record/pages.o
+# STUDY=no: without the verbs that study scenes and methods.
+STUDY_SRC := $(if $(filter no,$(STUDY)),,$(wildcard study/*.c study/*/*.c))
+PROG_OBJ := $(RECORD_OBJ) $(patsubst %.c,$(BUILD)/%.o,$(wildcard program/*.c) \
+    $(filter-out $(patsubst %,program/%/%,cut mpi record),$(wildcard program/*/*.c)) $(STUDY_SRC))
 PROG_OBJ := $(filter-out $(if $(HAVE_HTTP),,%/watch_server.o),$(PROG_OBJ))
-PROG_OBJ += $(if $(HAVE_QHULL),$(patsubst %.c,$(BUILD)/%.o,$(wildcard src/cut/*.c)))
+PROG_OBJ += $(if $(HAVE_QHULL),$(patsubst %.c,$(BUILD)/%.o,$(wildcard program/cut/*.c)))
 PROG_LIBS := $(HDF5_LIBS) $(if $(HAVE_HTTP),-lmicrohttpd) $(if $(HAVE_QHULL),-lqhull_r) $(if $(HAVE_CMINPACK),-lcminpack)
 # libweft has them for scenes, and does not export them.
 PROG_OBJ += $(BUILD)/src/base/suggest.o $(BUILD)/src/base/file.o
@@ -188,13 +191,14 @@ $(BUILD)/libweft.a: $(LIB_OBJ)
 $(BUILD)/weft: $(PROG_OBJ) $(BUILD)/libweft.so
 	$(call say,LD)$(LINK) -o $@ $^ $(call rpath,. ../lib) $(PROG_LIBS) $(LIB_LIBS)
 
-$(BUILD)/src/record/%.o: INCS += $(HDF5_CFLAGS)
-$(BUILD)/src/cli/fit/fit.o: OWN += $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK $(CMINPACK_CFLAGS))
+$(BUILD)/program/record/%.o: INCS += $(HDF5_CFLAGS)
+$(BUILD)/program/main.o: OWN += $(if $(STUDY_SRC),-DWEFT_STUDY)
+$(BUILD)/study/fit/fit.o: OWN += $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK $(CMINPACK_CFLAGS))
 # How an error says that a plugin is installed: source, pip, debian or spack.
 INSTALLED_BY ?= source
 $(BUILD)/src/plugin/loading.o: OWN += '-DWEFT__INSTALLED_BY="$(INSTALLED_BY)"'
-$(BUILD)/src/cli/open.o: OWN += $(if $(HAVE_QHULL),-DWEFT_QHULL)
-$(BUILD)/src/cli/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
+$(BUILD)/program/open.o: OWN += $(if $(HAVE_QHULL),-DWEFT_QHULL)
+$(BUILD)/program/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
 $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 # Sums of whole states, which gcc takes several at a time.
@@ -219,18 +223,18 @@ $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): $(BUILD)/src/forces/%.o:
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ src/forces/$(basename $*).c
 
-$(BUILD)/src/%.o: src/%.c
+$(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(call say,CC)$(COMPILE) -c -o $@ $<
 
-# The pages, built from viewer/ by `make viewer` and committed, and the scene of `weft new`, as strings: src/record/page.h.
-$(BUILD)/src/record/pages.c: viewer/dist/player.html viewer/dist/compare.html scenes/hammock.yaml
+# The pages, built from viewer/ by `make viewer` and committed, and the scene of `weft new`, as strings: program/record/page.h.
+$(BUILD)/program/record/pages.c: viewer/dist/player.html viewer/dist/compare.html scenes/hammock.yaml
 	@mkdir -p $(@D)
 	$(call say,GEN)for page in $^; do \
 	    name=$${page##*/} && echo "const char weft__$${name%.*}_page[] =" && \
 	    LC_ALL=C sed 's/[\\"?]/\\&/g; s/.*/"&\\n"/' "$$page" && echo ';'; done >$@
 
-$(BUILD)/src/record/pages.o: $(BUILD)/src/record/pages.c
+$(BUILD)/program/record/pages.o: $(BUILD)/program/record/pages.c
 	$(call say,CC)$(CC) $(STRICT) $(CPPFLAGS) $(CFLAGS) $(SAN) -c -o $@ $<
 
 ifneq ($(HAVE_HDF5),yes)
@@ -256,8 +260,8 @@ $(BUILD)/weft-static: private OWN += '-DWEFT_BUILT_IN=$(foreach p,$(BUILT_IN),X(
 $(BUILD)/weft-static: wasm/built_in.c $(sort $(PROG_OBJ) $(filter-out %/loading.o,$(LIB_OBJ)) $(foreach p,$(BUILT_IN),$(PLUGIN_OBJ_$(p))))
 	$(call say,LD)$(COMPILE) -static -o $@ $^ $(LDFLAGS) $(foreach p,$(BUILT_IN),$(LIBS_$(p))) $(PROG_LIBS) $(LIB_LIBS)
 
-$(BUILD)/src/mpi/comm_mpi.o: INCS += $(MPI_CFLAGS)
-$(BUILD)/plugins/weft-mpi.so: $(BUILD)/src/mpi/comm_mpi.o
+$(BUILD)/program/mpi/comm_mpi.o: INCS += $(MPI_CFLAGS)
+$(BUILD)/plugins/weft-mpi.so: $(BUILD)/program/mpi/comm_mpi.o
 	@mkdir -p $(@D)
 	$(call say,LD)$(LINK) -shared $(call soname,weft-mpi.so) -o $@ $^ $(MPI_LINK) $(LDLIBS)
 
@@ -268,10 +272,6 @@ $(patsubst %.c,$(BUILD)/%.o,plugins/stiff/arithmetic.c $(wildcard plugins/linear
 # All that include SUNDIALS.
 $(BUILD)/plugins/arkode/%.o $(BUILD)/plugins/cvode/%.o $(BUILD)/plugins/sundials/%.o $(BUILD)/tests/test_sundials_vector.o $(BUILD)/bench/vectors.o: INCS += $(MPI_INC)
 
-$(BUILD)/plugins/%.o: plugins/%.c
-	@mkdir -p $(@D)
-	$(call say,CC)$(COMPILE) -c -o $@ $<
-
 # ---- tests and examples ----------------------------------------------------------
 
 TEST_DEFS = -DBUILD_DIR='"$(BUILD)"' $(if $(HAVE_CXX),-DHAVE_CXX) $(if $(HAVE_HTTP),-DWEFT_HTTP) $(if $(HAVE_QHULL),-DWEFT_QHULL) $(if $(HAVE_CMINPACK),-DWEFT_CMINPACK) $(if $(HAVE_GSL),-DHAVE_GSL) $(if $(HAVE_ARKODE),-DHAVE_ARKODE) $(if $(HAVE_CVODE),-DHAVE_CVODE)
@@ -279,9 +279,9 @@ TEST_PLUGINS = $(sort $(foreach p,$(PLUGINS),$(PLUGIN_OBJ_$(p))))
 # libutil has forkpty where glibc is older than 2.34.
 TEST_LIBS = -lcheck -lsubunit -lrt -lutil $(PROG_LIBS) $(LIB_LIBS) $(foreach p,$(PLUGINS),$(LIBS_$(p))) -pthread
 
-# All of the program but main, for tests of its parts; PARTS='conformance record': of these alone.
+# All of the program but main, for tests of its parts; PARTS='program/record': of these folders alone.
 PROGRAM := $(BUILD)/program.a
-$(PROGRAM): $(filter-out %/main.o,$(if $(PARTS),$(filter $(PARTS:%=$(BUILD)/src/%/%),$(PROG_OBJ)),$(PROG_OBJ)))
+$(PROGRAM): $(filter-out %/main.o,$(if $(PARTS),$(filter $(PARTS:%=$(BUILD)/%/%),$(PROG_OBJ)),$(PROG_OBJ)))
 	$(call say,AR)rm -f $@ && ar rcs $@ $^
 
 $(BUILD)/tests/%.o: tests/%.c
@@ -501,14 +501,15 @@ include wasm/build.mk
 
 # ---- care ------------------------------------------------------------------------
 
-C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
+C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] program/*.[ch] program/*/*.[ch] program/*/*/*.[ch] \
+                     study/*.[ch] study/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
                      tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] examples/*.[ch] wasm/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint: all
 	@tools/lint $(C_FILES)
 	@tools/versions
 	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds; }
-	@tools/rooms $(BUILD)
+	@tools/layers $(BUILD)
 
 # A hook of git that checks the form of commit messages.
 .PHONY: hooks
@@ -540,7 +541,7 @@ asan:
 	    SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer' \
 	    REPLAY=build/asan/tests/replay.o check-run replay
 
-# Lines of src/ and plugins/ that the tests run.
+# Lines of src/, program/, study/ and plugins/ that the tests run.
 COVERAGE_LEAST ?= 90
 
 coverage:
@@ -559,7 +560,7 @@ TSAN_RUN := build/tsan/tests/run
 
 tsan:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/tsan CFLAGS='-O1 -g1' SAN='-fsanitize=thread' \
-	    TESTS='$(TSAN_TESTS)' PARTS='conformance record' $(TSAN_RUN)
+	    TESTS='$(TSAN_TESTS)' PARTS='study/conformance program/record' $(TSAN_RUN)
 	$(if $(TSAN_WITHOUT),CK_EXCLUDE_TAGS=long) CK_FORK=no $(TSAN_RUN) $(TSAN_SUITES)
 	CK_FORK=no CK_RUN_CASE=threads $(TSAN_RUN) $(if $(TSAN_WITHOUT),,embed) self_time wave
 	CK_TIMEOUT_MULTIPLIER=4 CK_RUN_CASE=threads $(TSAN_RUN) sundials_vector steppers
@@ -624,7 +625,7 @@ fuzz-corpus:
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
-	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,src/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
+	@printf '%s\n' $(filter-out $(if $(HAVE_MPI),,program/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) \
 	    $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) $(CMINPACK_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only
 
 # Packages of Debian 13, built, installed, tested and removed in clean systems; needs root and debootstrap.
@@ -716,4 +717,4 @@ help:
 	@echo "make bench [BENCH=name] [RENEW=1] | check-slow | core | validate [CASE=] [RENEW=1] | check-validation | check-view | check-python | check-notebooks | check-fit | check-reuse | check-deb | sbom | tag | check-mpi | viewer | pictures | lint | hooks | format | docs | asan | fuzz | fuzz-corpus | check-files | coverage | static | check-determinism | check-libm | tsan | guard | clang-syntax | check-sundials7 | check-aarch64 | check-compilers | check-self [SECONDS=] | window | check-window | check-elsewhere | wasm | check-wasm | nightly | valgrind | symbols | clean"
 	@echo "make install PREFIX= DESTDIR= | uninstall | check-install | check-docs | site | check-site | dist | check-dist | check-abi | renew-abi | doxygen"
 
--include $(shell find $(addprefix $(BUILD)/,src plugins tests examples bench) -name '*.d' 2>/dev/null)
+-include $(shell find $(addprefix $(BUILD)/,src program study plugins tests examples bench) -name '*.d' 2>/dev/null)

@@ -9,7 +9,7 @@
  */
 #include "bench.h"
 
-#include "mpi/comm_mpi.h"
+#include "program/mpi/comm_mpi.h"
 #include "weft/weft.h"
 
 #include <dlfcn.h>

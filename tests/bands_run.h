@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "../examples/thread_comm.h"
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "support.h"
 
 enum { BANDS = 5, FRAMES = 4, TEXT = 4096, SHAPES = 2 };

@@ -2,7 +2,7 @@
 /* run_frames.h -- shared by the tests of run.vtkhdf. */
 #pragma once
 
-#include "record/frames.h"
+#include "program/record/frames.h"
 #include "shell.h"
 
 static inline record_frames *open_frames(const char *directory)

@@ -3,7 +3,7 @@
  * tests of steppers beyond the conformance checks. */
 #pragma once
 
-#include "conformance/oscillators.h"
+#include "study/conformance/oscillators.h"
 #include "support.h"
 
 #ifdef HAVE_GSL

@@ -6,7 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "run_frames.h"
 
 /* A checkpoint every ten of many frames. */

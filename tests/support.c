@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/hash.h"
-#include "conformance/oscillators.h"
+#include "study/conformance/oscillators.h"
 
 const weft_plugin *weft_plugin_verlet(void);
 const weft_plugin *weft_plugin_stiff(void);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/bytes.h"
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "saved_sim.h"
 #include "saved_sum.h"
 #include "shell.h"

@@ -6,9 +6,9 @@
 #include <sys/wait.h>
 
 #include "base/clock.h"
-#include "conformance/conformance.h"
-#include "record/child_process.h"
+#include "program/record/child_process.h"
 #include "shell.h"
+#include "study/conformance/conformance.h"
 #include "support.h"
 
 #define PROMISES BUILD_DIR "/tests/promises/weft-"

@@ -35,7 +35,7 @@ TEST_SUITE(cut)
 
 #else
 
-#include "cut/cut.h"
+#include "program/cut/cut.h"
 
 #define RING                                                                           \
     "outline: {disc: 0.15}\n    holes: [{disc: 0.05, at: [0.02, 0]}]\n    spacing: "   \

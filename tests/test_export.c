@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* weft export: each format read byte by byte after its published layout, and compared
  * with the frames of the run. */
-#include "record/frames.h"
+#include "program/record/frames.h"
 #include "shell.h"
 
 #define OUT BUILD_DIR "/export"

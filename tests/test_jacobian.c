@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance/oscillators.h"
 #include "meshes.h"
 #include "structured.h"
+#include "study/conformance/oscillators.h"
 
 enum { ROWS = 6, COLS = 7, N = ROWS * COLS, KINDS = WEFT_MESH + 1, CASES = 8 * KINDS };
 

@@ -5,8 +5,8 @@
  * and under tolerances with them. */
 #include <math.h>
 
-#include "conformance/oscillators.h"
 #include "meshes.h"
+#include "study/conformance/oscillators.h"
 #include "verify/verify.h"
 
 #define DURATION 0.02  /* [s] */

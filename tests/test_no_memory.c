@@ -10,8 +10,8 @@
 #include <string.h>
 
 #include "bodies.h"
-#include "conformance/oscillators.h"
 #include "failing_malloc.h"
+#include "study/conformance/oscillators.h"
 
 #ifdef HAVE_GSL
 #include <gsl/gsl_errno.h>

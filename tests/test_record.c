@@ -4,7 +4,7 @@
 #define H5_USE_110_API /* addresses in H5O_info_t */
 #include <hdf5.h>
 
-#include "record/vtkhdf.h"
+#include "program/record/vtkhdf.h"
 #include "run_frames.h"
 
 #ifdef __SANITIZE_ADDRESS__

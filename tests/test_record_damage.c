@@ -4,7 +4,7 @@
  */
 #define OUT BUILD_DIR "/damage"
 
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "stopped_run.h"
 
 static void read_checkpoint(record_checkpoint *checkpoint)

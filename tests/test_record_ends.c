@@ -8,7 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "record/record.h"
+#include "program/record/record.h"
 #include "run_frames.h"
 
 #define OUT BUILD_DIR "/record-ends"

@@ -7,9 +7,9 @@
 
 #include <math.h>
 
-#include "record/export/export.h"
-#include "record/page.h"
-#include "record/vtkhdf.h"
+#include "program/record/export/export.h"
+#include "program/record/page.h"
+#include "program/record/vtkhdf.h"
 #include "run_frames.h"
 
 #define OUT BUILD_DIR "/record_mesh"

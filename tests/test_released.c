@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "support.h"
 
 typedef struct run {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every shipped scene runs to its end within bounds on strain and energy. */
-#include "cut/cut.h"
+#include "program/cut/cut.h"
 #include "support.h"
 
 #include <dirent.h>

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "record/export/export.h"
+#include "program/record/export/export.h"
 #include "shell.h"
 
 #define OUT BUILD_DIR "/shapes"

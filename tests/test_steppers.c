@@ -4,8 +4,8 @@
  */
 #include <string.h>
 
-#include "conformance/conformance.h"
 #include "stepper_run.h"
+#include "study/conformance/conformance.h"
 
 START_TEST(every_promise_is_kept)
 {

@@ -3,7 +3,7 @@
  * plugin that is found; scenes with few particles or cut short, for haste. */
 #include <math.h>
 
-#include "conformance/oscillators.h"
+#include "study/conformance/oscillators.h"
 #include "support.h"
 #include "verify/verify.h"
 

@@ -7,7 +7,7 @@
 
 #include "base/bytes.h"
 #include "fuzz/file.h"
-#include "record/checkpoint.h"
+#include "program/record/checkpoint.h"
 #include "saved_sum.h"
 
 /* [words] Of the state: src/sim/save.c. */

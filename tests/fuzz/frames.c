@@ -3,7 +3,7 @@
  * frames that are finite. The bytes choose sizes, types and values of all that the
  * reader asks for; broken HDF5 is that of the target `vtkhdf`. */
 #include "fuzz/frames.h"
-#include "record/vtkhdf_file.h"
+#include "program/record/vtkhdf_file.h"
 
 typedef struct bytes {
     const uint8_t *at, *end;

@@ -10,7 +10,7 @@
 #include <sys/types.h>
 
 #include "fuzz/file.h"
-#include "record/frames.h"
+#include "program/record/frames.h"
 
 pid_t __real_fork(void);
 pid_t __wrap_fork(void);

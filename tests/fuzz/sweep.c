@@ -3,8 +3,8 @@
 #include <limits.h>
 #include <stdbool.h>
 
-#include "cli/batch/batch.h"
 #include "fuzz/fuzz.h"
+#include "program/batch/batch.h"
 
 /* What a run's directory may be called, wherever it is made. */
 static void check_name(const char *stem, const weft_sweep *sweep, size_t run)

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "conformance/oscillators.h"
+#include "study/conformance/oscillators.h"
 #include "verify/verify.h"
 
 typedef struct report {

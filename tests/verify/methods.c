@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* methods.c -- every plugin that is found. */
-#include "cli/cli.h"
+#include "program/cli.h"
 #include "verify/verify.h"
 
 static void print_refused(void *ctx, const weft_error *why)

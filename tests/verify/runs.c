@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/cli.h"
+#include "program/cli.h"
 #include "verify/verify.h"
 
 enum { SETS_MOST = 8, TEXT_MOST = 512 };

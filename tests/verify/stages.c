@@ -3,7 +3,7 @@
  * a hanging chain whose own force notes the times. */
 #include <math.h>
 
-#include "conformance/oscillators.h"
+#include "study/conformance/oscillators.h"
 #include "verify/verify.h"
 
 #define DURATION 0.1  /* [s] */

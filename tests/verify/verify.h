@@ -6,7 +6,7 @@
  * table. Scenes are loaded and simulations made as `weft run` does it. */
 #pragma once
 
-#include "cli/cli.h"
+#include "program/cli.h"
 #include "weft/weft.h"
 
 /* Every plugin beside the program or in WEFT_PLUGIN_PATH; NULL after printing why. */

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* start.c -- what check and run print of a scene's start: how far the cloth is
+ * stretched there, and the key frames that were read. */
+#include <math.h>
+
+#include "program/record/yaml_out.h"
+#include "program/survey/survey.h"
+
+/* "the triangle of vertices 3, 4, 5" */
+static void say_triangle(sentence *text, const char *before, const size_t at[3])
+{
+    say(text, "%s%zu, %zu, %zu", before, at[0], at[1], at[2]);
+}
+
+static void print_part(const weft_cloth_def *def, size_t part, bool first)
+{
+    const weft_mesh_def *mesh = def->mesh;
+    weft_stretch of;
+    sentence text = { "" };
+    if (weft_cloth_def_stretch(def, part, &of, NULL) != WEFT_OK
+        || (of.triangles == 0 && of.median == 1.0)) {
+        return; /* a grid that starts at rest, or no memory for a line of text */
+    }
+    if (mesh != NULL && mesh->part_count > 0) {
+        say(&text, "%s: ", mesh->parts[part].name);
+    }
+    say(&text, "%.4g to %.4g of the rest lengths at the start, median %.4g; ", of.least,
+        of.largest, of.median);
+    if (of.triangles == 0) {
+        say(&text, "all springs alike");
+    } else {
+        say_triangle(&text, "least in the triangle of vertices ", of.least_at);
+        say_triangle(&text, ", most in that of ", of.largest_at);
+    }
+    print_item(first ? "stretch" : "", "%s", text.text);
+}
+
+void start_print_stretch(const weft_cloth_def *def)
+{
+    const size_t parts = def->mesh != NULL ? def->mesh->part_count : 0;
+    for (size_t k = 0; k == 0 || k < parts; ++k) {
+        print_part(def, k, k == 0);
+    }
+}
+
+void start_yaml(yaml_out *out, const weft_cloth_def *def)
+{
+    const size_t parts = def->mesh != NULL ? def->mesh->part_count : 0;
+    yaml_out_write(out, "stretch: [");
+    for (size_t k = 0; k == 0 || k < parts; ++k) {
+        weft_stretch of;
+        if (weft_cloth_def_stretch(def, k, &of, NULL) == WEFT_OK) {
+            yaml_out_write(out, "{ least: %g, median: %g, largest: %g }", of.least,
+                           of.median, of.largest);
+        }
+    }
+    yaml_out_write(out, "]");
+}
+
+void start_print_keys(const weft_cloth_def *def, double duration)
+{
+    bool first = true;
+    for (size_t k = 0; k < def->contact.shape_count; ++k) {
+        const weft_body *body = def->contact.shapes[k].body;
+        sentence text = { "" };
+        if (def->contact.shapes[k].kind != WEFT_MESH || body->keys < 2) {
+            continue;
+        }
+        const double span = (double)(body->keys - 1) / body->fps;
+        say(&text, "shapes[%zu]: %zu key frames, 0 to %.6g s, in a run of %.6g s", k,
+            body->keys, span, duration);
+        if (span > duration * (1.0 + 1e-9)) {
+            say(&text, "; %zu come after its end",
+                body->keys - 1 - (size_t)floor(duration * body->fps * (1.0 + 1e-9)));
+        } else if (span < duration * (1.0 - 1e-9)) {
+            say(&text, "; then it rests");
+        }
+        print_item(first ? "keys" : "", "%s", text.text);
+        first = false;
+    }
+}
