@@ -33,7 +33,7 @@ HEAD = """# Validation
 
 If you must defend a result: these cases compare weft with exact and published results. `make validate` computes all of them
 in 22 minutes on two cores, and names those that differ from this page; `make validate CASE=NAME` computes one.
-[results.md](../../validation/results.md) has every number, and the programs stand beside it.
+[validation/results.md](../../validation/results.md) has every number, and the programs stand beside it.
 
 The tolerance of a case is the uncertainty of its source, or of the method by which an exact value is approached (the finest
 mesh, the step). A case that disagrees stays, with the reason. Expected values come from validation/exact.py or from the formula of the

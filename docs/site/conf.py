@@ -89,7 +89,7 @@ def as_page(app, name, source):
 def unless_elsewhere(name, link):
     """A link, or its text alone if it leads to a file of the tree that is not on the site."""
     path = os.path.normpath(os.path.join(os.path.dirname(name), link[2]))
-    return link[0] if (STAGE / path).exists() or not (ROOT / path).exists() else f"{link[1]} ({path})"
+    return link[0] if (STAGE / path).exists() or not (ROOT / path).exists() else link[1] if link[1] == path else f"{link[1]} ({path})"
 
 
 def undocumented(app, what, name, thing, options, lines):
