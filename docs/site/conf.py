@@ -21,6 +21,7 @@ extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
 root_doc = "index"
 exclude_patterns = ["README.md", "**/*.txt"]
 pygments_style, pygments_dark_style = "friendly", "native"
+smartquotes = False  # primes of formulas and two hyphens of an option stay
 suppress_warnings = ["myst.header", "ref.python"]  # of notebooks; of names that several classes have
 default_role = "literal"
 StandaloneHTMLBuilder.supported_image_types.append("image/webp")
