@@ -152,7 +152,7 @@ class Mesh(Fixed):
 
     __slots__ = {"start": "(N, 3) [m], positions at t = 0.", "triangles": "(T, 3), vertices.",
                  "rest": "(P, 2) [m], UV coordinates.", "corner_uv": "(T, 3), the row of rest of each corner.",
-                 "fabric_names": "Names of fabrics.", "fabric_of": "(T,), 0: no name; k: the fabric k - 1 of fabric_names.",
+                 "fabric_names": "Names of fabrics.", "fabric_of": "(T,), the fabric k - 1 of fabric_names, or 0 without a name.",
                  "groups": "Vertices by names."}
 
     def __init__(self, rest: Any, start: Any, triangles: Any, *, corner_uv: Any = None, fabrics: Any = None,
