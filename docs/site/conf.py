@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from unittest.mock import MagicMock
 
+from docutils import nodes
 from sphinx.builders.html import StandaloneHTMLBuilder
 from sphinx.ext.napoleon import Config
 from sphinx.ext.napoleon.docstring import NumpyDocstring
@@ -105,10 +106,20 @@ DOCSTRINGS = Config(napoleon_use_ivar=True, napoleon_use_rtype=False)
 def as_sections(app, what, name, thing, options, lines):
     """Docstrings in the form of numpydoc; the extension napoleon itself would take a property's text for its type."""
     form = NumpyDocstring(lines, DOCSTRINGS, app, "method" if what == "property" else what, name, thing, options)
-    lines[:] = str(form).split("\n")
+    text = re.sub(r"^( *:(?:ivar|vartype|param|type) )([^:]*, [^:]*):", lambda field: field[1] + field[2].replace(", ", ",\u200b") + ":",
+                  str(form), flags=re.M)  # of several names with a space the first would be taken for a type
+    lines[:] = text.split("\n")
+
+
+def dashes(app, doctree):
+    """Sphinx writes two hyphens between a parameter and its text, for smartquotes to replace."""
+    for text in list(doctree.findall(nodes.Text)):
+        if text == " -- ":
+            text.parent.replace(text, nodes.Text(" \u2013 "))
 
 
 def setup(app):
+    app.connect("doctree-read", dashes)
     app.connect("autodoc-process-docstring", as_sections)
     app.connect("autodoc-process-docstring", undocumented)
     app.connect("source-read", as_page)
