@@ -7,7 +7,7 @@ set -u
 tmp=$1
 table=tools/needs.txt
 rm -rf "$tmp" && mkdir -p "$tmp/bin"
-cat Makefile install.mk wasm/build.mk >"$tmp/makefiles"
+cat Makefile make/*.mk wasm/build.mk >"$tmp/makefiles"
 grep -oE '^[a-z][A-Za-z0-9 -]*:( |$)' "$tmp/makefiles" | tr -d : | tr ' ' '\n' | sed '/^always$/d; /^$/d' | sort -u >"$tmp/targets"
 sed -n 's,^target \([^ ]*\).*,\1,p' $table | grep -v / | sort >"$tmp/lines"
 comm -23 "$tmp/targets" "$tmp/lines" | sed 's/$/: no line in tools\/needs.txt/'

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_agree.c -- steppers of parts of a state: what they ask, how often, and which
  * methods refuse. That parts have the bits of the whole is a check of weft plugin-test,
  * which tests/test_steppers.c runs with every method. */

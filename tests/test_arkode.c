@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together */
 /* test_arkode.c -- what plugins/arkode alone has: tables of the user's own, tables
  * whose last stage is not the next step's first, and steps cut short by frames. */
 #include "stepper_run.h"

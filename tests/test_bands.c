@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_bands.c -- a cloth in bands of rows has the bits of the whole cloth on any
  * number of bands: all that series.csv holds, the state, what is saved, and failures.
  */

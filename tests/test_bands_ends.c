@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_bands_ends.c -- where bands end: failures, stops and refusals, which all bands
  * share; saved bytes on another number of bands; the cloth of one band. */
 #include "bands_run.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_bands_meshes.c -- a cloth of triangles in bands of blocks has the bits of the
  * whole cloth on any number of bands, as test_bands.c has them of grids. */
 #include "bands_run.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_bands_self.c -- a cloth in bands that touches itself has the bits of the whole
  * cloth on any number of bands: those of grids and of triangles, of friction and
  * ledger, of steps that are taken back, and of what is saved. */

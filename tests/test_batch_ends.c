@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* Runs of a batch that crash, hang, fail, take too long or are interrupted. */
 #define OUT BUILD_DIR "/batch-ends"
 

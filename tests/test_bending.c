@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* Bending rigidity: the energy and the matrix of a plate, cantilevers against the heavy
  * elastica, frequencies, and what every force must keep. */
 #include "support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* test_bodies.c -- contact of a cloth with shapes of triangles: forces in a state, what
  * starts where, and landings. */
 #include "support.h"

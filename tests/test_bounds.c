@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow nightly asan-long */
 /* Steps that follow from the bounds on a cloth's modes, against runs that do or do not
  * blow up. */
 #include "bounds_cloths.h"

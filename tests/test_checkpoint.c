@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first together */
 /* A simulation saved and restored goes on to the last bit as the one it was saved of,
  * and nothing that is damaged, or of another kind, is restored. */
 #include <math.h>

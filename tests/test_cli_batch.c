@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* weft batch as its users meet it: directories, summary, interruptions. */
 #define OUT BUILD_DIR "/batch"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* What the program prints: how wide its lines are, how many there are, and the help on
  * single keys. */
 #include "shell.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* weft resume: a run that was killed at any moment ends with the bytes of one that
  * nobody disturbed, and what cannot be gone on with is left as it is. */
 #include <inttypes.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow nightly asan-long */
 /* Stable steps as users of the program meet them. */
 #include "shell.h"
 

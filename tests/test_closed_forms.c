@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_closed_forms.c -- simulations whose result is known on paper
  * (docs/theory/model.md). Where a method has an error, its bound is derived in a
  * comment. Equilibria need no order: what drag brings to rest is where the forces

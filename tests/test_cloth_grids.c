@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_cloth_grids.c -- grids of springs among several cloths: each is the grid that it
  * is alone, and touches others by its triangles. */
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow nightly asan-long */
 /* weft compare as its users run it: errors, orders, horizon, what it refuses. */
 #include "shell.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* test_conformance.c -- weft plugin-test: a broken promise is found and named, and
  * nothing else. The plugins are built from tests/promises and tests/broken. */
 #include <poll.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_contact_laws.c -- contact while time passes: the exact answers and the balances
  * of docs/theory/contact.md. */
 #include <stdlib.h>

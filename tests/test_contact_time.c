@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow together asan-long */
 /* test_contact_time.c -- shapes while time passes: no particle in one or through one,
  * whatever the method and its steps; shapes that change; saves. */
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* weft converge: orders of results that are known, places on refined grids, and command
  * lines that it refuses. */
 #include "shell.h"

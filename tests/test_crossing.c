@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long computes */
 /* Orientations, meetings of segments and triangles, and crossings of cloth, against
  * exact integers. */
 #include "random.h"

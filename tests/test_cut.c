@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* test_cut.c -- cloth.cut: the mesh of an outline, its holes and lines, and what of
  * them is wrong, each at its line. */
 #include "scene_load.h"

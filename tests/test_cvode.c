@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_cvode.c -- plugin cvode and the implicit tables of plugin arkode on cloth and at
  * the edges of SUNDIALS, beyond the promises of every method (test_steppers.c). */
 #include "stepper_run.h"

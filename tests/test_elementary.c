@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: computes */
 /* weft/elementary.h: values that are known exactly, and the bits of many others. */
 #include "random.h"
 #include "support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow together asan-long */
 /* test_embed.c -- what an embedding program hooks in: force, correction, log, threads.
  */
 #include "embedded.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_examples.c -- the examples run, and print what is true. */
 #include <math.h>
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* weft fit: numbers that are found again from tracks and outlines made with them, what
  * data tell of them, and data that it refuses. */
 #include "shell.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together */
 /* test_gsl.c -- what can go wrong with GSL alone: its error handler, which aborts a
  * program that does not replace it, and the Jacobian that plugins/gsl makes for it. */
 #include "stepper_run.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* test_hostile.c -- names that want to be paths, links laid out in the way, and a file
  * system without room. */
 #include "shell.h"

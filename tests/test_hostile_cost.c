@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_hostile_cost.c -- scenes and sweeps made to cost too much are refused at once.
  */
 #include <sys/resource.h>

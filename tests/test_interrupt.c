@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow */
 /* SIGINT and SIGTERM end a run whatever its solver is doing; what costs a great deal is
  * said before. A test that hangs is one that failed. */
 #include <unistd.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow kernels asan-long computes */
 /* test_kernel.c -- the fast forms of forces against the plain loops beside them, bit
  * for bit: on every level of instructions that this machine has, and 8 lanes wide in
  * whatever instructions there are, in whatever runs of blocks. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow together asan-long */
 /* test_ledger_order.c -- the energy ledger closes as well as its method integrates, and
  * keeping it changes nothing else. */
 #include "ledger_run.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow alone asan-long computes */
 /* test_libm.c -- the bits of a run do not depend on libm, on the processor or on the
  * machine: weft here and an OTHER weft leave the same bytes. OTHER is a command in the
  * environment; without one it is this weft with a libm that is wrong by up to one part

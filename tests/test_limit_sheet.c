@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together asan-long */
 /* test_limit_sheet.c -- sheets under a strain limit: order of the sweeps, momentum,
  * feasibility of random states, a cloth that falls. */
 #include "limit_still.h"

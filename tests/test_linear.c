@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* test_linear.c -- plugins/linear: iterations, the solution, the filter, any graph. */
 #include "support.h"
 

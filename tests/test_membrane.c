@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow kernels asan-long */
 /* test_membrane.c -- the membrane of triangle meshes: exact energies of homogeneous
  * strain, gradients, invariants, the barrier, certified bounds, and the same bits
  * whatever the width of vectors and the division among threads. */

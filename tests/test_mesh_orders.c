@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow nightly asan-long */
 /* test_mesh_orders.c -- every method on a small flag of triangles with a membrane,
  * bending along arcs, damping, a rim that follows a path and wind that follows a table,
  * with a row where no step ends by itself: in fixed steps its error falls by its order,

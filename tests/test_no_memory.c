@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow alone */
 /* test_no_memory.c -- memory runs out: at every single allocation of weft's and of
  * libyaml's, and with a heap of any size.
  *

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* test_papers.c -- scenes that repeat what papers report. Provot's table: largest
  * strain of stretch, shear and bend springs and largest speed that are left of a sheet
  * hung by two corners, as an independent program of another language has computed them.

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together asan-long */
 /* test_pins.c -- pins put, moved and released while a simulation runs. */
 #include "one_sim.h"
 

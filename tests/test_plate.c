@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* Bending of triangles: the matrix of a plate on meshes of any shape, what clamps, rims
  * and seams do, and its bounds. */
 #include "support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* What a run tells: its progress on a terminal, in a pipe and to machines, and its end
  * in eight lines. */
 #include <fcntl.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow together asan-long computes */
 /* test_quadratures.c -- components behind positions and velocities that are integrated
  * along: right, and without a say in any step. test_steppers.c holds the rest of the
  * contract with them too. */

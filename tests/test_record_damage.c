@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* weft resume of runs whose files were changed: refused by name, and nothing is
  * written.
  */

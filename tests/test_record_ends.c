@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* run.vtkhdf of runs that are killed, interrupted, fail or find no room, and while they
  * go on. */
 #include <float.h>

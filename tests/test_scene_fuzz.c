@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* Damaged scenes: whatever the text, the reader returns a scene of which a cloth can be
  * made, or mistakes that have a place. The damage is the same in every run. */
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* Every shipped scene runs to its end within bounds on strain and energy. */
 #include "program/cut/cut.h"
 #include "support.h"

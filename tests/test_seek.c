@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: kernels asan-long */
 /* test_seek.c -- the search for pairs by boxes in single precision finds those of the
  * tree in double precision, in the same order, on every level of instructions and 8
  * lanes wide. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long computes */
 /* Random cloths thrown at themselves, under every adaptive method: none passes through
  * itself. `make check-self SECONDS=3600` makes new ones for so long. */
 #include "random.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long computes */
 /* test_self_time.c -- contact of a cloth with itself while time passes: nothing passes
  * through anything, methods keep their order, results their bits. */
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* Derivatives of runs by numbers of their scenes: against exact solutions, and against
  * differences of runs with fixed steps, of which they are the derivative. */
 #include <float.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* What a run with shapes leaves: columns of series.csv, shapes.csv, exports, the data
  * of a page. Resumed runs are in test_cli_resume.c. */
 #include <math.h>

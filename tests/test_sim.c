@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together */
 /* test_sim.c -- a cloth under integration: frames, the state from outside, corrections,
  * failures, threads, pins on their way. */
 #include "one_sim.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_skin.c -- contact of a mesh with itself in a given state: forces, the search,
  * weights, thickness, lips. What needs a simulation is in test_skin_time.c. */
 #include "folded_mesh.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow nightly asan-long */
 /* test_skin_time.c -- contact of meshes with themselves while time passes: nothing
  * passes through anything, methods keep their order, results their bits. */
 #include "folded_mesh.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow together asan-long */
 /* The largest stable step of a method: against published and closed forms, and against
  * runs of every method. */
 #include "stepper_run.h"

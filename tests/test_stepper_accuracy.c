@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: together asan-long */
 /* test_stepper_accuracy.c -- whether each tolerance and norm means what weft/stepper.h
  * says, beyond weft/conformance.h; orders are measured in test_verification.c. */
 #include "stepper_run.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow together asan-long */
 /* test_steppers.c -- the stepper contract (weft/stepper.h), held against every method
  * of every plugin by the checks of weft/conformance.h, and GSL's error handler watched.
  */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_stiff.c -- plugin stiff, and the stabilised methods of arkode, on cloth: orders,
  * cost, refusals, and the features of a simulation. What holds for every method is in
  * test_steppers.c. */

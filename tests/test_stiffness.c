@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow nightly asan-long */
 /* Bounds on stiffness and damping of a cloth's modes: against a dense eigensolver, the
  * force itself, and what is exact. */
 #include "bounds_cloths.h"

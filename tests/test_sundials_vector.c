@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long computes */
 /* test_sundials_vector.c -- the vector of plugins/sundials: each operation against a
  * plain loop at many lengths, and the same bits on any number of threads. */
 #include "support.h"

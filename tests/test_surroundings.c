@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow asan-long */
 /* test_surroundings.c -- scenes in every form of YAML, closed standard streams, FIFOs
  * in the place of files, and directories that hold files of the user's own. */
 #include "shell.h"

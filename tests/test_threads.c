@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_threads.c -- whole runs have the same bits on every level of instructions and on
  * any number of threads; helpers do every part of a job once. `make tsan` looks for
  * races in this one. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* Scripts of tools/ on which the gate relies. */
 #include "shell.h"
 

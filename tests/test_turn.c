@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_turn.c -- shapes that turn while time passes. Their forces in a given state are
  * in test_contact.c, the order of methods in test_contact_laws.c. */
 #include <string.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow asan-long */
 /* test_untangle.c -- starts that cross: what is named and written of them, and how
  * contact.untangle relaxes them. */
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: first slow nightly together asan-long */
 /* test_verification.c -- the facts that `make verify` prints, of every method of every
  * plugin that is found; scenes with few particles or cut short, for haste. */
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* weft view and weft run --view: the page they write, without a browser. What a browser
  * makes of it is tests/view/browser. */
 #include "support.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* weft run --watch and weft view --watch as their clients see them. What a browser
  * makes of it is tests/view/browser. */
 #include "shell.h"

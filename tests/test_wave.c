@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: slow */
 /* test_wave.c -- an attempt, or an evaluation, in one pass over the rows has the bits
  * of its stages one after the other, whatever the table, the size, the forces, the
  * threads and the level of instructions. */

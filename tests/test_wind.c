@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* tags: asan-long */
 /* test_wind.c -- the wind on triangles. */
 #include "meshes.h"
 

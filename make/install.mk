@@ -3,7 +3,8 @@
 #
 #   make install PREFIX=/usr/local DESTDIR=     installs everything that was built
 #   make uninstall PREFIX= DESTDIR=             removes the same files
-#   make bundle PREFIX=                         library, plugins, program and scenes alone, for a package of another language
+#   make bundle PREFIX=                         library, plugins, program and scenes alone, for a package of
+#                                               another language
 
 # Recipes, and the files written for pkg-config and CMake, hold these names unquoted. This comes first, before
 # make expands them.
@@ -48,7 +49,9 @@ $(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/we
 	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
 
 # Documentation, in the folders that its links use.
-DOCS = README.md CONTRIBUTING.md CODE_OF_CONDUCT.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS CITATION.cff $(wildcard docs/*.md docs/*/*.md docs/pictures/*.* docs/pictures/validation/* examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
+DOCS = README.md CONTRIBUTING.md CODE_OF_CONDUCT.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS \
+    CITATION.cff $(wildcard docs/*.md docs/*/*.md docs/pictures/*.* docs/pictures/validation/* examples/*.* \
+    examples/notebooks/* scenes/*) plugins/verlet/verlet.c
 
 # Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
