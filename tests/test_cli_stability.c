@@ -309,6 +309,31 @@ START_TEST(gains_are_foretold_within_a_factor_of_2)
 }
 END_TEST
 
+#ifdef HAVE_CVODE
+/* A method that the scene refuses is named with the key to drop, and the error of the
+ * scene names a method that it takes. */
+START_TEST(advice_names_only_methods_that_the_scene_takes)
+{
+    write_sheet(32, 1000, 5e-4);
+    expect(shell(WEFT " check " OUT "/stiff.yaml --all --set record.ledger=true 2>&1"),
+           0);
+    says("cvode bdf, without record.ledger, is ");
+    says("             cvode    bdf                         -              -  without "
+         "record.ledger\n");
+    says("stiff rkc2 is ");
+    expect(shell(WEFT " check " OUT "/stiff.yaml --set "
+                      "'sensitivity={of: [cloth.mass]}' 2>&1"),
+           0);
+    says("cvode bdf, without sensitivity, is ");
+    expect(shell(WEFT " check " OUT "/stiff.yaml --set record.ledger=true --set "
+                      "stepper.method=cvode/bdf 2>&1"),
+           3);
+    says("method 'bdf' of plugin 'cvode' cannot keep the energy balance; stiff/ros2 "
+         "can; or set record.ledger to false");
+}
+END_TEST
+#endif
+
 #ifdef WEFT_QHULL
 /* A disc of triangles, of damping tau [s], that falls onto a sphere or freely. */
 static void write_disc(double tau, bool touches)
@@ -448,6 +473,9 @@ TEST_SUITE(cli_stability)
     tcase_add_test(tcase, the_allowance_is_named_where_it_is_used);
 #ifdef HAVE_ARKODE
     tcase_add_test(tcase, gains_are_foretold_within_a_factor_of_2);
+#ifdef HAVE_CVODE
+    tcase_add_test(tcase, advice_names_only_methods_that_the_scene_takes);
+#endif
 #ifdef WEFT_QHULL
     tcase_add_loop_test(tcase, advice_on_triangles_is_that_of_trials, 0, 3);
 #endif

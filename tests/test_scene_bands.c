@@ -32,7 +32,7 @@ static const struct {
     { "stepper: {plugin: own, method: alone}\n",
       "scene.yaml:5:32: error: method 'alone' of plugin 'own' does not run in bands; "
       "of "
-      "that plugin these do: together\n",
+      "that plugin these do: together; or run it in one process, with threads\n",
       2 },
     { "stepper: {plugin: own, method: together, norm: rms}\n", NULL, 2 },
     { "stepper: {plugin: own, method: together}\nlimit: {method: provot}\n",

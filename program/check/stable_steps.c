@@ -9,14 +9,18 @@
 enum { SHORT_TABLE = 5 };
 #define ORDER 1.25
 
-/* The cheapest of order 2 and more, or one of higher order that costs little more; the
- * first if there is none. Methods of order 1 miss a millimetre at their stable steps.
- */
+/* Among the methods that the scene takes, the cheapest of order 2 and more, or one of
+ * higher order that costs little more; the first if there is none. Methods of order 1
+ * miss a millimetre at their stable steps. */
 static const survey_method *recommended(const survey *of)
 {
     const survey_method *least = NULL, *best = &of->methods[0];
     for (size_t i = 0; i < of->count; ++i) {
         const survey_method *other = &of->methods[i];
+        if (other->refuses != NULL) {
+            continue;
+        }
+        best = best->refuses != NULL ? other : best;
         least = least == NULL && other->type->order >= 2 ? other : least;
         if (least != NULL && other->per_second <= ORDER * least->per_second
             && other->type->order > best->type->order) {
@@ -116,18 +120,21 @@ static bool print_table(const survey *of, bool all)
         const survey_method *method = &of->methods[i];
         /* methods with the same stability polynomial count once */
         const bool is_new = i == 0 || method->step != method[-1].step
-                            || method->calls != method[-1].calls;
-        const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new;
+                            || method->calls != method[-1].calls
+                            || method[-1].refuses != NULL;
+        const bool brief = shown < SHORT_TABLE && method->step > 0.0 && is_new
+                           && method->refuses == NULL;
         if (!all && method != of->own && !brief) {
             continue;
         }
         printf("             %-8s %-18s", method->plugin->id, method->type->name);
         if (method->step > 0.0) {
-            printf(" %10.4g s %12.4g%s\n", method->step, method->per_second,
+            printf(" %10.4g s %12.4g%s", method->step, method->per_second,
                    method->doubling ? " *" : "");
         } else {
-            printf(" %10s   %12s\n", "-", "-");
+            printf(" %10s   %12s", "-", "-");
         }
+        printf(method->refuses != NULL ? "  without %s\n" : "\n", method->refuses);
         ++shown;
         doubling = doubling || method->doubling;
     }

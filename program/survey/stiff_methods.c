@@ -142,10 +142,12 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
         const double stages = RKC_COST * out.rkc->calls / out.rkc->step;
         out.stabilised = cost(least) / stages >= WORTH ? cost(out.over) / stages : 0.0;
     }
-    if (cloth->mesh != NULL && survey_find(of, "stiff", "ros2") != NULL) {
+    out.ros2 = survey_find(of, "stiff", "ros2");
+    out.multistep = survey_find(of, "cvode", "bdf");
+    if (cloth->mesh != NULL && out.ros2 != NULL) {
         set_implicit(of, cloth, least, &out);
     }
-    const bool may = cloth->mesh == NULL && survey_find(of, "cvode", "bdf") != NULL
+    const bool may = cloth->mesh == NULL && out.multistep != NULL
                      && out.zeta >= (side < LEAST_SIDE ? OVERDAMPED : LEAST_ZETA);
     for (size_t i = 0; i < STIFF_ACCURACIES && may; ++i) {
         const double bdf = BDF_COST * pow(out.omega / side / BDF_WAVES, BDF_STIFF)
@@ -158,6 +160,15 @@ stiff_gains stiff_gains_of(const survey *of, const weft_cloth_def *cloth)
 }
 
 /* ---- in words ---------------------------------------------------------------- */
+
+/* With the key of the scene without which it could be chosen. */
+static void say_method(const survey_method *method, sentence *out)
+{
+    say(out, "%s %s", method->plugin->id, method->type->name);
+    if (method->refuses != NULL) {
+        say(out, ", without %s,", method->refuses);
+    }
+}
 
 static void say_gain(double gain, sentence *out)
 {
@@ -189,7 +200,8 @@ static void say_implicit(const stiff_gains *gains, sentence *out)
     if (gains->tried != NULL && !gains->both) {
         say_trial(gains, out);
     }
-    say(out, "stiff ros2%s %.2g%s: ",
+    say_method(gains->ros2, out);
+    say(out, "%s %.2g%s: ",
         gains->tried != NULL ? " takes the work of" : " at rtol 1e-3 the time of about",
         gains->implicit,
         gains->tried != NULL ? ""
@@ -226,12 +238,16 @@ void stiff_say(const stiff_gains *gains, sentence *out)
     say(out, "; estimated, over %s %s: ", gains->over->plugin->id,
         gains->over->type->name);
     if (gains->stabilised > 0.0) {
-        say(out, "%s %s is ", gains->rkc->plugin->id, gains->rkc->type->name);
+        say_method(gains->rkc, out);
+        say(out, " is ");
         say_gain(gains->stabilised, out);
         say(out, " faster for errors above 1e-4 m%s", gains->bdf[0] > 0.0 ? "; " : "");
     }
     for (size_t i = 0; i < STIFF_ACCURACIES && gains->bdf[i] > 0.0; ++i) {
-        say(out, "%s", i == 0 ? "cvode bdf is " : ", ");
+        if (i == 0) {
+            say_method(gains->multistep, out);
+        }
+        say(out, "%s", i == 0 ? " is " : ", ");
         say_gain(gains->bdf[i], out);
         say(out, "%s %.0e m", i == 0 ? " faster at" : " at", accuracies[i]);
     }

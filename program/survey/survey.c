@@ -102,6 +102,22 @@ static int compare(const void *first, const void *second)
                         : libm[0] - libm[1];
 }
 
+/* The key for which the scene would be refused with a method, as weft reads scenes
+ * (weft__check_record, weft__check_smooth); NULL: it would not be. */
+static const char *refused_key(const weft_scene *scene, const weft_stepper_type *type)
+{
+    const bool meshed = weft_scene_cloth(scene)->mesh != NULL;
+    const bool history = (type->flags & WEFT_STEPPER_MULTISTEP) != 0;
+    const bool linear = (type->flags & WEFT_STEPPER_LINEAR) != 0;
+    if (weft_scene_record(scene)->ledger
+        && (type->flags & WEFT_STEPPER_QUADRATURES) == 0) {
+        return "record.ledger";
+    }
+    return weft_scene_sensitivities(scene)->count > 0 && (history || (linear && meshed))
+               ? "sensitivity"
+               : NULL;
+}
+
 weft_status survey_methods(const weft_scene *scene, const weft_registry *registry,
                            survey *out, weft_error *err)
 {
@@ -122,6 +138,7 @@ weft_status survey_methods(const weft_scene *scene, const weft_registry *registr
             return WEFT_NO_MEMORY;
         }
         method->plugin = m.plugin;
+        method->refuses = refused_key(scene, m.type);
         method->per_second = method->step > 0.0
                                  ? calls_per_second(scene, method, method->step)
                                  : INFINITY;
@@ -173,7 +190,7 @@ static weft_status try_rival(const weft_scene *scene, const weft_sim *tried,
     const survey_method *rival = out->own;
     for (size_t i = 0; i < out->count; ++i) {
         const survey_method *other = &out->methods[i];
-        if (method_adapts(other->type) && other->step > 0.0
+        if (method_adapts(other->type) && other->step > 0.0 && other->refuses == NULL
             && other->type->order > rival->type->order) {
             rival = other;
         }

@@ -20,6 +20,7 @@ typedef struct survey_method {
                           the step at which none more than doubles in the run */
     double calls;      /* RHS calls per step */
     double per_second; /* RHS calls per simulated second at that step */
+    const char *refuses; /* the key of the scene that excludes it; NULL: none does */
 } survey_method;
 
 /* A trial of a method (trials.c). */
@@ -136,6 +137,8 @@ typedef struct stiff_gains {
     const survey_method *rkc;  /* NULL: there is none, or it refuses the cloth */
     double stabilised;         /* of rkc */
     double bdf[STIFF_ACCURACIES]; /* of a grid: at 1e-2 m, at 1e-3 m */
+    const survey_method *multistep,
+        *ros2;       /* cvode bdf and stiff ros2; NULL: not there */
     double implicit; /* of triangles: the time of stiff ros2, in evaluations per
                         simulated second; 0: unknown */
     bool touches;    /* there are shapes, or contact of the cloth with itself */

@@ -429,9 +429,16 @@ weft__check_fn weft__check_root, weft__check_grid, weft__check_springs,
  * the tree is read. */
 void weft__resolve_method(weft__reader *reader, const weft__sweep *sweep);
 
-/* scene_stepper.c: reports at a place that the method of the scene lacks a flag, and
- * the methods of its plugin that have it. */
+/* What a method without a flag lacks, in words: "cannot keep the energy balance", what
+ * others "can" and another one "can", and "set record.ledger to false". */
+typedef struct weft__lack {
+    const char *lacks, *can, *does, *instead;
+} weft__lack;
+
+/* scene_stepper.c: reports at a place that the method of the scene lacks a flag, with
+ * the methods of its plugin that have it, else one of another plugin, and what to
+ * change instead. */
 void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
-                        const char *lacks, const char *others);
+                        const weft__lack *lack);
 weft__check_fn weft__check_controller, weft__check_solver, weft__check_stepper,
     weft__check_record;

@@ -284,23 +284,54 @@ void weft__check_stepper(weft__reader *reader, const weft__match *match, void *b
     }
 }
 
+/* Of weft's own plugins the first method that has a flag and is of a method's kind:
+ * implicit, or explicit and of order 5 or more, both with error control. */
+static void name_other(const weft_scene_def *def, const weft_stepper_type *than,
+                       uint32_t flag, char *out, size_t size)
+{
+    const uint32_t unfit = WEFT_STEPPER_FIXED_ONLY | WEFT_STEPPER_LEGACY
+                           | WEFT_STEPPER_DENSE | WEFT_STEPPER_BUTCHER;
+    const uint32_t kind = WEFT_STEPPER_IMPLICIT;
+    weft_error why;
+    out[0] = '\0';
+    for (size_t i = 0; i < WEFT__SHIPPED && out[0] == '\0'; ++i) {
+        const weft_plugin *plugin
+            = def->find_plugin(def->find_ctx, weft__shipped[i], &why);
+        for (size_t k = 0; plugin != NULL && plugin->types[k] != NULL; ++k) {
+            const weft_stepper_type *type = plugin->types[k];
+            const bool same = ((type->flags ^ than->flags) & kind) == 0;
+            if ((type->flags & flag) != 0 && (type->flags & unfit) == 0 && same
+                && ((type->flags & kind) != 0 || type->order > 4)) {
+                (void)snprintf(out, size, "%.40s/%.40s", plugin->id, type->name);
+                break;
+            }
+        }
+    }
+}
+
 void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
-                        const char *lacks, const char *others)
+                        const weft__lack *lack)
 {
     const weft_scene *scene = reader->scene;
     weft_error why;
-    char names[240];
+    char names[240], hint[400] = "";
     if (scene->type == NULL || (scene->type->flags & flag) != 0) {
         return;
     }
     weft__methods_list(
         reader->def->find_plugin(reader->def->find_ctx, scene->plugin, &why), flag,
         names, sizeof names);
-    weft__report_error(
-        reader->report, at, "method '%.40s' of plugin '%.40s' %s%s%s%s%s",
-        scene->method, scene->plugin, lacks,
-        names[0] == '\0' ? "" : "; of that plugin ", names[0] == '\0' ? "" : others,
-        names[0] == '\0' ? "" : ": ", names);
+    if (names[0] != '\0') {
+        (void)snprintf(hint, sizeof hint, "; of that plugin these %s: %s", lack->can,
+                       names);
+    } else {
+        name_other(reader->def, scene->type, flag, names, sizeof names);
+        (void)snprintf(hint, sizeof hint, names[0] == '\0' ? "" : "; %s %s", names,
+                       lack->does);
+    }
+    weft__report_error(reader->report, at,
+                       "method '%.40s' of plugin '%.40s' %s%s; or %s", scene->method,
+                       scene->plugin, lack->lacks, hint, lack->instead);
 }
 
 /* Reported where the ledger is asked for; the stepper has been read before. */
@@ -308,8 +339,9 @@ void weft__check_record(weft__reader *reader, const weft__match *match, void *ba
 {
     const weft_record_def *record = base;
     if (record->ledger) {
+        const weft__lack lack = { "cannot keep the energy balance", "can", "can",
+                                  "set record.ledger to false" };
         weft__require_flag(reader, WEFT_STEPPER_QUADRATURES,
-                           weft__value_in(match, "ledger")->at,
-                           "cannot keep the energy balance", "these can");
+                           weft__value_in(match, "ledger")->at, &lack);
     }
 }

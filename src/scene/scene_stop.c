@@ -128,7 +128,8 @@ void weft__check_bands(weft__reader *reader, const weft__match *root)
                                "%s", rules[i].message);
         }
     }
+    const weft__lack lack = { "does not run in bands", "do", "does",
+                              "run it in one process, with threads" };
     weft__require_flag(reader, WEFT_STEPPER_DISTRIBUTED,
-                       weft__place_in(root, "stepper", "method"),
-                       "does not run in bands", "these do");
+                       weft__place_in(root, "stepper", "method"), &lack);
 }

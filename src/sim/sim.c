@@ -46,7 +46,8 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
     if (def->ledger && (def->method->flags & WEFT_STEPPER_QUADRATURES) == 0) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "method '%.40s' cannot keep the energy balance: it "
-                              "integrates no quadratures",
+                              "integrates no quadratures; choose a method that does, "
+                              "or keep none",
                               def->method->name);
     }
     const char *refusal = weft__pool_refusal(config->threads);
