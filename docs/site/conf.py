@@ -112,10 +112,10 @@ def as_sections(app, what, name, thing, options, lines):
 
 
 def dashes(app, doctree):
-    """Sphinx writes two hyphens between a parameter and its text, for smartquotes to replace."""
+    """Sphinx writes two hyphens between a parameter or type and its text, for smartquotes to replace."""
     for text in list(doctree.findall(nodes.Text)):
-        if text == " -- ":
-            text.parent.replace(text, nodes.Text(" \u2013 "))
+        if text.startswith(" -- "):
+            text.parent.replace(text, nodes.Text(text.replace(" -- ", " \u2013 ", 1)))
 
 
 def setup(app):
