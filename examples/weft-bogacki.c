@@ -159,10 +159,11 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
         }
         ++self->stats.rejected;
         if (!adapts || now <= self->config.min_step) {
-            return isfinite(error) ? weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                                                    "needs less than %g s", now)
-                                   : weft_error_set(err, WEFT_NOT_FINITE,
-                                                    "not finite after %g s", now);
+            return isfinite(error)
+                       ? weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                                        "needs less than %g s", now)
+                       : weft_error_set(err, WEFT_NOT_FINITE,
+                                        "not finite after a step of %g s", now);
         }
         most = 1.0; /* no growth right after a rejection */
         h = fmax(next, self->config.min_step);

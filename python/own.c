@@ -162,7 +162,8 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
         bad += (size_t)!isfinite(self->y[i]);
     }
     if (bad > 0) {
-        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", begin[1]);
+        return weft_error_set(err, WEFT_NOT_FINITE, "not finite after a step of %g s",
+                              begin[1]);
     }
     memcpy(y, self->y, dim * sizeof *y);
     *t = last ? t_end : *t + begin[1];

@@ -48,6 +48,13 @@ static void begin(void)
     write_file(OUT "/decay.yaml", decay);
 }
 
+/* The number behind a text of the output; 0: it is not there. */
+static double number_after(const char *text)
+{
+    const char *at = strstr(output, text);
+    return at == NULL ? 0.0 : strtod(at + strlen(text), NULL);
+}
+
 START_TEST(check_shows_the_bound_of_a_flat_sheet)
 {
     expect(shell(WEFT " check " OUT "/sheet.yaml 2>&1"), 0);
@@ -94,8 +101,9 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
            0);
     says("weft: warning: a fixed step of 0.0082 s is beyond the largest stable step "
          "0.008163 s of verlet velocity_verlet");
-    says("try stepper.fixed_step=0.0073");
-    says("omega <= 244.9 1/s");
+    says("try stepper.fixed_step=0.0052, which is stable in any state");
+    says("omega <= 244.9 1/s, damping <= 0 1/s at the start: the stiffness of the "
+         "cloth limits it, not the damping");
     ck_assert(exists(OUT "/b/result.yaml"));
     expect(
         shell(
@@ -104,6 +112,47 @@ START_TEST(a_step_beyond_the_bound_is_warned_of_and_run)
             "/sheet.yaml --set stepper.fixed_step=0.0082 --set run.frames=interpolate"),
         0);
     says("advice     a fixed step of 0.0082 s is beyond the stable 0.00816 s");
+}
+END_TEST
+
+/* The warning, the message and weft check agree; the summary's largest strain includes
+ * the last state. */
+START_TEST(a_blow_up_tells_what_limits_the_step_and_a_step_for_any_state)
+{
+    expect(shell(WEFT " check " OUT "/sheet.yaml --set stepper.fixed_step=0.03 2>&1"),
+           0);
+    const double any = number_after("velocity_verlet is stable up to ");
+    expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/a --set "
+                      "stepper.fixed_step=0.03 --set run.duration=100 2>&1"),
+           1);
+    says("not finite after a step of 0.0166667 s at t = ");
+    says(": the stiffness of the cloth limits it, not the damping)\n");
+    says(", which is stable in any state, or see weft check for a method with a larger "
+         "one\n");
+    const double step = number_after("  try stepper.fixed_step=");
+    ck_assert(step > 0.8 * any && step <= any);
+    const double most = number_after("strain     at most ");
+    ck_assert_double_gt(most, 1e20);
+    expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/b --set "
+                      "stepper.fixed_step=0.03 --set run.duration=100 --set "
+                      "cloth.springs.stretch.damping=1 2>&1"),
+           1);
+    says(" at the start: the damping of the cloth limits it, not the stiffness\n");
+}
+END_TEST
+
+START_TEST(a_refused_first_step_is_told_without_a_state_that_says_nothing)
+{
+    expect(shell(WEFT " run " OUT "/sheet.yaml --out " OUT "/a --set "
+                      "stepper.method=stiff/rkc2 --set stepper.fixed_step=1.0 --set "
+                      "run.fps=1 --set run.duration=1 --set cloth.springs.stretch."
+                      "damping=1 --set cloth.springs.shear.damping=0.5 2>&1"),
+           1);
+    says("rkc2: a fixed_step of 1 s is not stable: at most ");
+    says(" at t = 0 s\n");
+    ck_assert_ptr_null(strstr(output, "last h"));
+    ck_assert_ptr_null(strstr(output, "fastest"));
+    ck_assert_ptr_null(strstr(output, "most strained"));
 }
 END_TEST
 
@@ -270,13 +319,6 @@ static void write_sheet(int n, double k, double tau)
                    n, n, 1.0 / (n - 1), 0.2 / n / n, 100 * k, 100 * k * tau, 50 * k,
                    50 * k * tau, 10 * k, 10 * k * tau);
     write_file(OUT "/stiff.yaml", text);
-}
-
-/* The number behind a text of the output; 0: it is not there. */
-static double number_after(const char *text)
-{
-    const char *at = strstr(output, text);
-    return at == NULL ? 0.0 : strtod(at + strlen(text), NULL);
 }
 
 static void within_2(const char *text, double measured)
@@ -465,6 +507,10 @@ TEST_SUITE(cli_stability)
     tcase_add_test(tcase, check_of_a_sweep_tells_how_many_runs_are_beyond_their_bound);
     tcase_add_test(tcase, shipped_scenes_are_surveyed_each);
     tcase_add_test(tcase, a_step_beyond_the_bound_is_warned_of_and_run);
+    tcase_add_test(tcase,
+                   a_blow_up_tells_what_limits_the_step_and_a_step_for_any_state);
+    tcase_add_test(tcase,
+                   a_refused_first_step_is_told_without_a_state_that_says_nothing);
     tcase_add_test(
         tcase, a_fixed_step_longer_than_a_frame_is_warned_of_and_judged_as_the_frame);
     tcase_add_test(tcase, evaluations_are_those_of_steps_that_end_at_frames);

@@ -54,8 +54,8 @@ static weft_status fail(stiff_stepper *self, int failed, double error, double h,
         return weft_error_set(err, WEFT_STOPPED, "%s: stopped by the model", name);
     }
     if (isnan(error)) {
-        return weft_error_set(err, WEFT_NOT_FINITE, "%s: not finite after %.3g s", name,
-                              h);
+        return weft_error_set(err, WEFT_NOT_FINITE,
+                              "%s: not finite after a step of %.3g s", name, h);
     }
     return weft_error_set(err, WEFT_STEP_TOO_SMALL,
                           "%s: even a step of %.3g s is not accurate enough", name, h);

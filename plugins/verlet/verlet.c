@@ -334,9 +334,9 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
     self->h = h, self->y = y;
     const int failed = self->method->advance(self, *t, h, y);
     if (failed != 0) {
-        return failed < 0
-                   ? weft_error_set(err, WEFT_STOPPED, "stopped by the model")
-                   : weft_error_set(err, WEFT_NOT_FINITE, "not finite after %g s", h);
+        return failed < 0 ? weft_error_set(err, WEFT_STOPPED, "stopped by the model")
+                          : weft_error_set(err, WEFT_NOT_FINITE,
+                                           "not finite after a step of %g s", h);
     }
     *t = self->t = last ? t_end : *t + h;
     ++self->stats.steps;

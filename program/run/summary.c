@@ -100,16 +100,19 @@ static void print_step_sizes(const run *self)
 static void print_strain(const run *self)
 {
     const weft_cloth *cloth = weft_sim_cloth(self->sim);
-    const weft_spring *most = &self->extremes.strain;
+    const weft_spring *last = &self->result.measures.worst;
+    const bool ends = last->strain > self->extremes.strain.strain; /* after a frame */
+    const weft_spring *most = ends ? last : &self->extremes.strain;
     char spring[SPRING];
     if (most->p == most->q) {
         print_item("strain", "none: there are no springs");
         return;
     }
     print_item("strain", "at most %.3g %% at t = %.4g s, %s; %.3g %% at the end",
-               100.0 * most->strain, self->extremes.strain_time,
+               100.0 * most->strain,
+               ends ? weft_sim_time(self->sim) : self->extremes.strain_time,
                weft_spring_text(cloth, most, spring, sizeof spring),
-               100.0 * self->result.measures.worst.strain);
+               100.0 * last->strain);
 }
 
 static void print_energy(const run *self)
@@ -281,16 +284,17 @@ void summary_yaml_end(const run *self)
 static const char *advise_fixed(double h, double start, double now, double any,
                                 sentence *out)
 {
+    const double step = advised_step(start, any);
     if (h > start) {
         say(out,
-            "try stepper.fixed_step=%.2g, 0.9 of the stable step at the start, or see "
-            "weft check for a method with a larger one",
-            0.9 * start);
+            "try stepper.fixed_step=%.2g, %s, or see weft check for a method with a "
+            "larger one",
+            step, advised_for(any));
     } else if (h > now) {
         say(out,
             "the cloth has grown stiffer than it was at the start: try "
-            "stepper.fixed_step=%.2g, which is stable in any state",
-            any);
+            "stepper.fixed_step=%.2g, %s",
+            step, advised_for(any));
     } else {
         say(out,
             "the step was a stable one: look at what drives the cloth (pins, wind, "
@@ -344,23 +348,32 @@ static void add_line(sentence *out, const char *format, ...)
     say(out, "%s%s", first ? "" : "; ", line);
 }
 
+/* A smaller strain is an error of rounding, which says nothing. */
+#define ROUNDING 1e-9
+
 static void add_state(const weft_failure *failure, const weft_cloth *cloth,
                       sentence *out)
 {
     const weft_spring *worst = &failure->spring;
     const double *x = failure->position;
     char spring[SPRING], fastest[SPRING];
-    add_line(out, "%s at t = %.9g s, last h = %.3g s", failure->reason, failure->time,
-             failure->last_step);
+    if (failure->last_step > 0.0) {
+        add_line(out, "%s at t = %.9g s, last h = %.3g s", failure->reason,
+                 failure->time, failure->last_step);
+    } else {
+        add_line(out, "%s at t = %.9g s", failure->reason, failure->time);
+    }
     if (failure->held[0] != '\0') {
         add_line(out, "%s", failure->held);
     }
-    add_line(out, "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s",
-             weft_particle_text(cloth, failure->particle, fastest, sizeof fastest),
-             x[0], x[1], x[2], failure->speed);
+    if (!(failure->speed == 0.0)) {
+        add_line(out, "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s",
+                 weft_particle_text(cloth, failure->particle, fastest, sizeof fastest),
+                 x[0], x[1], x[2], failure->speed);
+    }
     if (worst->p == worst->q) {
         add_line(out, "no springs");
-    } else {
+    } else if (!(fabs(worst->strain) < ROUNDING)) {
         add_line(out, "most strained %s at %.3g %%",
                  weft_spring_text(cloth, worst, spring, sizeof spring),
                  100.0 * worst->strain);
@@ -395,9 +408,9 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
         add_line(
             out,
             "stable step of %s %s %.3g s at the start, %.3g s in this state (omega "
-            "<= %.3g 1/s, damping <= %.3g 1/s)",
+            "<= %.3g 1/s, damping <= %.3g 1/s: %s)",
             weft_scene_plugin(scene), weft_scene_method(scene), start, now,
-            sqrt(present.omega2), present.damping);
+            sqrt(present.omega2), present.damping, limiting_bound(scene, &present));
     }
     add_line(out, "%s",
              h > 0.0 && start > 0.0 ? advise_fixed(h, start, now, any, &advice)

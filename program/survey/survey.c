@@ -80,6 +80,31 @@ double own_stable_step(const weft_scene *scene, const weft_stiffness *modes)
     return status == WEFT_OK ? own.step : 0.0;
 }
 
+double advised_step(double start, double any)
+{
+    return 0.9 * (any > 0.0 ? fmin(start, any) : start);
+}
+
+const char *advised_for(double any)
+{
+    return any > 0.0 ? "which is stable in any state" : "which is stable at the start";
+}
+
+/* Damping that more than halves the step of the same modes without damping does. */
+#define HALF_STEP 0.5
+
+const char *limiting_bound(const weft_scene *scene, const weft_stiffness *modes)
+{
+    const weft_stiffness undamped
+        = { .omega2 = modes->omega2,
+            .count = 2,
+            .corners = { { 0.0, 0.0 }, { modes->omega2, 0.0 } } };
+    const double stable = own_stable_step(scene, modes);
+    return stable < HALF_STEP * own_stable_step(scene, &undamped)
+               ? "the damping of the cloth limits it, not the stiffness"
+               : "the stiffness of the cloth limits it, not the damping";
+}
+
 double calls_per_second(const weft_scene *scene, const survey_method *method, double h)
 {
     const weft_run_def *run = weft_scene_run(scene);
@@ -294,6 +319,20 @@ void survey_destroy(survey *self)
     free(self->methods);
 }
 
+/* From the stable steps at the start, of those modes, and in any state [s]. */
+static void warn_of_step(const weft_scene *scene, const weft_stiffness *modes,
+                         double start, double any)
+{
+    fprintf(stderr,
+            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
+            "%.4g s of %s %s on this cloth\n"
+            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start: %s\n"
+            "  try stepper.fixed_step=%.2g, %s, or see weft check for other methods\n",
+            step_taken(scene), start, weft_scene_plugin(scene),
+            weft_scene_method(scene), sqrt(modes->omega2), modes->damping,
+            limiting_bound(scene, modes), advised_step(start, any), advised_for(any));
+}
+
 bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
 {
     const weft_stiffness modes
@@ -311,15 +350,12 @@ bool stability_warn(const weft_scene *scene, const weft_sim *sim, bool quiet)
     const double stable
         = h > 0.0 && !(known && reaches) ? own_stable_step(scene, &modes) : 0.0;
     const bool beyond = stable > 0.0 && h > stable;
-    if (beyond && !quiet) {
-        fprintf(
-            stderr,
-            "weft: warning: a fixed step of %.4g s is beyond the largest stable step "
-            "%.4g s of %s %s on this cloth\n"
-            "  omega <= %.4g 1/s, damping <= %.4g 1/s at the start\n"
-            "  try stepper.fixed_step=%.2g, or see weft check for other methods\n",
-            h, stable, weft_scene_plugin(scene), weft_scene_method(scene),
-            sqrt(modes.omega2), modes.damping, 0.9 * stable);
+    if (beyond) {
+        const weft_stiffness in_any = weft_sim_stiffness(sim, 0.0, NULL);
+        const double any = own_stable_step(scene, &in_any);
+        if (!quiet) {
+            warn_of_step(scene, &modes, stable, any);
+        }
     }
     return beyond;
 }

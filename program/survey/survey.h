@@ -72,6 +72,15 @@ weft_status stable_step(const weft_scene *scene, const weft_stepper_type *type,
 /* [s] The stable step of the scene's method; 0: it has none. */
 double own_stable_step(const weft_scene *scene, const weft_stiffness *modes);
 
+/* [s] The step to advise, from the stable steps at the start and in any state (0: not
+ * known): shorter than both, so that two digits of it are. And what it is stable in,
+ * as "which is stable in any state". */
+double advised_step(double start, double any);
+const char *advised_for(double any);
+
+/* Which bound of the modes limits the stable step of the scene's method, in words. */
+const char *limiting_bound(const weft_scene *scene, const weft_stiffness *modes);
+
 /* The number of fixed steps of h [s] in a frame: none crosses its end. */
 double frame_steps(const weft_run_def *run, double h);
 

@@ -52,44 +52,60 @@ static void find_force(const weft_sim *sim, weft_failure *out)
     }
 }
 
-/* What moves fastest or, if the own force is the reason, where it is not finite. */
-static const char *particle_text(const weft_failure *self, const weft_cloth *cloth,
-                                 char *text, size_t size)
+/* A smaller strain is an error of rounding, which says nothing. */
+#define ROUNDING 1e-9
+
+/* What moves fastest or, if the own force is the reason, where it is not finite; "" at
+ * rest. */
+static void particle_text(const weft_failure *self, const weft_cloth *cloth, char *text,
+                          size_t size)
 {
     char name[64];
     const size_t i = self->force ? self->force_particle : self->particle;
     const char *who = weft_particle_text(cloth, i, name, sizeof name);
     const double *x = self->position, *f = self->added;
+    text[0] = '\0';
     if (self->force) {
         (void)weft_text_format(
-            text, size, "the own force on %s is (%.3g, %.3g, %.3g) N, not finite", who,
-            weft__unsigned_nan(f[0]), weft__unsigned_nan(f[1]),
+            text, size, "; the own force on %s is (%.3g, %.3g, %.3g) N, not finite",
+            who, weft__unsigned_nan(f[0]), weft__unsigned_nan(f[1]),
             weft__unsigned_nan(f[2]));
-    } else {
+    } else if (!(self->speed == 0.0)) {
         (void)weft_text_format(text, size,
-                               "fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s", who,
+                               "; fastest %s at (%.3g, %.3g, %.3g) m, %.3g m/s", who,
                                x[0], x[1], x[2], self->speed);
     }
-    return text;
 }
 
-static void set_message(const weft_failure *self, const weft_cloth *cloth,
-                        weft_error *err)
+static void spring_text(const weft_failure *self, const weft_cloth *cloth, char *text,
+                        size_t size)
 {
     const weft_spring *worst = &self->spring;
-    char name[96], spring[128] = "no springs", particle[192];
-    if (worst->p != worst->q) {
-        (void)weft_text_format(spring, sizeof spring, "most strained %s at %.3g %%",
+    char name[96];
+    text[0] = '\0';
+    if (worst->p == worst->q) {
+        (void)weft_text_format(text, size, "; no springs");
+    } else if (!(fabs(worst->strain) < ROUNDING)) {
+        (void)weft_text_format(text, size, "; most strained %s at %.3g %%",
                                weft_spring_text(cloth, worst, name, sizeof name),
                                100.0 * worst->strain);
     }
-    weft_error_set(
-        err, self->status,
-        "%s at t = %.9g s, last h = %.3g s; %s%s%s; %s; energy %.4g J before that "
-        "step",
-        self->reason, self->time, self->last_step, self->held,
-        self->held[0] != '\0' ? "; " : "",
-        particle_text(self, cloth, particle, sizeof particle), spring, self->energy);
+}
+
+/* Without what says nothing, as the speed of a first step that was refused. */
+static void set_message(const weft_failure *self, const weft_cloth *cloth,
+                        weft_error *err)
+{
+    char step[48] = "", spring[128], particle[192];
+    if (self->last_step > 0.0) {
+        (void)weft_text_format(step, sizeof step, ", last h = %.3g s", self->last_step);
+    }
+    particle_text(self, cloth, particle, sizeof particle);
+    spring_text(self, cloth, spring, sizeof spring);
+    weft_error_set(err, self->status,
+                   "%s at t = %.9g s%s%s%s%s%s; energy %.4g J before that step",
+                   self->reason, self->time, step, self->held[0] != '\0' ? "; " : "",
+                   self->held, particle, spring, self->energy);
 }
 
 void weft__sim_not_finite(const weft_sim *sim, weft_error *why)

@@ -207,10 +207,11 @@ static weft_status step(void *instance, double t_end, double *t, double *y,
             memcpy(y, self->end, self->ode.dim * sizeof *y);
         }
         if (!adapts || (now <= self->config.min_step && self->fault != no_least)) {
-            return isfinite(error) ? weft_error_set(err, WEFT_STEP_TOO_SMALL,
-                                                    "needs less than %g s", now)
-                                   : weft_error_set(err, WEFT_NOT_FINITE,
-                                                    "not finite after %g s", now);
+            return isfinite(error)
+                       ? weft_error_set(err, WEFT_STEP_TOO_SMALL,
+                                        "needs less than %g s", now)
+                       : weft_error_set(err, WEFT_NOT_FINITE,
+                                        "not finite after a step of %g s", now);
         }
         most = 1.0; /* no growth right after a rejection */
         h = self->fault == no_least ? next : fmax(next, self->config.min_step);
