@@ -432,7 +432,7 @@ START_TEST(check_and_converge_name_the_cloths)
     expect(shell(IN(OUT) "" PROGRAM " check both.yaml"), 0);
     says("shirt: 30 vertices, 40 triangles, 0.01 kg, 7 held");
     says("skirt: 35 vertices, 48 triangles,");
-    says("pin 2, skirt: 1 matched");
+    says("pin 2: vertex 5 of skirt at (0.2, 2, 0) m, 1 matched");
     says("fabric     skirt: 11oz-black-denim: C");
     expect(
         shell(IN(

@@ -486,6 +486,25 @@ START_TEST(pins_and_loads_find_their_vertices)
 }
 END_TEST
 
+/* The longest edge has 2 m. */
+START_TEST(a_point_that_is_far_from_the_mesh_gives_a_warning)
+{
+    weft_scene_destroy(sheet_scene("  mesh: {file: sheet.obj}\n"
+                                   "  pins: [{near: [3.9, 2, 0]}]\n"
+                                   "  loads: [{near: [0, 2, 1.9], mass: 1}]\n"));
+    ck_assert_ptr_null(strstr(all_found(), "nearest"));
+    weft_scene_destroy(sheet_scene("  mesh: {file: sheet.obj}\n"
+                                   "  pins: [{near: [200, 2, 0]}]\n"
+                                   "  loads: [{near: [0, 2, 2.5], mass: 1}]\n"));
+    ck_assert_ptr_nonnull(
+        strstr(all_found(), "warning: the nearest vertex, 4 at (2, 2, 0) m, is 198 "
+                            "m away from this point, and the longest edge has 2 "
+                            "m: the point is in metres, as the mesh is after "
+                            "`unit`"));
+    ck_assert_ptr_nonnull(strstr(all_found(), "5 at (0, 2, 0) m, is 2.5 m away"));
+}
+END_TEST
+
 START_TEST(a_mesh_that_is_all_pinned_gives_a_warning)
 {
     weft_scene_destroy(
@@ -557,6 +576,7 @@ TEST_SUITE(obj)
     tcase_add_test(all, a_scene_takes_its_mesh_from_the_file_beside_it);
     tcase_add_test(all, triangles_have_the_fabric_of_their_usemtl_or_that_of_the_cloth);
     tcase_add_test(all, pins_and_loads_find_their_vertices);
+    tcase_add_test(all, a_point_that_is_far_from_the_mesh_gives_a_warning);
     tcase_add_test(all, a_mesh_that_is_all_pinned_gives_a_warning);
     tcase_add_test(all, a_run_goes_on_without_the_file_of_its_mesh);
     suite_add_tcase(suite, all);

@@ -38,6 +38,16 @@ static size_t matched(weft_range range, size_t count)
     return (size_t)(last - first + 1);
 }
 
+/* Of the one vertex of a pin, such as the one that is nearest to a point. */
+static void print_vertex(const weft_cloth_def *def, const weft_cloth *cloth,
+                         size_t vertex)
+{
+    char name[64];
+    const double *x = &def->mesh->start[3 * vertex];
+    printf(" %s at (%.4g, %.4g, %.4g) m,",
+           weft_particle_text(cloth, vertex, name, sizeof name), x[0], x[1], x[2]);
+}
+
 static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     const bool grid = def->mesh == NULL;
@@ -47,12 +57,15 @@ static void print_pins(const weft_cloth_def *def, const weft_cloth *cloth)
         const weft_pin *pin = &def->pins[i];
         const bool moves = pin->frequency > 0.0 || pin->velocity[0] != 0.0
                            || pin->velocity[1] != 0.0 || pin->velocity[2] != 0.0;
-        const bool named = !grid && def->mesh->part_count > 0;
+        const bool one = !grid && pin->vertex_count == 1; /* its text has the cloth */
+        const bool named = !grid && !one && def->mesh->part_count > 0;
         printf("             pin %zu%s%s:", i, named ? ", " : "",
                named ? cloth_of(def->mesh, pin->vertices[0]) : "");
         if (grid) {
             print_range("row", pin->rows);
             print_range("column", pin->cols);
+        } else if (one) {
+            print_vertex(def, cloth, pin->vertices[0]);
         }
         printf("%s %zu matched%s\n", grid ? "," : "",
                grid ? matched(pin->rows, def->rows) * matched(pin->cols, def->cols)
