@@ -36,6 +36,7 @@ typedef struct comparison {
     size_t rows, unequal; /* of series.csv: at common times, with other hashes */
     gap first;            /* of those; without a distance */
     size_t frames;        /* of run.vtkhdf, at common times */
+    size_t beyond;        /* of those, with positions beyond the tolerance */
     gap begin, largest;   /* first beyond the tolerance; of all */
     const char *field;    /* the first field to differ, beside positions; NULL: none */
     gap other;            /* its frame */
@@ -194,8 +195,8 @@ static weft_status compare_frame(comparison *self, size_t i, size_t j, weft_erro
     if (self->tolerance < 0.0 && self->unequal == 0) {
         TRY(compare_fields(self, i, j, &here, err));
     }
-    if (!self->begin.found && here.distance > fmax(self->tolerance, 0.0)) {
-        self->begin = here;
+    if (here.distance > fmax(self->tolerance, 0.0)) {
+        self->begin = self->beyond++ == 0 ? here : self->begin;
     }
     if (here.distance > self->largest.distance) {
         self->largest = here;
@@ -288,6 +289,22 @@ static void print_compared(const comparison *self)
     printf(" in %zu frames of run.vtkhdf\n", self->frames);
 }
 
+static void print_verdict(const comparison *self, bool other_frames)
+{
+    const bool bitwise = self->tolerance < 0.0;
+    const size_t different = bitwise ? self->unequal : self->beyond;
+    const size_t all = bitwise ? self->rows : self->frames;
+    if (other_frames) {
+        printf("different in run.vtkhdf; equal states at %zu times that both have\n",
+               all);
+    } else if (different > 0) {
+        printf("different at %zu of %zu times that both have\n", different, all);
+    } else {
+        printf("%s at %zu times that both have\n",
+               bitwise ? "equal" : "equal within the tolerance", all);
+    }
+}
+
 static void print_all(const comparison *self)
 {
     const bool framed = both_have_frames(self);
@@ -295,12 +312,7 @@ static void print_all(const comparison *self)
     double end[2];
     const bool other_frames
         = bitwise && self->unequal == 0 && (self->begin.found || self->field != NULL);
-    const bool differ = bitwise ? other_frames || self->unequal > 0 : self->begin.found;
-    printf("%s at %zu times that both have\n",
-           differ    ? "different"
-           : bitwise ? "equal"
-                     : "equal within the tolerance",
-           bitwise ? self->rows : self->frames);
+    print_verdict(self, other_frames);
     if (ends_differ(self, end)) {
         print_plainly(stdout, "%s ends at t = %.9g s, %s at t = %.9g s\n",
                       self->side[0].directory, end[0], self->side[1].directory, end[1]);
@@ -308,7 +320,7 @@ static void print_all(const comparison *self)
     if (self->unequal > 0) {
         printf("first other state: ");
         print_frame(&self->first);
-        printf("; %zu of %zu states differ\n", self->unequal, self->rows);
+        putchar('\n');
     }
     if (other_frames) {
         print_other_frames(self);
