@@ -271,6 +271,26 @@ START_TEST(scene_from_memory_is_that_of_a_file)
 }
 END_TEST
 
+/* 30 frames at 0.5 m/s: of the flag, whose last corner starts at 0.25 m. */
+START_TEST(scene_whose_corner_is_dragged)
+{
+    double t, height;
+    expect(shell("WEFT_PLUGIN_PATH=" BUILD_DIR
+                 "/plugins " EXAMPLE("drag_scene") " scenes/flag.yaml 2>&1"),
+           0);
+    ck_assert_uint_eq(lines(), 30);
+    ck_assert_int_eq(
+        sscanf(line(29), "%lf s: last corner at height %lf m", &t, &height), 2);
+    ck_assert_double_eq_tol(t, 1.0, 5e-4);
+    ck_assert_double_eq_tol(height, 0.75, 1e-4);
+    write_file(BUILD_DIR "/drag-example.yaml", "weft: 2\n");
+    expect(shell("WEFT_PLUGIN_PATH=" BUILD_DIR "/plugins " EXAMPLE(
+               "drag_scene") " " BUILD_DIR "/drag-example.yaml 2>&1"),
+           1);
+    says("drag-example.yaml:1:7: error: ");
+}
+END_TEST
+
 #ifdef HAVE_CXX
 /* The gust blows from frame 10 to 40; the corner is hauled in at 0.5 m/s from 30 to 50.
  */
@@ -397,6 +417,7 @@ TEST_SUITE(examples)
 #endif
     tcase_add_test(tcase, player_who_goes_back_ends_in_the_same_state);
     tcase_add_test(tcase, scene_from_memory_is_that_of_a_file);
+    tcase_add_test(tcase, scene_whose_corner_is_dragged);
 #ifdef HAVE_CXX
     tcase_add_test(tcase, sail_in_cpp_blows_and_is_hauled_in);
 #endif
