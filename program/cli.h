@@ -29,17 +29,20 @@ typedef enum progress_mode {
     PROGRESS_YAML      /* one document per line */
 } progress_mode;
 
-/* The command line of a verb. */
+/* The values of an option that may be repeated. */
+typedef struct texts {
+    const char **at;
+    size_t count;
+} texts;
+
+/* The command line of a verb: what several verbs take. */
 typedef struct arguments {
-    const char *plugin_path, *out, *frames, *format, *frame, *progress, *tolerance;
-    const char *timeout, *shard, *methods, *until, *sizes, *bands, *port, *garment;
-    const char *sample, *seed, *over, *sigma;
+    const char *plugin_path, *out, *frames, *progress, *bands, *port;
     size_t jobs;  /* 0: not given */
     size_t finer; /* weft_scene_def.refine */
-    const char **sets, **ats;
-    size_t set_count, at_count;
-    bool quiet, force, yaml, markdown, all, refine, view, retry_failed, summary;
-    bool csv, clamp_midway, watch;
+    texts sets;
+    bool quiet, force, yaml, markdown, refine, view, watch;
+    const void *own;         /* of the verb: its own_size bytes */
     bool silent;             /* mistakes of a scene are not printed */
     progress_mode mode;      /* by `progress` and `quiet` */
     const struct verb *verb; /* that was given */
@@ -50,10 +53,36 @@ typedef struct arguments {
     const weft_comm *comm;   /* of the bands; NULL: one process has the whole cloth */
 } arguments;
 
+/* An option, and the member that it fills: a bool without a value, `texts` if it may be
+ * repeated, the number of --jobs, or a text. */
+typedef struct verb_option {
+    const char *name;  /* without dashes */
+    const char *value; /* what follows it; NULL: nothing */
+    const char *help;
+    size_t at; /* where the member is */
+    bool own;  /* in arguments.own */
+    bool list;
+} verb_option;
+
+/* By the size of the member. */
+#define IS_LIST(type, member) (sizeof(((type *)0)->member) == sizeof(texts))
+#define SHARED(member, name, value, help)                                              \
+    {                                                                                  \
+        name, value, help, offsetof(arguments, member), false,                         \
+            IS_LIST(arguments, member)                                                 \
+    }
+#define OWN(type, member, name, value, help)                                           \
+    {                                                                                  \
+        name, value, help, offsetof(type, member), true, IS_LIST(type, member)         \
+    }
+
 typedef struct verb {
     const char *name;
     const char *summary; /* one line */
-    const char *help;    /* usage, examples, and the options that it takes */
+    const char *help;    /* usage, and what it does */
+    const verb_option *options;
+    size_t option_count, own_size;
+    const char *more; /* after the options: examples, exit codes */
     struct {
         int least, most;
         const char *few, *many; /* the errors; many NULL: as few */
@@ -119,7 +148,7 @@ WEFT_PRINTF(2, 3) void print_item(const char *label, const char *format, ...);
 
 /* The help of a verb to stdout, its paragraphs and the texts beside its options filled
  * to lines that a manual page can indent by 5. */
-void print_help(const char *text);
+void print_help(const verb *of);
 
 /* Errors. */
 

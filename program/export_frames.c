@@ -15,6 +15,18 @@
 #include "program/record/result.h"
 #include "program/record/series.h"
 
+/* Those of this verb alone. */
+typedef struct export_options {
+    const char *format;
+    const char *frame;
+    const char *garment;
+} export_options;
+
+static const export_options *export_own(const arguments *given)
+{
+    return given->own;
+}
+
 typedef struct export_format {
     const char *name;
     record_write_fn *write;    /* one file per frame; NULL: none */
@@ -297,12 +309,15 @@ static int export_wanted(const arguments *given, export_job *job)
     weft_error err = { 0 };
     weft_status status = WEFT_OK;
     uint64_t hash;
-    const bool all = given->frame == NULL ? job->format->movie != NULL
-                                          : strcmp(given->frame, "all") == 0;
-    const bool final
-        = !all && (given->frame == NULL || strcmp(given->frame, "last") == 0);
+    const bool all = export_own(given)->frame == NULL
+                         ? job->format->movie != NULL
+                         : strcmp(export_own(given)->frame, "all") == 0;
+    const bool final = !all
+                       && (export_own(given)->frame == NULL
+                           || strcmp(export_own(given)->frame, "last") == 0);
     size_t number = 0;
-    const bool named = all || final || option_count(given->frame, '\0', &number);
+    const bool named
+        = all || final || option_count(export_own(given)->frame, '\0', &number);
     job->first = all ? 0 : job->count - 1;
     job->last = job->count - 1;
     if (!all && !final) {
@@ -314,7 +329,7 @@ static int export_wanted(const arguments *given, export_job *job)
     }
     if (!named || job->first == job->count) {
         return usage_error(given, "--frame %s: last, all or one recorded of 0 to %zu",
-                           given->frame, number_of(job, job->count - 1));
+                           export_own(given)->frame, number_of(job, job->count - 1));
     }
     if (job->format->movie != NULL) {
         /* a point cache holds one part, and all frames of it; a list the files of all
@@ -439,7 +454,7 @@ static void name_garment(char name[RECORD_PATH], const char *to, const char *clo
 /* The mesh of a scene, or of the scene of a run, as a new file. */
 static int export_garment(const arguments *given)
 {
-    const char *operand = given->operands[0], *to = given->garment;
+    const char *operand = given->operands[0], *to = export_own(given)->garment;
     weft_scene *scene = NULL;
     weft_error err = { 0 };
     const int code = record_exists(operand, "scene.yaml")
@@ -479,13 +494,14 @@ static int export_verb(const arguments *given)
     export_job job = { .directory = given->operands[0] };
     const char *names[FORMATS + 1] = { NULL };
     size_t format;
-    if (given->garment != NULL && (given->format != NULL || given->frame != NULL)) {
+    if (export_own(given)->garment != NULL
+        && (export_own(given)->format != NULL || export_own(given)->frame != NULL)) {
         return usage_error(given, "--garment excludes --format and --frame");
     }
-    if (given->garment != NULL) {
+    if (export_own(given)->garment != NULL) {
         return export_garment(given);
     }
-    if (given->format == NULL) {
+    if (export_own(given)->format == NULL) {
         return usage_error(given,
                            "--format obj, ply, csv, mdd, pc2 or pvd is needed, or "
                            "--garment FILE.obj");
@@ -493,48 +509,58 @@ static int export_verb(const arguments *given)
     for (size_t i = 0; i < FORMATS; ++i) {
         names[i] = formats[i].name;
     }
-    if (choose(given, "format", given->format, names, &format) != EXIT_DONE) {
+    if (choose(given, "format", export_own(given)->format, names, &format)
+        != EXIT_DONE) {
         return EXIT_USAGE;
     }
     job.format = &formats[format];
-    if (job.format->movie != NULL && given->frame != NULL
-        && strcmp(given->frame, "all") != 0) {
-        return usage_error(given, "--frame %s: %s holds all frames", given->frame,
-                           job.format->name);
+    if (job.format->movie != NULL && export_own(given)->frame != NULL
+        && strcmp(export_own(given)->frame, "all") != 0) {
+        return usage_error(given, "--frame %s: %s holds all frames",
+                           export_own(given)->frame, job.format->name);
     }
     report_unfinished(job.directory);
     return export_run(given, &job);
 }
 
+static const verb_option options[] = {
+    OWN(export_options, format, "format", "obj",
+        "Wavefront OBJ: faces, texture coordinates\n"
+        "           ply         the same, binary\n"
+        "           csv         row,col,x,y,z,vx,vy,vz (of a mesh: vertex,x,...)\n"
+        "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
+        "Blender's Mesh Cache, with all axes as Blender has them (y points up here)\n"
+        "           pvd         all frames as VTP files and run.pvd, for ParaView "
+        "before 5.12; later versions open run.vtkhdf"),
+    OWN(export_options, frame, "frame", "last|all|N",
+        "for obj, ply and csv; default: last, to DIR/final.obj; others to "
+        "DIR/frames/frame-000012.obj"),
+    OWN(export_options, garment, "garment", "FILE.obj",
+        "the mesh instead of frames: where vertices start (v), the rest shape (vt), "
+        "faces and groups, for Blender and for cloth.mesh; that of cloth.cut, or a "
+        "copy of the file of cloth.mesh; of several cloths a file for each, "
+        "FILE-NAME.obj"),
+    SHARED(sets, "set", "KEY=VALUE", "of the scene of --garment"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+};
+
 const verb verb_export = {
     .name = "export",
     .summary = "write frames of a run for other programs",
-    .help
-    = "usage: weft export DIR --format FORMAT [OPTIONS]\n"
-      "       weft export DIR|SCENE --garment FILE.obj [OPTIONS]\n\n"
-      "Writes frames of a run into its directory and prints the names of the files. "
-      "Shapes of contact go to files of their own (final-shape-0.obj, ...), but not "
-      "as csv.\n\n"
-      "  --format obj         Wavefront OBJ: faces, texture coordinates\n"
-      "           ply         the same, binary\n"
-      "           csv         row,col,x,y,z,vx,vy,vz (of a mesh: vertex,x,...)\n"
-      "           mdd, pc2    all frames in run.mdd or run.pc2, with rest.obj: for "
-      "Blender's Mesh Cache, with all axes as Blender has them (y points up here)\n"
-      "           pvd         all frames as VTP files and run.pvd, for ParaView "
-      "before 5.12; later versions open run.vtkhdf\n"
-      "  --frame last|all|N   for obj, ply and csv; default: last, to DIR/final.obj; "
-      "others to DIR/frames/frame-000012.obj\n"
-      "  --garment FILE.obj   the mesh instead of frames: where vertices start (v), "
-      "the "
-      "rest shape (vt), faces and groups, for Blender and for cloth.mesh; that of "
-      "cloth.cut, or a copy of the file of cloth.mesh; of several cloths a file for "
-      "each, FILE-NAME.obj\n"
-      "  --set KEY=VALUE      of the scene of --garment\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
-      "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
-      "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml and "
-      "must match the hash in series.csv.\n\n"
-      "example: weft export flag --format obj --frame all\n",
+    .help = "usage: weft export DIR --format FORMAT [OPTIONS]\n"
+            "       weft export DIR|SCENE --garment FILE.obj [OPTIONS]\n"
+            "\n"
+            "Writes frames of a run into its directory and prints the names of the "
+            "files. Shapes of contact go to files of their own (final-shape-0.obj, "
+            "...), but not as csv.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(export_options),
+    .more = "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
+            "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml "
+            "and must match the hash in series.csv.\n"
+            "\n"
+            "example: weft export flag --format obj --frame all\n",
     .operands
     = { 1, 1, "needs the directory of one run, or a scene for --garment", NULL },
     .run = export_verb,

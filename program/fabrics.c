@@ -75,18 +75,23 @@ static int fabrics_verb(const arguments *given)
     return EXIT_DONE;
 }
 
+static const verb_option options[] = {
+    SHARED(yaml, "yaml", NULL, "as YAML, in SI units, with the source"),
+    SHARED(markdown, "markdown", NULL, "the table of the documentation"),
+};
+
 const verb verb_fabrics = {
     .name = "fabrics",
     .summary = "list measured fabrics for cloth.fabric.preset",
-    .help
-    = "usage: weft fabrics [OPTIONS]\n\n"
-      "Lists the measured fabrics that a scene can name, with their moduli, each with "
-      "a pair of values along a column (warp) and along a row (weft), and with "
-      "Peirce's bending length (bend / (density g))^(1/3): a grid shows the bends of a "
-      "fabric if its spacing is at most half of it.\n\n"
-      "  --yaml               as YAML, in SI units, with the source\n"
-      "  --markdown           the table of the documentation\n\n"
-      "example: weft run scene.yaml --set cloth.fabric.preset=royal-target\n",
+    .help = "usage: weft fabrics [OPTIONS]\n"
+            "\n"
+            "Lists the measured fabrics that a scene can name, with their moduli, each "
+            "with a pair of values along a column (warp) and along a row (weft), and "
+            "with Peirce's bending length (bend / (density g))^(1/3): a grid shows the "
+            "bends of a fabric if its spacing is at most half of it.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more = "example: weft run scene.yaml --set cloth.fabric.preset=royal-target\n",
     .operands = { 0, 0, "takes no file", NULL },
     .run = fabrics_verb,
 };

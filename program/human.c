@@ -200,7 +200,7 @@ static bool continues(const char *line, size_t column)
     return *line != '\0' && *line != '\n' && strspn(line, " ") == column;
 }
 
-void print_help(const char *text)
+static void print_filled(const char *text)
 {
     while (*text != '\0') {
         const size_t column = text_column(text, strcspn(text, "\n"));
@@ -215,6 +215,25 @@ void print_help(const char *text)
             text += length + (text[length] == '\n');
         } while (used > 0 && used < sizeof filled && continues(text, column));
         print_wrapped(column, column, HELP_WIDTH, filled);
+    }
+}
+
+void print_help(const verb *of)
+{
+    print_filled(of->help);
+    printf("%s", of->option_count > 0 ? "\n" : "");
+    for (size_t i = 0; i < of->option_count; ++i) {
+        const verb_option *option = &of->options[i];
+        const bool jobs = strcmp(option->name, "jobs") == 0, value = option->value;
+        char name[48], line[TEXT];
+        (void)snprintf(name, sizeof name, "%s--%s%s%s", jobs ? "-j, " : "",
+                       option->name, value ? " " : "", value ? option->value : "");
+        (void)snprintf(line, sizeof line, "  %-20s %s\n", name, option->help);
+        print_filled(line);
+    }
+    if (of->more != NULL) {
+        putchar('\n');
+        print_filled(of->more);
     }
 }
 

@@ -208,8 +208,8 @@ static int load_scene(const char *file, const arguments *given, weft_scene **sce
     def.file = file;
     def.text = text;
     def.length = text == NULL ? 0 : strlen(text);
-    def.sets = given->sets;
-    def.set_count = text == NULL ? given->set_count : 0;
+    def.sets = given->sets.at;
+    def.set_count = text == NULL ? given->sets.count : 0;
     if (given->comm != NULL) {
         def.bands = (size_t)given->comm->size;
     }

@@ -8,89 +8,47 @@
 #include "base/suggest.h"
 #include "program/cli.h"
 
-#define OPTION_AT(member) (256 + (int)offsetof(arguments, member))
-#define TEXT(member)      required_argument, NULL, OPTION_AT(member)
-#define FLAG(member)      no_argument, NULL, OPTION_AT(member)
+enum { OPTIONS_MOST = 16, FIRST = 256 }; /* what getopt_long returns of option 0 */
 
-/* Every option of the program, which fills a member of struct arguments, a bool or a
- * text; --set adds to `sets`, --at to `ats`, --jobs is a number. */
-static const struct option all_options[] = {
-    { "out", TEXT(out) },
-    { "set", TEXT(sets) },
-    { "plugin-path", TEXT(plugin_path) },
-    { "quiet", FLAG(quiet) },
-    { "force", FLAG(force) },
-    { "frames", TEXT(frames) },
-    { "view", FLAG(view) },
-    { "watch", FLAG(watch) },
-    { "port", TEXT(port) },
-    { "progress", TEXT(progress) },
-    { "jobs", TEXT(jobs) },
-    { "bands", TEXT(bands) },
-    { "timeout", TEXT(timeout) },
-    { "shard", TEXT(shard) },
-    { "sample", TEXT(sample) },
-    { "seed", TEXT(seed) },
-    { "retry-failed", FLAG(retry_failed) },
-    { "summary", FLAG(summary) },
-    { "yaml", FLAG(yaml) },
-    { "markdown", FLAG(markdown) },
-    { "all", FLAG(all) },
-    { "refine", FLAG(refine) },
-    { "format", TEXT(format) },
-    { "frame", TEXT(frame) },
-    { "garment", TEXT(garment) },
-    { "tol", TEXT(tolerance) },
-    { "methods", TEXT(methods) },
-    { "until", TEXT(until) },
-    { "sizes", TEXT(sizes) },
-    { "at", TEXT(ats) },
-    { "over", TEXT(over) },
-    { "sigma", TEXT(sigma) },
-    { "clamp-midway", FLAG(clamp_midway) },
-    { "csv", FLAG(csv) },
-};
-
-enum { OPTIONS = sizeof all_options / sizeof all_options[0] };
-
-/* Whether a line of a help begins with the option, or with -j and it. */
-static bool is_in_help(const char *help, const char *name)
-{
-    char line[2][48];
-    (void)snprintf(line[0], sizeof line[0], "\n  --%s ", name);
-    (void)snprintf(line[1], sizeof line[1], "\n  -j, --%s ", name);
-    return strstr(help, line[0]) != NULL || strstr(help, line[1]) != NULL;
-}
-
-/* A verb takes --help and the options that its help lists. */
-static void list_options(const verb *self, struct option out[OPTIONS + 2])
+/* A verb takes --help and its options. */
+static void list_options(const verb *self, struct option out[OPTIONS_MOST + 2])
 {
     size_t count = 0;
     out[count++] = (struct option){ "help", no_argument, NULL, 'h' };
-    for (size_t i = 0; i < OPTIONS; ++i) {
-        if (is_in_help(self->help, all_options[i].name)) {
-            out[count++] = all_options[i];
-        }
+    for (size_t i = 0; i < self->option_count && i < OPTIONS_MOST; ++i) {
+        const verb_option *of = &self->options[i];
+        const int has = of->value != NULL ? required_argument : no_argument;
+        out[count++] = (struct option){ of->name, has, NULL, FIRST + (int)i };
     }
     out[count] = (struct option){ 0 };
 }
 
-/* By what getopt_long returns. */
-static void apply(int value, arguments *out)
+static const verb_option *option_named(const verb *self, const char *name)
 {
-    const struct option *option = all_options;
-    while (option->val != value) {
-        ++option;
+    for (size_t i = 0; i < self->option_count; ++i) {
+        if (strcmp(self->options[i].name, name) == 0) {
+            return &self->options[i];
+        }
     }
-    void *member = (char *)out + (option->val - 256);
+    return NULL;
+}
+
+static bool is_jobs(const verb_option *of)
+{
+    return !of->own && of->at == offsetof(arguments, jobs);
+}
+
+/* own: that of `out`, which is still empty. */
+static void apply(const verb_option *of, arguments *out, void *own)
+{
+    void *member = (char *)(of->own ? own : out) + of->at;
     size_t jobs;
-    if (option->val == OPTION_AT(sets)) {
-        out->sets[out->set_count++] = optarg;
-    } else if (option->val == OPTION_AT(ats)) {
-        out->ats[out->at_count++] = optarg;
-    } else if (option->val == OPTION_AT(jobs)) {
+    if (of->list) {
+        texts *to = member;
+        to->at[to->count++] = optarg;
+    } else if (is_jobs(of)) {
         out->jobs = option_count(optarg, '\0', &jobs) && jobs <= MOST_JOBS ? jobs : 0;
-    } else if (option->has_arg == required_argument) {
+    } else if (of->value != NULL) {
         *(const char **)member = optarg;
     } else {
         *(bool *)member = true;
@@ -112,7 +70,7 @@ static int unknown_option(const arguments *given, const struct option *table,
                            typed);
     }
     for (size_t i = 0; table[i].name != NULL; ++i) {
-        const bool is_out = table[i].val == OPTION_AT(out);
+        const bool is_out = strcmp(table[i].name, "out") == 0;
         weft__guess_try(&guess, word, is_out ? "output" : table[i].name);
         weft__guess_try(&guess, word, table[i].name);
     }
@@ -147,36 +105,51 @@ static int choose_progress(arguments *given)
     return -1;
 }
 
-/* -1: run the verb. Else an exit code: help was printed, or the command line is wrong.
- */
-static int parse(arguments *given, int argc)
+/* Reads the options of the verb. -1: it goes on; else an exit code: help was printed,
+ * or the command line is wrong. */
+static int parse_options(arguments *given, void *own, int argc)
 {
     const verb *self = given->verb;
+    const verb_option *jobs = option_named(self, "jobs");
     char **argv = given->argv;
-    struct option table[OPTIONS + 2];
+    struct option table[OPTIONS_MOST + 2];
     list_options(self, table);
-    const char *letters = is_in_help(self->help, "jobs") ? ":hj:" : ":h";
     opterr = 0;
     optind = 1;
-    for (int value; (value = getopt_long(argc, argv, letters, table, NULL)) != -1;) {
-        value = value == 'j' ? OPTION_AT(jobs) : value;
-        switch (value) {
-        case 'h':
-            print_help(self->help);
+    for (int value;
+         (value = getopt_long(argc, argv, jobs != NULL ? ":hj:" : ":h", table, NULL))
+         != -1;) {
+        const verb_option *of = value == 'j'     ? jobs
+                                : value >= FIRST ? &self->options[value - FIRST]
+                                                 : NULL;
+        if (value == 'h') {
+            print_help(self);
             return EXIT_DONE;
-        case '?':
-            return unknown_option(given, table, argv[optind - 1]);
-        case ':':
-            return usage_error(given, "option %s needs a value", argv[optind - 1]);
-        default:
-            apply(value, given);
         }
-        if (value == OPTION_AT(jobs) && given->jobs == 0) {
+        if (value == ':') {
+            return usage_error(given, "option %s needs a value", argv[optind - 1]);
+        }
+        if (of == NULL) {
+            return unknown_option(given, table, argv[optind - 1]);
+        }
+        apply(of, given, own);
+        if (of == jobs && given->jobs == 0) {
             return usage_error(given, "--jobs %s: not a number from 1 to %d", optarg,
                                MOST_JOBS);
         }
     }
-    given->operands = argv + optind;
+    return -1;
+}
+
+/* The same of all of the command line. */
+static int parse(arguments *given, void *own, int argc)
+{
+    const verb *self = given->verb;
+    const int code = parse_options(given, own, argc);
+    if (code >= 0) {
+        return code;
+    }
+    given->operands = given->argv + optind;
     given->operand_count = argc - optind;
     const bool few = given->operand_count < self->operands.least;
     const bool many = given->operand_count > self->operands.most;
@@ -188,26 +161,49 @@ static int parse(arguments *given, int argc)
     return choose_progress(given);
 }
 
+static int run_verb(arguments *given)
+{
+    given->registry = open_registry(given->plugin_path, given->bands == NULL);
+    if (given->bands == NULL && option_named(given->verb, "bands") != NULL) {
+        ranks_hint();
+    }
+    const int code = given->registry == NULL ? EXIT_SIMULATION
+                     : given->bands == NULL  ? given->verb->run(given)
+                                             : ranks_run(given);
+    weft_registry_destroy(given->registry);
+    return code;
+}
+
+/* Gives each option that may be repeated room for as many values as there are words. */
+static void give_room(const verb *self, const char **room, size_t words,
+                      arguments *given, void *own)
+{
+    given->sets.at = room;
+    for (size_t i = 0; i < self->option_count; ++i) {
+        const verb_option *of = &self->options[i];
+        if (of->list) {
+            texts *to = (texts *)(void *)((char *)(of->own ? own : given) + of->at);
+            to->at = room + words * (1 + i);
+        }
+    }
+}
+
 int verb_start(const verb *self, int argc, char **argv)
 {
-    arguments given = { .verb = self,
-                        .argv = argv,
-                        .sets = calloc((size_t)argc, 2 * sizeof *given.sets) };
-    if (given.sets == NULL) {
-        return report_status(WEFT_NO_MEMORY, "out of memory");
+    const size_t words = (size_t)argc;
+    arguments given = { .verb = self, .argv = argv };
+    const char **room = calloc(words * (self->option_count + 1), sizeof *room);
+    void *own = calloc(1, self->own_size + 1);
+    int code = EXIT_SIMULATION;
+    if (room == NULL || own == NULL) {
+        code = report_status(WEFT_NO_MEMORY, "out of memory");
+    } else {
+        give_room(self, room, words, &given, own);
+        given.own = own;
+        code = parse(&given, own, argc);
+        code = code < 0 ? run_verb(&given) : code;
     }
-    given.ats = given.sets + argc;
-    int code = parse(&given, argc);
-    if (code < 0) {
-        given.registry = open_registry(given.plugin_path, given.bands == NULL);
-        if (given.bands == NULL && is_in_help(self->help, "bands")) {
-            ranks_hint();
-        }
-        code = given.registry == NULL ? EXIT_SIMULATION
-               : given.bands == NULL  ? self->run(&given)
-                                      : ranks_run(&given);
-        weft_registry_destroy(given.registry);
-    }
-    free(given.sets);
+    free(own);
+    free(room);
     return code;
 }

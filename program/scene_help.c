@@ -26,15 +26,20 @@ static int scene_help_verb(const arguments *given)
     return EXIT_DONE;
 }
 
+static const verb_option options[] = {
+    SHARED(markdown, "markdown", NULL, "as the table of docs/reference/scene.md"),
+};
+
 const verb verb_scene_help = {
     .name = "scene-help",
     .summary = "print keys of a scene with type, unit and default",
-    .help
-    = "usage: weft scene-help [KEY... | --markdown]\n\n"
-      "Prints type, unit, default and meaning of keys, and of the keys below them; "
-      "without KEY, of every key of a scene.\n\n"
-      "  --markdown           as the table of docs/reference/scene.md\n\n"
-      "example: weft scene-help stepper.rtol cloth.pins\n",
+    .help = "usage: weft scene-help [KEY... | --markdown]\n"
+            "\n"
+            "Prints type, unit, default and meaning of keys, and of the keys below "
+            "them; without KEY, of every key of a scene.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more = "example: weft scene-help stepper.rtol cloth.pins\n",
     .operands = { .most = ANY_NUMBER },
     .run = scene_help_verb,
 };

@@ -226,23 +226,29 @@ static int steppers_verb(const arguments *given)
     return EXIT_DONE;
 }
 
+static const verb_option options[] = {
+    SHARED(yaml, "yaml", NULL, "as YAML, with references and full names"),
+    SHARED(markdown, "markdown", NULL, "the table of the documentation"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+};
+
 const verb verb_steppers = {
     .name = "steppers",
     .summary = "list the methods of all plugins",
-    .help
-    = "usage: weft steppers [OPTIONS]\n\n"
-      "Lists every method of every plugin: order of the solution, order of the "
-      "solution it is compared with, evaluations of the forces per step, kind, "
-      "source.\n\n"
-      "  --yaml               as YAML, with references and full names\n"
-      "  --markdown           the table of the documentation\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
-      "kinds: fixed-step (no error control), fsal (the last stage is the first of the "
-      "next step), multistep, implicit, small-cloths (dense matrices), legacy, libm "
-      "(uses powers of libm: the same bits on every machine are likely, not "
-      "guaranteed)\n\n"
-      "Plugin arkode has more methods with later versions of SUNDIALS; rkc and rkl, "
-      "stabilised, need 7.2.\n",
+    .help = "usage: weft steppers [OPTIONS]\n"
+            "\n"
+            "Lists every method of every plugin: order of the solution, order of the "
+            "solution it is compared with, evaluations of the forces per step, kind, "
+            "source.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more = "kinds: fixed-step (no error control), fsal (the last stage is the first "
+            "of the next step), multistep, implicit, small-cloths (dense matrices), "
+            "legacy, libm (uses powers of libm: the same bits on every machine are "
+            "likely, not guaranteed)\n"
+            "\n"
+            "Plugin arkode has more methods with later versions of SUNDIALS; rkc and "
+            "rkl, stabilised, need 7.2.\n",
     .operands = { 0, 0, "takes no file", NULL },
     .run = steppers_verb,
 };

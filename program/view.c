@@ -114,25 +114,35 @@ static int view_verb(const arguments *given)
                      given->out, false);
 }
 
+static const verb_option options[] = {
+    SHARED(out, "out", "FILE",
+           "default: DIR/run.html, for two runs DIR/compare.html, for a batch "
+           "DIR/batch.html"),
+    SHARED(watch, "watch", NULL,
+           "serve the page of a run that is under way, with its growing frames, on "
+           "127.0.0.1 until the run ends"),
+    SHARED(port, "port", "N", "of --watch, from 1024 to 65535; default: a free one"),
+};
+
 const verb verb_view = {
     .name = "view",
     .summary = "make a page of a run, of two side by side, or of a batch",
     .help
-    = "usage: weft view DIR [DIR2] [OPTIONS]\n\n"
+    = "usage: weft view DIR [DIR2] [OPTIONS]\n"
+      "\n"
       "Writes one self-contained HTML page with the frames and the plots of a run, and "
       "prints its URL. A browser plays it without fetching anything. Two runs of the "
       "same grid are shown side by side at their common times, coloured by their "
       "difference. Of a directory of weft batch, the page has a table of all runs, "
-      "plots of their results against the parameters, and a player for each.\n\n"
-      "  --out FILE           default: DIR/run.html, for two runs DIR/compare.html, "
-      "for a batch DIR/batch.html\n"
-      "  --watch              serve the page of a run that is under way, with its "
-      "growing frames, on 127.0.0.1 until the run ends\n"
-      "  --port N             of --watch, from 1024 to 65535; default: a free one\n\n"
-      "examples:\n"
+      "plots of their results against the parameters, and a player for each.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more
+    = "examples:\n"
       "  weft view flag\n"
       "  weft view sweep-results\n"
-      "  weft view flag-rkf45 flag-verlet --out steppers.html\n\n"
+      "  weft view flag-rkf45 flag-verlet --out steppers.html\n"
+      "\n"
       "exit codes: 0 done, 2 wrong command line, or runs that cannot be compared, 4 a "
       "file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
     .operands = { 1, 2, "needs the directory of a run, of two, or of a batch", NULL },

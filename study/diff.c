@@ -11,6 +11,16 @@
 #include "program/record/frames.h"
 #include "program/record/series.h"
 
+/* Those of this verb alone. */
+typedef struct diff_options {
+    const char *tolerance;
+} diff_options;
+
+static const diff_options *diff_own(const arguments *given)
+{
+    return given->own;
+}
+
 #define TIME_MATCH 1e-9 /* relative: two frames of the same time */
 
 typedef struct diff_side {
@@ -356,11 +366,13 @@ static weft_status compare(comparison *self, weft_error *err)
 
 static int diff_verb(const arguments *given)
 {
-    const double tolerance
-        = given->tolerance == NULL ? -1.0 : option_real(given->tolerance);
-    if (given->tolerance != NULL && !(tolerance >= 0.0 && isfinite(tolerance))) {
+    const double tolerance = diff_own(given)->tolerance == NULL
+                                 ? -1.0
+                                 : option_real(diff_own(given)->tolerance);
+    if (diff_own(given)->tolerance != NULL
+        && !(tolerance >= 0.0 && isfinite(tolerance))) {
         return usage_error(given, "--tol %s: must be a number >= 0 [m]",
-                           given->tolerance);
+                           diff_own(given)->tolerance);
     }
     weft_error err = { 0 };
     comparison self = { .side = { { .directory = given->operands[0] },
@@ -381,25 +393,32 @@ static int diff_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(diff_options, tolerance, "tol", "X",
+        "compare the positions of run.vtkhdf: equal if none differ by more than X "
+        "metres"),
+};
+
 const verb verb_diff = {
     .name = "diff",
     .summary = "find where two runs begin to differ, and by how much",
-    .help
-    = "usage: weft diff DIR DIR2 [OPTIONS]\n\n"
-      "Compares two runs of the same grid or mesh at their common times. Prints the "
-      "first "
-      "frame that differs, the particle with the largest distance in it, this "
-      "distance, and the largest distance of all frames. States are compared bit for "
-      "bit by the hashes in series.csv, and frames by the positions, velocities and "
-      "strain in run.vtkhdf.\n\n"
-      "  --tol X              compare the positions of run.vtkhdf: equal if none "
-      "differ by more than X metres\n\n"
-      "examples:\n"
-      "  weft diff flag flag-again\n"
-      "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n\n"
-      "exit codes: 0 equal, 1 different, also if one ends before the other, 2 wrong "
-      "command line, 3 different grids, 4 a file is missing or damaged, or there is "
-      "no common time\n",
+    .help = "usage: weft diff DIR DIR2 [OPTIONS]\n"
+            "\n"
+            "Compares two runs of the same grid or mesh at their common times. Prints "
+            "the first frame that differs, the particle with the largest distance in "
+            "it, this distance, and the largest distance of all frames. States are "
+            "compared bit for bit by the hashes in series.csv, and frames by the "
+            "positions, velocities and strain in run.vtkhdf.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(diff_options),
+    .more = "examples:\n"
+            "  weft diff flag flag-again\n"
+            "  weft diff flag-rkf45 flag-verlet --tol 1e-4\n"
+            "\n"
+            "exit codes: 0 equal, 1 different, also if one ends before the other, 2 "
+            "wrong command line, 3 different grids, 4 a file is missing or damaged, or "
+            "there is no common time\n",
     .operands = { 2, 2, "needs the directories of two runs", NULL },
     .run = diff_verb,
 };

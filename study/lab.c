@@ -318,7 +318,7 @@ static int read_fabric(const arguments *given, weft_fabric *out, char *name)
     arguments plain = *given;
     weft_error err;
     weft_scene *scene = NULL;
-    plain.set_count = 0;
+    plain.sets.count = 0;
     plain.out = NULL; /* the name is that of the file */
     plain.operands = &given->operands[1];
     int code = open_scene(plain.operands[0], &plain, &scene, NULL);
@@ -417,33 +417,39 @@ static int lab_verb(const arguments *given)
     return run_test(given, test, fabric, path, picture);
 }
 
+static const verb_option options[] = {
+    SHARED(out, "out", "DIR", "the directory; default: ./TEST-FABRIC.lab"),
+    SHARED(force, "force", NULL, "replace a scene of that name with another text"),
+    SHARED(yaml, "yaml", NULL, "the result as YAML, with all digits"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+};
+
 const verb verb_lab = {
     .name = "lab",
     .summary = "test a measured fabric as a textile laboratory does",
-    .help
-    = "usage: weft lab TEST FABRIC [OPTIONS]\n\n"
-      "Writes the scene of a test of a fabric to TEST-FABRIC.yaml in a directory, "
-      "runs it to rest and prints the result. FABRIC is a preset (weft fabrics) or a "
-      "scene, FILE.yaml, whose cloth.fabric is tested:\n\n"
-      "  drape                Cusick: drape coefficient [%], nodes and shadow "
-      "(drape-FABRIC.svg, beside the scene) of a disc of 30 cm on a support of 18 cm, "
-      "which clamps it\n"
-      "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as long "
-      "as "
-      "its bending length, and the bending length by Peirce's formula\n"
-      "  strip                KES: the extension [%] of a strip at 490 N/m\n\n"
-      "  --out DIR            the directory; default: ./TEST-FABRIC.lab\n"
-      "  --force              replace a scene of that name with another text\n"
-      "  --yaml               the result as YAML, with all digits\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
-      "examples:\n"
-      "  weft lab drape 11oz-black-denim\n"
-      "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n"
-      "  weft lab cantilever my.yaml\n\n"
-      "exit codes: 0 done, 1 the run failed, 2 wrong command line, 3 wrong scene, 4 "
-      "the "
-      "scene could not be written\n",
+    .help = "usage: weft lab TEST FABRIC [OPTIONS]\n"
+            "\n"
+            "Writes the scene of a test of a fabric to TEST-FABRIC.yaml in a "
+            "directory, runs it to rest and prints the result. FABRIC is a preset "
+            "(weft fabrics) or a scene, FILE.yaml, whose cloth.fabric is tested:\n"
+            "\n"
+            "  drape                Cusick: drape coefficient [%], nodes and shadow "
+            "(drape-FABRIC.svg, beside the scene) of a disc of 30 cm on a support of "
+            "18 cm, which clamps it\n"
+            "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as "
+            "long as its bending length, and the bending length by Peirce's formula\n"
+            "  strip                KES: the extension [%] of a strip at 490 N/m\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more = "examples:\n"
+            "  weft lab drape 11oz-black-denim\n"
+            "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n"
+            "  weft lab cantilever my.yaml\n"
+            "\n"
+            "exit codes: 0 done, 1 the run failed, 2 wrong command line, 3 wrong "
+            "scene, 4 the scene could not be written\n",
     .operands
     = { 2, 2, "a test and a fabric are needed", "more than a test and a fabric" },
     .run = lab_verb,

@@ -15,6 +15,16 @@
 #include "program/record/child_process.h"
 #include "study/conformance/conformance.h"
 
+/* Those of this verb alone. */
+typedef struct plugin_test_options {
+    bool all;
+} plugin_test_options;
+
+static const plugin_test_options *plugin_test_own(const arguments *given)
+{
+    return given->own;
+}
+
 enum {
     SECONDS = 60,   /* of a processor, or of idleness; the longest check takes 2 */
     SLOW = 5,       /* [s] until a check is named while it runs */
@@ -309,23 +319,31 @@ static int plugin_test_verb(const arguments *given)
         print_plainly(stdout, "FAIL %s\n", err.message);
         return EXIT_SIMULATION;
     }
-    return test_plugin(file, weft_registry_at(given->registry, 0), given->all);
+    return test_plugin(file, weft_registry_at(given->registry, 0),
+                       plugin_test_own(given)->all);
 }
+
+static const verb_option options[] = {
+    OWN(plugin_test_options, all, "all", NULL,
+        "every verdict; default: one line per method, and the failed requirements"),
+};
 
 const verb verb_plugin_test = {
     .name = "plugin-test",
     .summary = "check a plugin against the contract",
-    .help
-    = "usage: weft plugin-test weft-ID.so [--all]\n\n"
-      "Loads a plugin and checks every requirement of weft/stepper.h with every "
-      "method: the order, the ends of steps, the state after a failure, edited "
-      "states, statistics, threads, memory. Each check runs in its own process. "
-      "Documentation: docs/guides/test-an-integrator.md\n\n"
-      "  --all   every verdict; default: one line per method, and the failed "
-      "requirements\n\n"
-      "example: weft plugin-test build/plugins/weft-verlet.so --all\n\n"
-      "exit codes: 0 every requirement is met, 1 one is not or the plugin is refused, "
-      "2 wrong command line, 4 the file cannot be read\n",
+    .help = "usage: weft plugin-test weft-ID.so [--all]\n"
+            "\n"
+            "Loads a plugin and checks every requirement of weft/stepper.h with every "
+            "method: the order, the ends of steps, the state after a failure, edited "
+            "states, statistics, threads, memory. Each check runs in its own process. "
+            "Documentation: docs/guides/test-an-integrator.md\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(plugin_test_options),
+    .more = "example: weft plugin-test build/plugins/weft-verlet.so --all\n"
+            "\n"
+            "exit codes: 0 every requirement is met, 1 one is not or the plugin is "
+            "refused, 2 wrong command line, 4 the file cannot be read\n",
     .operands = { 1, 1, "takes one file, weft-ID.so", NULL },
     .run = plugin_test_verb,
 };

@@ -8,6 +8,21 @@
 #include "program/batch/batch.h"
 #include "program/run/interrupt.h"
 
+/* Those of this verb alone. */
+typedef struct batch_options {
+    const char *timeout;
+    bool retry_failed;
+    const char *shard;
+    bool summary;
+    const char *sample;
+    const char *seed;
+} batch_options;
+
+static const batch_options *batch_own(const arguments *given)
+{
+    return given->own;
+}
+
 /* ---- the command line ---------------------------------------------------------- */
 
 static int take_options(batch *self)
@@ -20,21 +35,22 @@ static int take_options(batch *self)
     if (given->out == NULL || given->out[0] == '\0') {
         return usage_error(given, "no --out DIR given");
     }
-    if (given->timeout != NULL) {
-        self->timeout = option_real(given->timeout);
+    if (batch_own(given)->timeout != NULL) {
+        self->timeout = option_real(batch_own(given)->timeout);
         if (!(self->timeout > 0.0 && isfinite(self->timeout))) {
             return usage_error(given, "--timeout %s: not a number of seconds > 0",
-                               given->timeout);
+                               batch_own(given)->timeout);
         }
     }
-    if (given->shard != NULL /* "2/3": shard 2 of 3 */
-        && !(option_count(given->shard, '/', &self->shard)
-             && option_count(strchr(given->shard, '/') + 1, '\0', &self->shards)
+    if (batch_own(given)->shard != NULL /* "2/3": shard 2 of 3 */
+        && !(option_count(batch_own(given)->shard, '/', &self->shard)
+             && option_count(strchr(batch_own(given)->shard, '/') + 1, '\0',
+                             &self->shards)
              && self->shard >= 1 && self->shard <= self->shards)) {
         return usage_error(given, "--shard %s: not i/n with i from 1 to n",
-                           given->shard);
+                           batch_own(given)->shard);
     }
-    return given->seed != NULL && given->sample == NULL
+    return batch_own(given)->seed != NULL && batch_own(given)->sample == NULL
                ? usage_error(given, "--seed goes with --sample N")
                : EXIT_DONE;
 }
@@ -52,7 +68,7 @@ static int set_in_sweep(arguments *given, const char *key, const char *typed,
                            least, most);
     }
     (void)snprintf(set, 64, "sweep.%s=%zu", key, number);
-    given->sets[given->set_count++] = set;
+    given->sets.at[given->sets.count++] = set;
     return EXIT_DONE;
 }
 
@@ -68,7 +84,7 @@ static bool to_run(const batch *self, const batch_run *run)
     case BATCH_FAILED:
     case BATCH_CRASHED:
     case BATCH_TIMEOUT:
-        return self->given->retry_failed;
+        return batch_own(self->given)->retry_failed;
     case BATCH_CHANGED:
         return self->given->force;
     default:
@@ -78,7 +94,7 @@ static bool to_run(const batch *self, const batch_run *run)
 
 static bool is_mine(const batch *self, size_t run)
 {
-    return self->given->summary || run % self->shards == self->shard - 1;
+    return batch_own(self->given)->summary || run % self->shards == self->shard - 1;
 }
 
 /* ---- the end ------------------------------------------------------------------- */
@@ -158,7 +174,7 @@ static int run_batch(batch *self)
     for (size_t i = 0; i < self->run_count; ++i) {
         batch_run *run = &self->runs[i];
         run->status = batch_look(self, run);
-        if (!self->given->summary && is_mine(self, i) && to_run(self, run)) {
+        if (!batch_own(self->given)->summary && is_mine(self, i) && to_run(self, run)) {
             wanted[count++] = run;
         }
     }
@@ -181,46 +197,57 @@ static int batch_verb(const arguments *given)
     arguments all = *given;
     batch self = { .given = &all };
     int code = take_options(&self);
-    code = code == EXIT_DONE
-               ? set_in_sweep(&all, "sample", given->sample, 1, 100000, sample)
-               : code;
-    code = code == EXIT_DONE ? set_in_sweep(&all, "seed", given->seed, 0, INT_MAX, seed)
+    code = code == EXIT_DONE ? set_in_sweep(&all, "sample", batch_own(given)->sample, 1,
+                                            100000, sample)
                              : code;
+    code = code == EXIT_DONE
+               ? set_in_sweep(&all, "seed", batch_own(given)->seed, 0, INT_MAX, seed)
+               : code;
     code = code == EXIT_DONE ? batch_plan(&self) : code;
     code = code == EXIT_DONE ? run_batch(&self) : code;
     batch_free(&self);
     return code;
 }
 
+static const verb_option options[] = {
+    SHARED(out, "out", "DIR", "the directory of the runs' directories"),
+    SHARED(jobs, "jobs", "N", "runs at a time; default: the number of processors"),
+    OWN(batch_options, timeout, "timeout", "S", "end a run that takes longer [s]"),
+    OWN(batch_options, retry_failed, "retry-failed", NULL,
+        "repeat runs that failed, crashed or took too long"),
+    SHARED(force, "force", NULL, "repeat existing runs whose scene has changed"),
+    OWN(batch_options, shard, "shard", "I/N",
+        "only every N-th run, from the I-th (1 to N) on; no summary"),
+    OWN(batch_options, summary, "summary", NULL, "run nothing, only write summary.csv"),
+    OWN(batch_options, sample, "sample", "N",
+        "N runs with values drawn from the ranges of the sweep instead of all "
+        "combinations"),
+    OWN(batch_options, seed, "seed", "S", "draws other values; default: 1"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of all scenes; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(quiet, "quiet", NULL, "no progress, no summary line"),
+};
+
 const verb verb_batch = {
     .name = "batch",
     .summary = "run many scenes and sweeps, one process and directory each",
-    .help
-    = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n\n"
-      "Runs every scene, and every run of a scene with 'sweep', each in its own "
-      "process and directory DIR/NAME. Joins the results in DIR/summary.csv. A "
-      "repeated call skips finished runs and continues the others.\n\n"
-      "  --out DIR            the directory of the runs' directories\n"
-      "  -j, --jobs N         runs at a time; default: the number of processors\n"
-      "  --timeout S          end a run that takes longer [s]\n"
-      "  --retry-failed       repeat runs that failed, crashed or took too long\n"
-      "  --force              repeat existing runs whose scene has changed\n"
-      "  --shard I/N          only every N-th run, from the I-th (1 to N) on; no "
-      "summary\n"
-      "  --summary            run nothing, only write summary.csv\n"
-      "  --sample N           N runs with values drawn from the ranges of the sweep "
-      "instead of all combinations\n"
-      "  --seed S             draws other values; default: 1\n"
-      "  --set KEY.PATH=VALUE override a key of all scenes; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --quiet              no progress, no summary line\n\n"
-      "examples:\n"
-      "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
-      "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n"
-      "  weft batch sweep.yaml --out sample --sample 100 --seed 7\n\n"
-      "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 wrong "
-      "scene, 4 a file could not be read or written, or a directory holds another "
-      "scene's run, 130 SIGINT, 143 SIGTERM\n",
+    .help = "usage: weft batch SCENE.yaml... --out DIR [OPTIONS]\n"
+            "\n"
+            "Runs every scene, and every run of a scene with 'sweep', each in its own "
+            "process and directory DIR/NAME. Joins the results in DIR/summary.csv. A "
+            "repeated call skips finished runs and continues the others.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(batch_options),
+    .more = "examples:\n"
+            "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"
+            "  weft batch sweep.yaml --out sweep --timeout 600 --retry-failed\n"
+            "  weft batch sweep.yaml --out sample --sample 100 --seed 7\n"
+            "\n"
+            "exit codes: 0 all done, 1 a run is not done, 2 wrong command line, 3 "
+            "wrong scene, 4 a file could not be read or written, or a directory holds "
+            "another scene's run, 130 SIGINT, 143 SIGTERM\n",
     .operands = { 1, ANY_NUMBER, "no scene given", NULL },
     .run = batch_verb,
 };

@@ -8,6 +8,16 @@
 #include "program/check/check.h"
 #include "program/record/result.h"
 
+/* Those of this verb alone. */
+typedef struct check_options {
+    bool all;
+} check_options;
+
+static const check_options *check_own(const arguments *given)
+{
+    return given->own;
+}
+
 static void print_bytes(const char *what, double bytes)
 {
     static const char *const units[] = { "B", "kB", "MB", "GB", "TB" };
@@ -275,7 +285,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
     } else if (out != NULL) {
         scene_yaml(out, file, scene, cloth, &of.found);
     } else {
-        print_survey(scene, cloth, of.sim, &of.found, given->all);
+        print_survey(scene, cloth, of.sim, &of.found, check_own(given)->all);
     }
     survey_destroy(&of.found);
     weft_sim_destroy(of.sim);
@@ -360,11 +370,22 @@ static int check_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(check_options, all, "all", NULL, "every method of every plugin"),
+    SHARED(refine, "refine", NULL,
+           "sharper bounds by the power method, not guaranteed"),
+    SHARED(yaml, "yaml", NULL, "as YAML: the stable steps of every method"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+};
+
 const verb verb_check = {
     .name = "check",
     .summary = "validate scenes, print their contents; write nothing",
     .help
-    = "usage: weft check SCENE.yaml... [OPTIONS]\n\n"
+    = "usage: weft check SCENE.yaml... [OPTIONS]\n"
+      "\n"
       "Validates scenes and prints particles, springs, masses, the matching pins, "
       "memory, integrator and frames. Reports all errors of a file at once. For "
       "contact, prints its shapes and how stiff it is at rest, after a fall of the "
@@ -377,17 +398,16 @@ const verb verb_check = {
       "the run. Estimates from the stiffest vibration and its damping ratio whether a "
       "stabilised or an implicit method would be faster; on triangles tries both an "
       "explicit and an implicit method up to a tenth of a second after the first "
-      "touch.\n\n"
-      "  --all                every method of every plugin\n"
-      "  --refine             sharper bounds by the power method, not guaranteed\n"
-      "  --yaml               as YAML: the stable steps of every method\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n\n"
-      "example: weft check scenes/*.yaml\n\n"
+      "touch.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(check_options),
+    .more
+    = "example: weft check scenes/*.yaml\n"
+      "\n"
       "exit codes: 0 all scenes are valid, 1 a start crosses and contact.untangle does "
       "not free it, or there is no memory, 2 wrong command line, 3 a scene is wrong, 4 "
-      "a "
-      "file could not be read, 130 SIGINT, 143 SIGTERM\n",
+      "a file could not be read, 130 SIGINT, 143 SIGTERM\n",
     .operands = { 1, ANY_NUMBER, "no scene given", NULL },
     .run = check_verb,
 };

@@ -36,19 +36,19 @@ static weft_status write_pairs(const arguments *given, const char *out,
 
 void crossings_of_mistake(const arguments *given, const char *out)
 {
-    const char **sets = malloc((given->set_count + 1) * sizeof *sets);
+    const char **sets = malloc((given->sets.count + 1) * sizeof *sets);
     weft_scene *scene = NULL;
     weft_error err = { 0 };
     if (sets == NULL || given->comm != NULL) {
         free(sets);
         return;
     }
-    for (size_t i = 0; i < given->set_count; ++i) {
-        sets[i] = given->sets[i];
+    for (size_t i = 0; i < given->sets.count; ++i) {
+        sets[i] = given->sets.at[i];
     }
-    sets[given->set_count] = "contact.untangle=1";
+    sets[given->sets.count] = "contact.untangle=1";
     arguments other = *given;
-    other.sets = sets, other.set_count = given->set_count + 1;
+    other.sets = (texts){ sets, given->sets.count + 1 };
     other.silent = true;
     if (open_scene(given->operands[0], &other, &scene, NULL) == EXIT_DONE
         && write_pairs(given, out, scene, &err) != WEFT_OK) {

@@ -7,6 +7,16 @@
 
 #include "program/run/run.h"
 
+/* Those of this verb alone. */
+typedef struct resume_options {
+    const char *until;
+} resume_options;
+
+static const resume_options *resume_own(const arguments *given)
+{
+    return given->own;
+}
+
 /* The checkpoint, if it is one of this scene and this program. */
 static weft_status read_checkpoint(const char *directory, const weft_scene *scene,
                                    weft_registry *registry, record_checkpoint *from,
@@ -55,16 +65,16 @@ static int open_longer(const arguments *given, const char *directory,
     arguments longer = *given;
     const double now = weft_scene_run(scene)->duration;
     *out = NULL;
-    if (given->until == NULL) {
+    if (resume_own(given)->until == NULL) {
         return EXIT_DONE;
     }
-    if (!(option_real(given->until) > now)) {
+    if (!(option_real(resume_own(given)->until) > now)) {
         return usage_error(given, "--until %s: not a time beyond %.9g s, where %s ends",
-                           given->until, now, directory);
+                           resume_own(given)->until, now, directory);
     }
-    (void)snprintf(set, sizeof set, "run.duration=%s", given->until);
-    longer.sets = sets;
-    longer.set_count = 1;
+    (void)snprintf(set, sizeof set, "run.duration=%s", resume_own(given)->until);
+    longer.sets.at = sets;
+    longer.sets.count = 1;
     return open_run(directory, &longer, out);
 }
 
@@ -94,9 +104,9 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
                       directory, from.frame,
                       weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
-        print_plainly(stderr, "%s: no checkpoint%s: runs from the beginning\n",
-                      directory,
-                      given->until == NULL ? " yet" : " (run.keep_checkpoint)");
+        print_plainly(
+            stderr, "%s: no checkpoint%s: runs from the beginning\n", directory,
+            resume_own(given)->until == NULL ? " yet" : " (run.keep_checkpoint)");
     }
     code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_close(&from);
@@ -108,7 +118,8 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
 static int resume_claimed(const arguments *given, const char *directory)
 {
     weft_scene *scene = NULL;
-    if (given->until == NULL && ranks_share(given->comm, ended_as(directory, "done"))) {
+    if (resume_own(given)->until == NULL
+        && ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             print_plainly(stderr, "%s: is already done\n", directory);
         }
@@ -156,7 +167,7 @@ static int resume_directory(const arguments *given, const char *directory)
 static int resume_verb(const arguments *given)
 {
     int code = EXIT_DONE;
-    if (given->until != NULL && given->comm != NULL) {
+    if (resume_own(given)->until != NULL && given->comm != NULL) {
         return usage_error(given, "--until excludes --bands: first the one");
     }
     for (int i = 0; i < given->operand_count; ++i) {
@@ -170,30 +181,40 @@ static int resume_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(resume_options, until, "until", "T",
+        "go on to T [s], beyond run.duration, also if the run is done: the files "
+        "become those of a run with that duration; from the beginning if the run kept "
+        "no checkpoint (run.keep_checkpoint)"),
+    SHARED(force, "force", NULL, "also repeat runs that failed"),
+    SHARED(bands, "bands", "N",
+           "in N bands, whatever their number was before: mpirun -n N weft resume DIR "
+           "--bands N"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(progress, "progress", "HOW",
+           "auto, lines, terminal, yaml or none, as for weft run"),
+    SHARED(quiet, "quiet", NULL, "no progress, no summary"),
+};
+
 const verb verb_resume = {
     .name = "resume",
     .summary = "continue runs that were killed or interrupted",
-    .help
-    = "usage: weft resume DIR... [OPTIONS]\n\n"
-      "Continues each run from its last checkpoint (run.checkpoint in its scene), to "
-      "the same files, byte for byte, as an uninterrupted run. A run without a "
-      "checkpoint starts again; a finished run is left alone.\n\n"
-      "  --until T            go on to T [s], beyond run.duration, also if the run is "
-      "done: the files become those of a run with that duration; from the beginning if "
-      "the run kept no checkpoint (run.keep_checkpoint)\n"
-      "  --force              also repeat runs that failed\n"
-      "  --bands N            in N bands, whatever their number was before: mpirun -n "
-      "N weft resume DIR --bands N\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
-      "  --quiet              no progress, no summary\n\n"
-      "examples:\n"
-      "  weft resume flag\n"
-      "  weft resume sweep/*\n\n"
-      "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
-      "scene, or one that differs from that of the checkpoint, 4 a file could not be "
-      "read or written, or is damaged, 130 SIGINT, 143 SIGTERM; with several runs the "
-      "first code that is not 0\n",
+    .help = "usage: weft resume DIR... [OPTIONS]\n"
+            "\n"
+            "Continues each run from its last checkpoint (run.checkpoint in its "
+            "scene), to the same files, byte for byte, as an uninterrupted run. A run "
+            "without a checkpoint starts again; a finished run is left alone.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(resume_options),
+    .more = "examples:\n"
+            "  weft resume flag\n"
+            "  weft resume sweep/*\n"
+            "\n"
+            "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 "
+            "wrong scene, or one that differs from that of the checkpoint, 4 a file "
+            "could not be read or written, or is damaged, 130 SIGINT, 143 SIGTERM; "
+            "with several runs the first code that is not 0\n",
     .operands = { 1, ANY_NUMBER, "no directory given", NULL },
     .run = resume_verb,
 };

@@ -508,38 +508,49 @@ static int run_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    SHARED(out, "out", "DIR",
+           "the directory; default: ./SCENE.run. Must be new or empty"),
+    SHARED(force, "force", NULL, "replace the files of an earlier run"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(frames, "frames", "obj", "also write frames/frame-000000.obj ..."),
+    SHARED(bands, "bands", "N",
+           "one cloth in N bands, a process each: mpirun -n N weft run SCENE.yaml "
+           "--bands N (docs/guides/cluster.md)"),
+    SHARED(view, "view", NULL,
+           "also write run.html, a page that plays the run, and print its URL"),
+    SHARED(watch, "watch", NULL,
+           "the same, and serve the page with its growing frames on 127.0.0.1 while "
+           "the run goes on"),
+    SHARED(port, "port", "N", "of --watch, from 1024 to 65535; default: a free one"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(progress, "progress", "HOW",
+           "terminal: one line on stderr that is redrawn; lines: one line per tenth of "
+           "the frames; auto (default): one of these two; yaml: only YAML documents on "
+           "stdout, one line each: begin, progress, end; none"),
+    SHARED(quiet, "quiet", NULL, "no progress, no summary"),
+};
+
 const verb verb_run = {
     .name = "run",
     .summary = "run a scene into a directory",
     .help
-    = "usage: weft run SCENE.yaml [OPTIONS]\n\n"
+    = "usage: weft run SCENE.yaml [OPTIONS]\n"
+      "\n"
       "Runs a scene and writes to a directory: scene.yaml (as run), manifest.yaml "
       "(versions and options), series.csv (one row per frame), shapes.csv (with "
       "shapes: the forces on them), run.vtkhdf (the frames), final.csv (the final "
       "state) and, last of all, result.yaml. Ends with a summary. A start that passes "
-      "through itself or a body is an error, with the pairs in "
-      "start-crossings.obj.\n\n"
-      "  --out DIR            the directory; default: ./SCENE.run. Must be new or "
-      "empty\n"
-      "  --force              replace the files of an earlier run\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --frames obj         also write frames/frame-000000.obj ...\n"
-      "  --bands N            one cloth in N bands, a process each: mpirun -n "
-      "N weft run SCENE.yaml --bands N (docs/guides/cluster.md)\n"
-      "  --view               also write run.html, a page that plays the run, and "
-      "print its URL\n"
-      "  --watch              the same, and serve the page with its growing frames on "
-      "127.0.0.1 while the run goes on\n"
-      "  --port N             of --watch, from 1024 to 65535; default: a free one\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --progress HOW       terminal: one line on stderr that is redrawn; lines: one "
-      "line per tenth of the frames; auto (default): one of these two; yaml: only YAML "
-      "documents on stdout, one line each: begin, progress, end; none\n"
-      "  --quiet              no progress, no summary\n\n"
-      "examples:\n"
+      "through itself or a body is an error, with the pairs in start-crossings.obj.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .more
+    = "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"
       "  weft run scenes/flag.yaml --watch\n"
-      "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n\n"
+      "  weft run scenes/flag.yaml --set stepper.rtol=1e-8 --set run.fps=60\n"
+      "\n"
       "exit codes: 0 done, 1 the simulation failed, 2 wrong command line, 3 wrong "
       "scene, 4 a file could not be read or written, 130 SIGINT, 143 SIGTERM\n",
     .operands = { 1, 1, "no scene given", "more than one scene" },

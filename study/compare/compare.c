@@ -11,6 +11,17 @@
 #include "program/record/child_process.h"
 #include "study/compare/compare.h"
 
+/* Those of this verb alone. */
+typedef struct compare_options {
+    const char *methods;
+    const char *until;
+} compare_options;
+
+static const compare_options *compare_own(const arguments *given)
+{
+    return given->own;
+}
+
 enum { CALL_TIMES = 5, NAME_MOST = 256 };
 
 #define RUNGS_WORTH 2.5 /* the cost of a ladder, in its most expensive run */
@@ -104,7 +115,7 @@ static weft_status add_methods(compare *self, weft_error *err)
     self->modes = weft_cloth_stiffness(self->cloth, 0.0, y);
     free(y);
     for (size_t i = 0; method_at(self->given->registry, i, &m); ++i) {
-        const char *list = self->given->methods; /* NULL: all */
+        const char *list = compare_own(self->given)->methods; /* NULL: all */
         char word[NAME_MOST];
         bool listed = list == NULL;
         while (!listed && next_word(&list, word)) {
@@ -366,7 +377,7 @@ static int compare_scene(const arguments *given, double until, const weft_scene 
     self.run.duration = fmin(self.run.duration, until);
     self.planned = weft_run_last_frame(&self.run);
     (void)load_plugins(given->registry, NULL);
-    if (unknown_word(given->registry, given->methods, word, &guess)) {
+    if (unknown_word(given->registry, compare_own(given)->methods, word, &guess)) {
         return usage_error(given,
                            "--methods: no method '%s'%s; weft steppers lists them",
                            word, weft__guess_text(&guess, near, sizeof near));
@@ -380,11 +391,13 @@ static int compare_scene(const arguments *given, double until, const weft_scene 
 
 static int compare_verb(const arguments *given)
 {
-    const double until
-        = given->until == NULL ? (double)INFINITY : option_real(given->until);
+    const double until = compare_own(given)->until == NULL
+                             ? (double)INFINITY
+                             : option_real(compare_own(given)->until);
     weft_scene *scene = NULL;
     if (!(until > 0.0)) {
-        return usage_error(given, "--until %s: not a time [s] > 0", given->until);
+        return usage_error(given, "--until %s: not a time [s] > 0",
+                           compare_own(given)->until);
     }
     int code = open_scene(given->operands[0], given, &scene, NULL);
     code = code == EXIT_DONE ? compare_scene(given, until, scene) : code;
@@ -392,37 +405,49 @@ static int compare_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(compare_options, methods, "methods", "LIST",
+        "only these, and the scene's own: gsl, rkf45, gsl/rkf45, ... separated by "
+        "commas"),
+    OWN(compare_options, until, "until", "T",
+        "end the comparison at T [s]; default: the scene's end"),
+    SHARED(jobs, "jobs", "N",
+           "number of processes; default 1. One process measures times"),
+    SHARED(out, "out", "DIR",
+           "output directory; default: ./SCENE.compare. Must be new or empty"),
+    SHARED(force, "force", NULL, "replace the files of an earlier run"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(progress, "progress", "HOW",
+           "auto, lines, terminal, yaml or none, as for weft run"),
+    SHARED(quiet, "quiet", NULL, "no progress, no table"),
+};
+
 const verb verb_compare = {
     .name = "compare",
     .summary = "measure the cost of every method on a scene, by accuracy",
     .help
-    = "usage: weft compare SCENE.yaml [OPTIONS]\n\n"
+    = "usage: weft compare SCENE.yaml [OPTIONS]\n"
+      "\n"
       "Runs a scene with every method of every plugin, at tolerances from 1e-2 to "
-      "1e-10 or with fixed steps. Measures the difference from a reference [m] and "
-      "the force evaluations and processor time. Prints the "
-      "fastest method for each accuracy, and writes compare.csv and compare.html, a "
-      "diagram for a browser.\n\n"
+      "1e-10 or with fixed steps. Measures the difference from a reference [m] and the "
+      "force evaluations and processor time. Prints the fastest method for each "
+      "accuracy, and writes compare.csv and compare.html, a diagram for a browser.\n"
+      "\n"
       "The reference is the scene at tolerance 1e-12 with the methods of the highest "
-      "order of two plugins; if they disagree nothing is judged. Cloth may be "
-      "chaotic: the comparison ends when an initial difference of 1e-10 m has grown "
-      "10 000 times.\n\n"
-      "  --methods LIST       only these, and the scene's own: gsl, rkf45, gsl/rkf45, "
-      "... separated by commas\n"
-      "  --until T            end the comparison at T [s]; default: the scene's end\n"
-      "  -j, --jobs N         number of processes; default 1. One process measures "
-      "times\n"
-      "  --out DIR            output directory; default: ./SCENE.compare. Must be new "
-      "or empty\n"
-      "  --force              replace the files of an earlier run\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --progress HOW       auto, lines, terminal, yaml or none, as for weft run\n"
-      "  --quiet              no progress, no table\n\n"
-      "examples:\n"
-      "  weft compare scenes/two-corners.yaml -j 2\n"
-      "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n\n"
-      "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 wrong "
-      "scene, 4 a file could not be read or written\n",
+      "order of two plugins; if they disagree nothing is judged. Cloth may be chaotic: "
+      "the comparison ends when an initial difference of 1e-10 m has grown 10 000 "
+      "times.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(compare_options),
+    .more = "examples:\n"
+            "  weft compare scenes/two-corners.yaml -j 2\n"
+            "  weft compare scenes/curtain.yaml --methods gsl,verlet --until 0.5\n"
+            "\n"
+            "exit codes: 0 done, 1 there is no reference, 2 wrong command line, 3 "
+            "wrong scene, 4 a file could not be read or written\n",
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = compare_verb,
 };

@@ -183,7 +183,7 @@ static int run_sizes(converge *self)
     if (status != WEFT_OK) {
         return report_error(&err);
     }
-    converge_print(self, self->given->csv);
+    converge_print(self, converge_own(self->given)->csv);
     return self->code;
 }
 
@@ -231,12 +231,13 @@ static int prepare(converge *self, const arguments *given)
         || (!self->mesh && refine_begin(&self->grid, self->scene, &err) != WEFT_OK)) {
         return report_error(&err);
     }
-    if (given->clamp_midway && (self->mesh || !refine_clamp(&self->grid))) {
+    if (converge_own(given)->clamp_midway
+        && (self->mesh || !refine_clamp(&self->grid))) {
         return usage_error(self->given, "--clamp-midway: no pins hold exactly the "
                                         "first two rows or columns");
     }
     int code = converge_add_quantities(self);
-    code = code == EXIT_DONE ? read_sizes(self, given->sizes) : code;
+    code = code == EXIT_DONE ? read_sizes(self, converge_own(given)->sizes) : code;
     for (size_t i = 0; i < self->count && code == EXIT_DONE; ++i) {
         code = open_size(self, &self->sizes[i]);
     }
@@ -265,46 +266,59 @@ static int converge_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(converge_options, sizes, "sizes", "N1,N2,...",
+        "numbers of particles, increasing, 2 to 16 of them"),
+    OWN(converge_options, ats, "at", "WHAT",
+        "a column of series.csv, or a particle of the scene as ROW,COL (a number, "
+        "negative from the end, or middle), or of a mesh as VERTEX, of several cloths "
+        "CLOTH:VERTEX, or tip (the middle of the last row, or the end of a single "
+        "row), middle, top-left, top-right, bottom-left, bottom-right; .x, .y or .z "
+        "after it selects a coordinate; default: tip, of a mesh elastic; may be "
+        "repeated"),
+    OWN(converge_options, clamp_midway, "clamp-midway", NULL,
+        "two pinned rows or columns at the beginning stay two, and the extent counts "
+        "from midway between them, where they clamp cloth that resists bending"),
+    OWN(converge_options, csv, "csv", NULL, "print the table as CSV, all digits"),
+    SHARED(jobs, "jobs", "N", "number of processes; default 1"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(quiet, "quiet", NULL, "no progress"),
+};
+
 const verb verb_converge = {
     .name = "converge",
     .summary = "refine a cloth, print the order at which results converge",
     .help
-    = "usage: weft converge SCENE.yaml --sizes N1,N2,... [OPTIONS]\n\n"
+    = "usage: weft converge SCENE.yaml --sizes N1,N2,... [OPTIONS]\n"
+      "\n"
       "Runs a scene with N1, N2, ... particles along its larger extent, writes "
       "nothing, and compares quantities at the end of the runs. The extents of the "
       "cloth do not change, nor do the places of pins and loads on it: row 3 of 9 is "
-      "row 6 of 17. A size on whose grid one of these has no particle is refused.\n\n"
+      "row 6 of 17. A size on whose grid one of these has no particle is refused.\n"
+      "\n"
       "Of a mesh the numbers divide its edges: 1 is the scene's own, 2 has the spacing "
-      "of a cut halved, or each triangle of a file in four (powers of 2).\n\n"
+      "of a cut halved, or each triangle of a file in four (powers of 2).\n"
+      "\n"
       "Prints for each size the spacing [m], the value, its difference from the size "
       "before, and from the third size on the observed order p, at which value + c "
       "spacing^p passes through the last three values, and the limit that it "
       "extrapolates (Richardson). '-': the differences change their sign or vanish, or "
       "the value does not converge. The error of the steps must be far smaller than "
-      "the differences: choose small tolerances.\n\n"
+      "the differences: choose small tolerances.\n"
+      "\n"
       "Density, fabrics, bending rigidity, wind and contact do not depend on the size. "
-      "What is given for each particle or spring does; a warning names it.\n\n"
-      "  --sizes N1,N2,...    numbers of particles, increasing, 2 to 16 of them\n"
-      "  --at WHAT            a column of series.csv, or a particle of the scene as "
-      "ROW,COL (a number, negative from the end, or middle), or of a mesh as VERTEX, "
-      "of "
-      "several cloths CLOTH:VERTEX, or tip (the middle of the "
-      "last row, or the end of a single row), middle, top-left, top-right, "
-      "bottom-left, bottom-right; .x, .y or .z after it selects a coordinate; default: "
-      "tip, of a mesh elastic; may be repeated\n"
-      "  --clamp-midway       two pinned rows or columns at the beginning stay two, "
-      "and the extent counts from midway between them, where they clamp cloth that "
-      "resists bending\n"
-      "  --csv                print the table as CSV, all digits\n"
-      "  -j, --jobs N         number of processes; default 1\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --quiet              no progress\n\n"
-      "examples:\n"
-      "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"
-      "  weft converge strip.yaml --sizes 9,17,33,65 --clamp-midway --at tip\n\n"
-      "exit codes: 0 done, 1 a run failed, 2 wrong command line, 3 wrong scene, 4 a "
-      "file could not be read\n",
+      "What is given for each particle or spring does; a warning names it.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(converge_options),
+    .more = "examples:\n"
+            "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"
+            "  weft converge strip.yaml --sizes 9,17,33,65 --clamp-midway --at tip\n"
+            "\n"
+            "exit codes: 0 done, 1 a run failed, 2 wrong command line, 3 wrong scene, "
+            "4 a file could not be read\n",
     .operands = { 1, 1, "no scene given", "more than one scene" },
     .run = converge_verb,
 };

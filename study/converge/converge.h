@@ -6,6 +6,19 @@
 #include "program/cli.h"
 #include "program/run/progress.h"
 
+/* Those of this verb alone. */
+typedef struct converge_options {
+    const char *sizes;
+    texts ats;
+    bool clamp_midway;
+    bool csv;
+} converge_options;
+
+static inline const converge_options *converge_own(const arguments *given)
+{
+    return given->own;
+}
+
 enum {
     CONVERGE_SIZES = 16,
     CONVERGE_LARGEST = 1000000,

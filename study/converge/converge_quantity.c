@@ -123,11 +123,12 @@ int converge_add_quantities(converge *self)
 {
     const arguments *given = self->given;
     const char *usual = self->mesh ? "elastic" : "tip";
-    const bool none = given->at_count == 0;
-    const char **ats = none ? &usual : given->ats;
+    const texts typed = converge_own(given)->ats;
+    const bool none = typed.count == 0;
+    const char **ats = none ? &usual : typed.at;
     record_series series = { 0 };
     record_series_begin(&series, series_columns(self->scene), NULL);
-    for (size_t i = 0; i < (none ? 1 : given->at_count); ++i) {
+    for (size_t i = 0; i < (none ? 1 : typed.count); ++i) {
         if (self->quantity_count + 3 > CONVERGE_QUANTITIES) {
             return usage_error(self->given, "--at: more than %d quantities",
                                CONVERGE_QUANTITIES - 3);

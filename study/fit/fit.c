@@ -8,6 +8,17 @@
 
 #ifdef WEFT_CMINPACK
 #include <cminpack.h>
+
+/* Those of this verb alone. */
+typedef struct fit_options {
+    const char *over;
+    const char *sigma;
+} fit_options;
+
+static const fit_options *fit_own(const arguments *given)
+{
+    return given->own;
+}
 #define solve lmder
 #else
 /* Never called: the verb refuses before. */
@@ -33,7 +44,7 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
     arguments given = *self->given;
-    size_t count = 1 + given.set_count;
+    size_t count = 1 + given.sets.count;
     for (size_t j = 0; j < self->numbers; ++j) { /* before every value */
         if (of->before[j] != NULL) {
             self->sets[count++] = of->before[j];
@@ -44,8 +55,8 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
                        weft_text_digits(fit_value(self, j)), fit_value(self, j));
         self->sets[count++] = self->values[j];
     }
-    given.sets = self->sets + !differentiated;
-    given.set_count = count - !differentiated;
+    given.sets.at = self->sets + !differentiated;
+    given.sets.count = count - !differentiated;
     given.silent = true;
     return open_scene(given.operands[0], &given, scene, NULL);
 }
@@ -316,11 +327,12 @@ static void decompose(fit *self)
 static int differentiate(fit *self)
 {
     const arguments *given = self->given;
-    if (given->over == NULL) {
+    if (fit_own(given)->over == NULL) {
         return usage_error(given, "--over KEY,KEY says which numbers are fitted");
     }
     sentence list = { "sensitivity={scale: log, of: [" };
-    for (const char *at = given->over; *at != '\0';) { /* [] of an index need quotes */
+    for (const char *at = fit_own(given)->over;
+         *at != '\0';) { /* [] of an index need quotes */
         const size_t length = strcspn(at, ",");
         say(&list, "\"%.*s\", ", (int)length, at);
         at += length + (at[length] == ',');
@@ -331,23 +343,24 @@ static int differentiate(fit *self)
     }
     strcpy(self->differentiate, list.text);
     self->sets
-        = calloc(1 + given->set_count + 2 * WEFT_SENSITIVITIES, sizeof *self->sets);
+        = calloc(1 + given->sets.count + 2 * WEFT_SENSITIVITIES, sizeof *self->sets);
     if (self->sets == NULL) {
         return report_status(WEFT_NO_MEMORY, "out of memory");
     }
     self->sets[0] = self->differentiate;
-    for (size_t i = 0; i < given->set_count; ++i) {
-        self->sets[1 + i] = given->sets[i];
+    for (size_t i = 0; i < given->sets.count; ++i) {
+        self->sets[1 + i] = given->sets.at[i];
     }
     arguments all = *given;
-    all.sets = self->sets;
-    all.set_count = 1 + given->set_count;
+    all.sets.at = self->sets;
+    all.sets.count = 1 + given->sets.count;
     return open_scene(given->operands[0], &all, &self->scene, NULL);
 }
 
 static int read_sigma(fit *self)
 {
-    const char *text = self->given->sigma == NULL ? "1e-3" : self->given->sigma;
+    const char *text
+        = fit_own(self->given)->sigma == NULL ? "1e-3" : fit_own(self->given)->sigma;
     self->sigma = option_real(text);
     return self->sigma > 0.0 && isfinite(self->sigma)
                ? EXIT_DONE
@@ -424,39 +437,49 @@ static int fit_verb(const arguments *given)
     return code;
 }
 
+static const verb_option options[] = {
+    OWN(fit_options, over, "over", "KEY,KEY",
+        "the numbers, 1 to 16 keys as --set writes them"),
+    OWN(fit_options, sigma, "sigma", "M",
+        "standard deviation of a coordinate of the data [m]; default 1e-3"),
+    SHARED(out, "out", "DIR", "write there"),
+    SHARED(force, "force", NULL, "replace the results of an earlier fit"),
+    SHARED(sets, "set", "KEY.PATH=VALUE",
+           "override a key of the scene; may be repeated"),
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    SHARED(quiet, "quiet", NULL, "no progress"),
+};
+
 const verb verb_fit = {
     .name = "fit",
     .summary = "find the numbers with which a cloth follows measured tracks",
     .help
-    = "usage: weft fit SCENE.yaml DATA.csv --over KEY,KEY [OPTIONS]\n\n"
+    = "usage: weft fit SCENE.yaml DATA.csv --over KEY,KEY [OPTIONS]\n"
+      "\n"
       "Finds the values of numbers of a scene with which its particles come nearest to "
       "where they were seen, or its shadow to an outline, by Levenberg and Marquardt's "
-      "method (MINPACK) with the "
-      "scene's `sensitivity` by the logarithms of the numbers: first over an eighth "
-      "of the data's time, then over a quarter, half and all of it. The scene's values "
-      "are the "
-      "start; a factor of 3 off is near enough for most.\n\n"
-      "DATA.csv has a point a line, time,row,col,x,y,z or of a mesh "
-      "time,vertex,x,y,z or of several cloths time,cloth,vertex,x,y,z [s, m], in any "
-      "order and at any times; what is empty is missing. With the header angle,radius "
-      "[degrees, m] or x,y [m] it is the outline "
-      "of the cloth at the end of the run, seen from above along gravity, about the "
-      "scene's origin; angles turn left from the x axis.\n\n"
+      "method (MINPACK) with the scene's `sensitivity` by the logarithms of the "
+      "numbers: first over an eighth of the data's time, then over a quarter, half and "
+      "all of it. The scene's values are the start; a factor of 3 off is near enough "
+      "for most.\n"
+      "\n"
+      "DATA.csv has a point a line, time,row,col,x,y,z or of a mesh time,vertex,x,y,z "
+      "or of several cloths time,cloth,vertex,x,y,z [s, m], in any order and at any "
+      "times; what is empty is missing. With the header angle,radius [degrees, m] or "
+      "x,y [m] it is the outline of the cloth at the end of the run, seen from above "
+      "along gravity, about the scene's origin; angles turn left from the x axis.\n"
+      "\n"
       "Writes fit.yaml (values, standard errors, their correlation, chi2, and which "
       "directions the data do not tell), fitted.yaml (the scene with the values) and "
-      "fit.svg to SCENE-fit.\n\n"
-      "  --over KEY,KEY       the numbers, 1 to 16 keys as --set writes them\n"
-      "  --sigma M            standard deviation of a coordinate of the data [m]; "
-      "default 1e-3\n"
-      "  --out DIR            write there\n"
-      "  --force              replace the results of an earlier fit\n"
-      "  --set KEY.PATH=VALUE override a key of the scene; may be repeated\n"
-      "  --plugin-path DIRS   search plugins there first ('a:b')\n"
-      "  --quiet              no progress\n\n"
-      "examples:\n"
-      "  weft fit cloth.yaml tracks.csv --over cloth.density,forces.damping\n\n"
-      "exit codes: 0 done, 1 a run failed or there is no minimum, 2 wrong command "
-      "line, 3 wrong scene, 4 a file could not be read or written\n",
+      "fit.svg to SCENE-fit.\n",
+    .options = options,
+    .option_count = sizeof options / sizeof options[0],
+    .own_size = sizeof(fit_options),
+    .more = "examples:\n"
+            "  weft fit cloth.yaml tracks.csv --over cloth.density,forces.damping\n"
+            "\n"
+            "exit codes: 0 done, 1 a run failed or there is no minimum, 2 wrong "
+            "command line, 3 wrong scene, 4 a file could not be read or written\n",
     .operands
     = { 2, 2, "a scene and its data are needed", "more than a scene and data" },
     .run = fit_verb,

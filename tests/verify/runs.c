@@ -37,12 +37,12 @@ static weft_status load(weft_registry *registry, const verify_scene *scene,
 {
     char file[TEXT_MOST], text[TEXT_MOST];
     const char *sets[SETS_MOST];
-    arguments given = { .sets = sets, .registry = registry };
+    arguments given = { .sets.at = sets, .registry = registry };
     (void)snprintf(file, sizeof file, "scenes/%s.yaml", scene->name);
     stepper_text(stepper, text);
-    sets[given.set_count++] = text;
+    sets[given.sets.count++] = text;
     for (size_t i = 0; i < VERIFY_SETS && scene->sets[i] != NULL; ++i) {
-        sets[given.set_count++] = scene->sets[i];
+        sets[given.sets.count++] = scene->sets[i];
     }
     if (open_scene(file, &given, out, NULL) != EXIT_DONE) {
         return weft_error_set(err, WEFT_BAD_SCENE, "%s does not load", file);
