@@ -12,6 +12,12 @@ static void say_triangle(sentence *text, const char *before, const size_t at[3])
     say(text, "%s%zu, %zu, %zu", before, at[0], at[1], at[2]);
 }
 
+/* To the four digits that would be printed. */
+static bool at_rest(const weft_stretch *of)
+{
+    return of->least > 1.0 - 5e-5 && of->largest < 1.0 + 5e-5;
+}
+
 static void print_part(const weft_cloth_def *def, size_t part, bool first)
 {
     const weft_mesh_def *mesh = def->mesh;
@@ -23,6 +29,11 @@ static void print_part(const weft_cloth_def *def, size_t part, bool first)
     }
     if (mesh != NULL && mesh->part_count > 0) {
         say(&text, "%s: ", mesh->parts[part].name);
+    }
+    if (at_rest(&of)) {
+        say(&text, "none: the cloth starts with its rest lengths");
+        print_item(first ? "stretch" : "", "%s", text.text);
+        return;
     }
     say(&text, "%.4g to %.4g of the rest lengths at the start, median %.4g; ", of.least,
         of.largest, of.median);

@@ -348,6 +348,10 @@ START_TEST(check_and_run_print_the_stretch_and_the_span_of_the_keys)
             "3 "
             "key frames, 0 to 0.1 s, in a run of 0.05 s; 1 come' | grep -x 4"),
         0);
+    put_square(0.5, 0.5);
+    expect(shell("cd " FOLDER " && ../../weft check keys.yaml | grep stretch"), 0);
+    ck_assert_str_eq(output,
+                     "  stretch    none: the cloth starts with its rest lengths\n");
 }
 END_TEST
 
