@@ -244,8 +244,10 @@ static void ladder_ended(void *ctx, const process *one)
             process_describe(one->status, points[i].why, sizeof points[i].why);
         }
     }
-    ++self->over;
-    progress_count(&self->progress, "methods", self->over, self->count + 1);
+    if (one->job < self->count) { /* else the scene as it is, no method */
+        ++self->over;
+        progress_count(&self->progress, "methods", self->over, self->count);
+    }
 }
 
 static int by_value(const void *a, const void *b)

@@ -101,7 +101,7 @@ typedef struct compare {
     double growth;   /* [1/s] of the twin's distance */
     bool chaotic;    /* `last` is where the twin has parted, */
     bool parted;     /* or the references */
-    size_t over;     /* ladders */
+    size_t over;     /* of methods: their ladders */
     uint64_t budget; /* RHS calls of a run; not of `as_is` */
 } compare;
 

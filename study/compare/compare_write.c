@@ -151,7 +151,7 @@ void compare_begin(const compare *self, const char *directory)
         yaml_out_write(&out, "name: \"%s\", directory: \"%s\"",
                        weft_scene_name(self->scene), directory);
         yaml_out_size(&out, self->cloth);
-        yaml_out_write(&out, "methods_planned: %zu, duration: %g", self->count + 1,
+        yaml_out_write(&out, "methods_planned: %zu, duration: %g", self->count,
                        self->run.duration);
         yaml_out_end_event(&out);
     }
