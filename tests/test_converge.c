@@ -216,7 +216,9 @@ static const struct {
       "--sizes: 11 does not keep the ratio of rows to columns; these do: 9, 17, 25, "
       "33" },
     { "stretched.yaml --sizes 3,5 --at 1,0",
-      "--sizes: 3 does not keep the particle of 1,0.x; these do: 5, 9, 13, 17" },
+      "--sizes: 3 does not keep the particle 1,0; these do: 5, 9, 13, 17" },
+    { "stretched.yaml --sizes 3,33,65 --at 1,0",
+      "--sizes: 3 does not keep the particle 1,0; these do: 5, 9, 13, 17, 33, 65" },
     { "stretched.yaml --sizes 3,5 --at 0,0 --set 'cloth.pins=[top, [1, 2]]'",
       "--sizes: 3 does not keep the place of cloth.pins.1; these do: 5, 9, 13, 17" },
     { "stretched.yaml --sizes 3,5 --set 'cloth.loads=[{at: [0, -2], mass: 1}]'",

@@ -50,8 +50,8 @@ static weft_status refine(converge *self, converge_size *to, weft_error *err)
             && !(refine_line(&axis[0], one->place[0], &row)
                  && refine_line(&axis[1], one->place[1], &col))) {
             return weft_error_set(err, WEFT_INVALID,
-                                  "%zu does not keep the particle of %s", to->size,
-                                  one->name);
+                                  "%zu does not keep the particle %.*s", to->size,
+                                  (int)strcspn(one->name, "."), one->name);
         }
         to->probes[i]
             = (converge_probe){ { row * axis[1].refined + col }, { 1.0, 0.0, 0.0 } };
@@ -59,14 +59,26 @@ static weft_status refine(converge *self, converge_size *to, weft_error *err)
     return WEFT_OK;
 }
 
+static bool is_given(const converge *self, size_t size)
+{
+    size_t i = 0;
+    while (i < self->count && self->sizes[i].size != size) {
+        ++i;
+    }
+    return i < self->count;
+}
+
+/* The least sizes that would do, and those of the command line that do. */
 static int refuse_size(converge *self, const weft_error *why)
 {
     enum { SHOWN = 4 };
     sentence list = { "" };
     const size_t most = 4 * self->grid.axis[self->grid.along].count;
-    for (size_t n = 2, shown = 0; n <= most && shown < SHOWN; ++n) {
+    const size_t last = self->sizes[self->count - 1].size;
+    for (size_t n = 2, shown = 0; n <= most || n <= last; ++n) {
         converge_size one = { .size = n };
-        if (refine(self, &one, NULL) == WEFT_OK) {
+        if (((n <= most && shown < SHOWN) || is_given(self, n))
+            && refine(self, &one, NULL) == WEFT_OK) {
             say(&list, "%s%zu", shown++ == 0 ? "" : ", ", n);
         }
     }
