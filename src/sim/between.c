@@ -237,7 +237,7 @@ static weft_status find_rates(weft_sim *sim, weft_error *err)
         }
         of->levels += failed == 0;
     }
-    sim->refused.found = false;
+    sim->guard.refused.found = false;
     sim->forces.piece = piece;
     return failed < 0 || of->levels == 0
                ? weft_error_set(err, failed < 0 ? WEFT_STOPPED : WEFT_NOT_FINITE,

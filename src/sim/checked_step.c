@@ -18,11 +18,11 @@ enum { WINDOW = 1000 };
 
 weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
 {
-    if (sim->start == NULL) {
-        sim->start = weft__alloc(&sim->memory,
-                                 2 * (weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES),
-                                 sizeof *sim->start);
-        if (sim->start == NULL) {
+    if (sim->guard.start == NULL) {
+        sim->guard.start = weft__alloc(
+            &sim->memory, 2 * (weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES),
+            sizeof *sim->guard.start);
+        if (sim->guard.start == NULL) {
             return weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact");
         }
     }
@@ -31,13 +31,13 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err)
 
 double *weft__sim_room(const weft_sim *sim)
 {
-    return sim->start + weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES;
+    return sim->guard.start + weft_cloth_dim(sim->cloth) + WEFT__QUADRATURES;
 }
 
 /* As if the step from t0 had not been, but for the counts. */
 static void take_back(weft_sim *sim, double t0)
 {
-    memcpy(sim->y, sim->start, weft__sim_dim(sim) * sizeof *sim->y);
+    memcpy(sim->y, sim->guard.start, weft__sim_dim(sim) * sizeof *sim->y);
     weft__sensitivity_back(sim);
     sim->t = t0;
     sim->def.method->state_changed(sim->stepper);
@@ -52,34 +52,35 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     const weft_status status = weft__sim_method_step(sim, end, why);
     *again = false;
     if (status != WEFT_OK) {
-        weft__bands_deepest(sim->def.comm, &sim->refused);
-        *again = sim->refused.found /* it failed for a stage in a shape */
-            = sim->refused.found
+        weft__bands_deepest(sim->def.comm, &sim->guard.refused);
+        *again = sim->guard.refused.found /* it failed for a stage in a shape */
+            = sim->guard.refused.found
               && (status == WEFT_NOT_FINITE || status == WEFT_STEP_TOO_SMALL
                   || status == WEFT_SOLVER);
         return status;
     }
-    const weft__path path = { t0, sim->t, sim->start, sim->y };
+    const weft__path path = { t0, sim->t, sim->guard.start, sim->y };
     const bool clear = weft__path_clear(&sim->forces, &path);
     if (weft__bands_max(sim->def.comm, clear ? 0.0 : 1.0) > 0.0) {
-        sim->refused = weft__path_breach(&sim->forces, &path);
-        const bool in_shape = sim->refused.found && sim->refused.pair[0].count == 0;
-        if (!weft__bands_first(sim->def.comm, in_shape, &sim->refused,
-                               sizeof sim->refused)) {
-            (void)weft__bands_first(sim->def.comm, sim->refused.found, &sim->refused,
-                                    sizeof sim->refused);
+        sim->guard.refused = weft__path_breach(&sim->forces, &path);
+        const bool in_shape
+            = sim->guard.refused.found && sim->guard.refused.pair[0].count == 0;
+        if (!weft__bands_first(sim->def.comm, in_shape, &sim->guard.refused,
+                               sizeof sim->guard.refused)) {
+            (void)weft__bands_first(sim->def.comm, sim->guard.refused.found,
+                                    &sim->guard.refused, sizeof sim->guard.refused);
         }
         take_back(sim, t0);
         *again = true;
     } else {
-        sim->refused.found = false;
+        sim->guard.refused.found = false;
     }
     return status;
 }
 
 static weft_status give_up(const weft_sim *sim, weft_error *why)
 {
-    const weft__breach *at = &sim->refused;
+    const weft__breach *at = &sim->guard.refused;
     const weft__mesh *mesh = &sim->cloth->mesh;
     char text[WEFT__BREACH_TEXT];
     if (at->pair[0].count > 0) {
@@ -101,21 +102,22 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
 static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
 {
     char text[WEFT__BREACH_TEXT];
-    const bool crawls = (sim->crawl.vetoed += vetoed) > WINDOW / 2;
-    if (++sim->crawl.attempts < WINDOW || (crawls && !vetoed)) {
+    const bool crawls = (sim->guard.crawl.vetoed += vetoed) > WINDOW / 2;
+    if (++sim->guard.crawl.attempts < WINDOW || (crawls && !vetoed)) {
         return; /* that of which it warns is one taken back */
     }
-    if (crawls && !sim->crawl.told) {
+    if (crawls && !sim->guard.crawl.told) {
         weft__log(
             &sim->def.log, WEFT_LOG_WARNING,
             "contact rolled back %u of the last %u steps at t = %.9g s, the last of "
             "%.3g s: %s, distance %.3g m; the run may take very long",
-            sim->crawl.vetoed, sim->crawl.attempts, t, tried,
-            weft__breach_text(&sim->cloth->mesh, &sim->refused, text),
-            sim->refused.gap);
+            sim->guard.crawl.vetoed, sim->guard.crawl.attempts, t, tried,
+            weft__breach_text(&sim->cloth->mesh, &sim->guard.refused, text),
+            sim->guard.refused.gap);
     }
-    sim->crawl.told = crawls || (sim->crawl.told && sim->crawl.vetoed >= WINDOW / 10);
-    sim->crawl.attempts = sim->crawl.vetoed = 0;
+    sim->guard.crawl.told
+        = crawls || (sim->guard.crawl.told && sim->guard.crawl.vetoed >= WINDOW / 10);
+    sim->guard.crawl.attempts = sim->guard.crawl.vetoed = 0;
 }
 
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
@@ -130,7 +132,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
     if (sim->forces.bodies != NULL) {
         TRY(weft__self_list_grow(sim->forces.bodies->list, why));
     }
-    memcpy(sim->start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
+    memcpy(sim->guard.start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
     for (double end = t_end;;) {
         bool again;
         const weft_status status = attempt(sim, t0, end, &again, why);
@@ -138,17 +140,17 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
             watch_pace(sim, false, t0, 0.0);
             return status;
         }
-        const double tried = status == WEFT_OK ? sim->refused.t - t0 : end - t0;
+        const double tried = status == WEFT_OK ? sim->guard.refused.t - t0 : end - t0;
         const double h = 0.5 * (fixed > 0.0 ? fmin(fixed, tried) : tried);
         const bool adapted = status != WEFT_OK && fixed == 0.0; /* as far as it could */
         if (adapted || !(h >= least) || !(t0 + h > t0)) {
             return give_up(sim, why);
         }
-        ++sim->vetoed;
+        ++sim->guard.vetoed;
         watch_pace(sim, true, t0, tried);
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s rolled back: %s", t0, tried,
-                  weft__breach_text(&sim->cloth->mesh, &sim->refused, text));
+                  weft__breach_text(&sim->cloth->mesh, &sim->guard.refused, text));
     }
 }

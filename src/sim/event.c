@@ -71,7 +71,7 @@ static void go_on_from_kept(fall_search *of)
         reject(sim, steps_since(of) - of->steps);
         set_back(sim, of->kept.t, sim->between.kept);
     }
-    sim->event = of->kept.g;
+    sim->event.value = of->kept.g;
 }
 
 /* As try_end; keeps the state if g fell. */
@@ -138,9 +138,9 @@ static weft_status settle(fall_search *of, weft__sample a, weft__sample b, bool 
 
 double weft__sim_before_event(weft_sim *sim, double t_end)
 {
-    const double end = sim->event_since + sim->def.event_hold;
-    if (isnan(sim->event)) {
-        sim->event = weft__event_value(sim, sim->t, sim->y);
+    const double end = sim->event.since + sim->def.event_hold;
+    if (isnan(sim->event.value)) {
+        sim->event.value = weft__event_value(sim, sim->t, sim->y);
     }
     return end > sim->t ? fmin(end, t_end) : t_end;
 }
@@ -164,7 +164,7 @@ static weft_status find_first(fall_search *of, weft__sample *at, size_t count,
             at[k] = at[k - 1];
         }
     }
-    of->sim->event_passed = found;
+    of->sim->event.passed = found;
     return WEFT_OK;
 }
 
@@ -199,7 +199,7 @@ static weft_status hold(fall_search *of, const weft__sample *at, size_t count,
                         weft_error *why)
 {
     weft_sim *sim = of->sim;
-    double since = sim->event_since;
+    double since = sim->event.since;
     bool found = false;
     for (size_t k = 0; k < count && !found; ++k) {
         const double before = since + sim->def.event_hold;
@@ -214,8 +214,8 @@ static weft_status hold(fall_search *of, const weft__sample *at, size_t count,
             since = found ? (double)INFINITY : (double)NAN;
         }
     }
-    sim->event_since = since;
-    sim->event_passed = found;
+    sim->event.since = since;
+    sim->event.passed = found;
     return WEFT_OK;
 }
 
@@ -225,7 +225,7 @@ static weft_status look_within(fall_search *of, weft_error *why)
     weft__sample at[WEFT__SAMPLES];
     const double long_enough = sim->def.event_hold;
     if (long_enough > of->end.t - of->start.t && !(of->end.g <= 0.0)) {
-        sim->event_since = (double)NAN; /* it has not held to the end */
+        sim->event.since = (double)NAN; /* it has not held to the end */
         return WEFT_OK;
     }
     TRY(weft__between_look(sim, why));
@@ -236,23 +236,23 @@ static weft_status look_within(fall_search *of, weft_error *why)
 
 weft_status weft__sim_find_event(weft_sim *sim, weft_error *why)
 {
-    const double since = sim->event_since;
+    const double since = sim->event.since;
     fall_search of = { .sim = sim,
-                       .start = { sim->between.t0, sim->event },
+                       .start = { sim->between.t0, sim->event.value },
                        .end = { sim->t, weft__event_value(sim, sim->t, sim->y) },
                        .before = weft_sim_stats(sim).steps - 1 };
-    sim->event = of.end.g;
+    sim->event.value = of.end.g;
     const weft_status status = look_within(&of, why);
     if (status != WEFT_OK) {
         reject(sim, steps_since(&of));
         set_back(sim, of.start.t, sim->between.start);
-        sim->event = of.start.g;
-        sim->event_since = since;
+        sim->event.value = of.start.g;
+        sim->event.since = since;
     }
     return status;
 }
 
 bool weft_sim_event(const weft_sim *sim)
 {
-    return sim->event_passed;
+    return sim->event.passed;
 }

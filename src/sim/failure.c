@@ -136,19 +136,20 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
                                .last_step = weft_sim_stats(sim).last_step,
                                .spring = measures.worst,
                                .energy = weft_energy_total(measures.energy),
-                               .contact = sim->refused.found
-                                          && sim->refused.pair[0].count == 0 };
-    if (sim->refused.found) {
-        failure->gap_particle = weft__vertex_of(mesh, sim->refused.particle);
-        failure->gap_shape = sim->refused.shape;
+                               .contact = sim->guard.refused.found
+                                          && sim->guard.refused.pair[0].count == 0 };
+    if (sim->guard.refused.found) {
+        failure->gap_particle = weft__vertex_of(mesh, sim->guard.refused.particle);
+        failure->gap_shape = sim->guard.refused.shape;
         for (size_t k = 0; k < 2; ++k) {
-            failure->self_pair[k] = weft__primitive_of(mesh, sim->refused.pair[k]);
+            failure->self_pair[k]
+                = weft__primitive_of(mesh, sim->guard.refused.pair[k]);
         }
-        failure->gap = sim->refused.gap;
-        failure->gap_step = sim->refused.t - sim->t;
+        failure->gap = sim->guard.refused.gap;
+        failure->gap_step = sim->guard.refused.t - sim->t;
     }
     find_force(sim, failure);
-    if (!sim->refused.found && !failure->force && sim->config.fixed_step == 0.0
+    if (!sim->guard.refused.found && !failure->force && sim->config.fixed_step == 0.0
         && (why->status == WEFT_STEP_TOO_SMALL || why->status == WEFT_SOLVER)) {
         weft__sim_find_holder(sim, &measures, failure);
     }

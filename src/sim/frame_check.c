@@ -115,8 +115,8 @@ weft_status weft__sim_passages(weft_sim *sim, weft_error *err)
 /* Particles go straight, as those of the check of the step do. */
 weft_status weft__sim_look_within(weft_sim *sim, double t0, weft_error *err)
 {
-    const double *start
-        = sim->between.start != NULL ? sim->between.start : sim->start; /* at t0 */
+    const double *start = sim->between.start != NULL ? sim->between.start
+                                                     : sim->guard.start; /* at t0 */
     const size_t dim = weft_cloth_dim(sim->cloth);
     const double h = sim->t - t0;
     double t = fmax(sim->passage.next, t0);

@@ -204,11 +204,11 @@ bool weft__sim_limit(weft_sim *sim, double h)
     const uint64_t before = sim->limit.stats.unconverged;
     const bool checks = weft__sim_checks(sim);
     if (checks) {
-        memcpy(sim->start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
+        memcpy(sim->guard.start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
     }
     const bool changed = apply(&sim->limit, h, sim->y);
     if (changed && checks) {
-        weft__hold_back(&sim->forces, sim->t, sim->start, sim->y);
+        weft__hold_back(&sim->forces, sim->t, sim->guard.start, sim->y);
     }
     if (!is_met(&sim->limit, sim->y) && before == 0) {
         warn_of_limit(sim);

@@ -57,7 +57,7 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
                            weft_error *err)
 {
     const double t = weft_run_frame_time(play->run, i), end = target(sim, play, i);
-    while (weft_sim_time(sim) < t && !sim->event_passed) {
+    while (weft_sim_time(sim) < t && !sim->event.passed) {
         TRY(weft_sim_step(sim, end, err));
         if (play->step != NULL && !goes_on(sim, play)) {
             return weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
@@ -119,10 +119,10 @@ weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *given, size_t si
         return weft__sized_unknown("weft_play", err);
     }
     TRY(check(sim, play, err));
-    bool event = sim->event_passed = false;
+    bool event = sim->event.passed = false;
     for (size_t i = play->first; i <= play->last && !event; ++i) {
         TRY(play_to(sim, play, i, err));
-        event = sim->event_passed && sim->t <= weft_run_frame_time(play->run, i);
+        event = sim->event.passed && sim->t <= weft_run_frame_time(play->run, i);
         TRY(show_frame(sim, play, i, err));
         TRY(event ? WEFT_OK : pass_checkpoint(sim, play, i, err));
     }

@@ -279,9 +279,9 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->ledger.work_outside = from->work_outside;
     sim->rejected = from->rejected;
     sim->limit.last_step = from->limit_step;
-    sim->event_since = from->event_since;
+    sim->event.since = from->event_since;
     sim->limit.stats = from->limit;
-    sim->vetoed = from->vetoed;
+    sim->guard.vetoed = from->vetoed;
     sim->passage.next = -INFINITY;
     sim->passage.told = (from->flags & WEFT__SAVED_PASSAGE) != 0;
 }

@@ -24,12 +24,12 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .work_limit = sim->ledger.work_limit,
         .work_outside = sim->ledger.work_outside,
         .limit_step = sim->limit.last_step,
-        .event_since = sim->event_since,
+        .event_since = sim->event.since,
         .steps = stats.steps,
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,
         .limit = sim->limit.stats,
-        .vetoed = sim->vetoed,
+        .vetoed = sim->guard.vetoed,
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,
@@ -49,7 +49,7 @@ weft_status weft__sim_renew(weft_sim *sim, const weft__save_fields *counted,
     sim->def.method->destroy(status == WEFT_OK ? sim->stepper : fresh);
     if (status == WEFT_OK) {
         sim->stepper = fresh;
-        sim->event = NAN;
+        sim->event.value = NAN;
         weft__between_forget(sim);
         sim->earlier
             = (weft_stepper_stats){ .steps = counted->steps,

@@ -128,8 +128,8 @@ static weft_sim *make_sim(const weft_sim_def *def)
         .memory = memory,
         .ledger = { .on = def->ledger },
         .passage.next = def->cloth->contact.shape_count > 0 ? -INFINITY : INFINITY,
-        .event = NAN,
-        .event_since = NAN,
+        .event.value = NAN,
+        .event.since = NAN,
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),
     };
     if (sim->cloth == NULL || sim->y == NULL
@@ -240,6 +240,6 @@ void weft_sim_destroy(weft_sim *sim)
         weft_cloth_destroy(sim->cloth);
         const weft_allocator memory = sim->memory;
         WEFT__FREE_ALL(&memory, sim->limit.x, sim->lists, sim->masses, sim->added,
-                       sim->y, sim->start, sim->between.start, sim);
+                       sim->y, sim->guard.start, sim->between.start, sim);
     }
 }

@@ -69,7 +69,7 @@ void weft__sim_change_begins(weft_sim *sim)
 void weft__sim_change_ends(weft_sim *sim, bool ode)
 {
     weft__between_forget(sim);
-    sim->event = sim->event_since = NAN;
+    sim->event.value = sim->event.since = NAN;
     sim->passage.next = -INFINITY;
     weft__ledger_account(&sim->ledger, &sim->forces, sim->t, sim->y,
                          &sim->ledger.work_outside);
@@ -106,14 +106,15 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     TRY(check_finite(sim, "position", positions, err));
     TRY(check_finite(sim, "velocity", velocities, err));
     if (positions != NULL && weft__sim_checks(sim)) {
-        memcpy(sim->start, sim->y, 6 * n * sizeof *sim->y);
-        set_planes(sim->cloth, positions, sim->start);
-        const weft__breach breach = weft__state_breach(sim->cloth, sim->t, sim->start);
+        memcpy(sim->guard.start, sim->y, 6 * n * sizeof *sim->y);
+        set_planes(sim->cloth, positions, sim->guard.start);
+        const weft__breach breach
+            = weft__state_breach(sim->cloth, sim->t, sim->guard.start);
         if (breach.found) {
             return weft__breach_error(sim->cloth, &breach, "would be", err);
         }
-        TRY(weft__crossings_error(sim->cloth, sim->t, sim->start, &(weft__search){ 0 },
-                                  err));
+        TRY(weft__crossings_error(sim->cloth, sim->t, sim->guard.start,
+                                  &(weft__search){ 0 }, err));
     }
     weft__sim_change_begins(sim);
     set_planes(sim->cloth, positions, sim->y);

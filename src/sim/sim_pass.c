@@ -49,8 +49,8 @@ static double rms(void *ctx, const double *e, const double *w)
 static int count_calls(weft_sim *sim, int calls, int *counted)
 {
     if (weft__sim_checks(sim)) {
-        sim->calls += (uint64_t)calls;
-        sim->refused = (weft__breach){ .call = sim->calls };
+        sim->guard.calls += (uint64_t)calls;
+        sim->guard.refused = (weft__breach){ .call = sim->guard.calls };
     }
     for (*counted = 1; *counted <= calls; ++*counted) {
         if (weft__sim_must_stop(sim)) {
@@ -124,7 +124,7 @@ uint64_t weft__sim_bytes(const weft_sim *sim)
                         + 2 * sizeof *sim->masses
                         + (sim->added != NULL ? 3 * sizeof *sim->added : 0)
                         + (weft__sim_limits(sim) ? 9 * sizeof *sim->limit.x : 0);
-    const size_t vectors = sim->start != NULL ? 2 : 1;
+    const size_t vectors = sim->guard.start != NULL ? 2 : 1;
     return each * mesh->particles + vectors * weft__sim_dim(sim) * sizeof *sim->y
            + weft__wave_bytes(sim->wave);
 }

@@ -33,12 +33,12 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
  * cloth would not be evaluated: these leave what was found before. */
 static void note_breach(weft_sim *sim, double t, const double *y, int failed)
 {
-    const uint64_t call = ++sim->calls;
+    const uint64_t call = ++sim->guard.calls;
     if (failed == 0) {
-        sim->refused = (weft__breach){ .call = call };
+        sim->guard.refused = (weft__breach){ .call = call };
     } else if (sim->def.comm == NULL || weft__joint_finite(&sim->forces, y)) {
-        sim->refused = weft__rhs_breach(&sim->forces, t, y);
-        sim->refused.call = call;
+        sim->guard.refused = weft__rhs_breach(&sim->forces, t, y);
+        sim->guard.refused.call = call;
     }
 }
 

@@ -22,9 +22,9 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
         weft__sim_not_finite(sim, &why);
         return weft__sim_fail(sim, &why, err);
     }
-    sim->refused = weft__state_breach(sim->cloth, sim->t, sim->y);
-    if (sim->refused.found) {
-        weft__breach_error(sim->cloth, &sim->refused, "was corrected to", &why);
+    sim->guard.refused = weft__state_breach(sim->cloth, sim->t, sim->y);
+    if (sim->guard.refused.found) {
+        weft__breach_error(sim->cloth, &sim->guard.refused, "was corrected to", &why);
         return weft__sim_fail(sim, &why, err);
     }
     if (jumped) {
@@ -117,8 +117,8 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
-    sim->refused.found = false;
-    sim->event_passed = false;
+    sim->guard.refused.found = false;
+    sim->event.passed = false;
     watch_pace(sim, t_end);
     if (sim->between.start != NULL) {
         weft__between_begin(sim);
@@ -145,7 +145,7 @@ weft_status weft_sim_advance(weft_sim *sim, double t_end, weft_error *err)
     weft_status status = WEFT_OK;
     sim->sensitivity.passes = sim->def.log.write == NULL && sim->def.stop == NULL;
     for (bool event = false; status == WEFT_OK && sim->t != t_end && !event;
-         event = sim->event_passed) {
+         event = sim->event.passed) {
         status = weft_sim_step(sim, t_end, err);
     }
     sim->sensitivity.passes = false;

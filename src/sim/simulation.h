@@ -37,6 +37,26 @@ typedef struct weft__ledger {
     double work_limit, work_outside; /* [J] */
 } weft__ledger;
 
+/* checked_step.c: steps that are taken back for a shape or for the cloth itself. */
+typedef struct weft__guard {
+    double *start;        /* as y, before a step; NULL until there are any */
+    uint64_t vetoed;      /* steps taken back */
+    uint64_t calls;       /* of the right-hand side, with shapes */
+    weft__breach refused; /* by the last one; of the whole cloth */
+    struct {
+        unsigned attempts, vetoed; /* of the present WINDOW */
+        bool told;
+    } crawl;
+} weft__guard;
+
+/* event.c: the function at present, which ended the last step if `passed`. */
+typedef struct weft__event {
+    double value; /* NAN: not known */
+    bool passed;
+    double since; /* [s] 0 or below since then; NAN: it is not; INFINITY: that was an
+                     event */
+} weft__event;
+
 /* pace.c: how far the last steps went. */
 enum { WEFT__PACE = 1000 };
 typedef struct weft__pace {
@@ -81,25 +101,15 @@ struct weft_sim {
     weft__ledger ledger;
     weft_failure failure; /* of the last step; status WEFT_OK: it did not fail */
     double *y;            /* 6 N, then with ledger its quadratures */
-    double *start;   /* with contact: as y, before a step; NULL until there are any */
-    uint64_t vetoed; /* steps taken back for the shapes */
-    struct {
-        unsigned attempts, vetoed; /* of the present WINDOW, checked_step.c */
-        bool told;
-    } crawl;
+    weft__guard guard;
     weft__pace pace;
     struct {
         double next; /* [s] when frame_check.c looks again; -INFINITY: it has not yet */
         bool told;
     } passage;
-    weft__breach refused; /* by the last right-hand side; of the whole cloth */
-    uint64_t calls;       /* of it, with shapes */
-    weft_agree agree;     /* with a comm: its maximum, for the stepper */
+    weft_agree agree; /* with a comm: its maximum, for the stepper */
     weft__between between;
-    double event;       /* the event function at present; NAN: not known */
-    bool event_passed;  /* it ended the last step */
-    double event_since; /* [s] 0 or below since then; NAN: it is not; INFINITY: that was
-                           an event */
+    weft__event event;
     weft__sensitivity sensitivity;
 };
 
