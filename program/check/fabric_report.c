@@ -122,6 +122,13 @@ static void print_peirce(const report *of, const char *first, const char *second
     }
 }
 
+/* Of the lengths that are there. */
+static double shorter(const double length[2])
+{
+    return length[0] > 0.0 && length[1] > 0.0 ? fmin(length[0], length[1])
+                                              : fmax(length[0], length[1]);
+}
+
 static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     print_pieces(cloth);
@@ -147,10 +154,11 @@ static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
             1e3 * of.edge[0], of.area);
         print_peirce(&of, "the warp", "the weft");
         if (of.coarse[0] || of.coarse[1]) {
-            print_item("warning",
+            print_item("advice",
                        "edges of %.3g mm are above a quarter of the Peirce length: too "
-                       "coarse for the bends of this fabric",
-                       1e3 * of.edge[0]);
+                       "coarse for the bends of this fabric; these take edges of at "
+                       "most %.3g mm",
+                       1e3 * of.edge[0], 0.25e3 * shorter(of.length));
         }
     }
 }
@@ -188,10 +196,12 @@ void fabric_print(const weft_scene *scene, const weft_cloth *cloth)
     print_peirce(&of, "columns", "rows");
     for (size_t k = 0; k < 2; ++k) {
         if (of.coarse[k]) {
-            print_item("warning",
+            print_item("advice",
                        "the spacing of %g mm along %s is above half the Peirce length: "
-                       "too coarse for the bends of this fabric",
-                       1e3 * def->spacing[k], k == 0 ? "columns" : "rows");
+                       "too coarse for the bends of this fabric; these take a spacing "
+                       "of at most %.3g mm",
+                       1e3 * def->spacing[k], k == 0 ? "columns" : "rows",
+                       0.5e3 * of.length[k]);
         }
     }
 }
