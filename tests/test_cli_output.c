@@ -61,6 +61,8 @@ START_TEST(fabrics_are_listed_and_described)
 {
     expect(shell(WEFT " fabrics --yaml"), 0);
     says("- name: \"11oz-black-denim\"\n  density: 0.324\n  stretch_warp: 411\n");
+    says("  sample: \"jeans, 99 % cotton, 1 % spandex\"\n");
+    ck_assert_ptr_null(strstr(output, "sample: \"\"")); /* each preset has one */
     expect(shell(WEFT " fabrics --markdown"), 0);
     says("| `11oz-black-denim` | 0.324 | 411, 2028 | 53.4 | 24.3, 16.0 | 16.4 |");
     expect(shell(WEFT " check scenes/cantilever.yaml"), 0);
