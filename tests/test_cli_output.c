@@ -68,7 +68,7 @@ START_TEST(fabrics_are_listed_and_described)
     expect(shell(WEFT " check scenes/cantilever.yaml"), 0);
     says("  fabric     11oz-black-denim: stretch springs ");
     says("C11 411, C22 2028, C12 = G 53.4 N/m");
-    says("Peirce length 19.7 mm along columns, 17.1 mm along rows\n  warning ");
+    says("Peirce length 19.7 mm along columns, 17.1 mm along rows\n  advice  ");
     expect_narrow(80);
     expect(shell(WEFT " check --yaml scenes/cantilever.yaml"), 0);
     says("\n  fabric:\n    c11: ");
