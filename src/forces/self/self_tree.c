@@ -9,6 +9,9 @@
 
 /* Relative, of the bounds. */
 #define ROUNDOFF 1e-9
+/* A direction across another is so much of what it was taken from, squared: below that
+ * it may be roundoff, and not across. */
+#define ACROSS 1e-8
 
 typedef struct tree_patch {
     size_t r, c;
@@ -278,7 +281,7 @@ static inline double spread(const double bounds[2][3])
 }
 
 /* A unit vector near the middle of the bounds and across e, if e is not NULL; false:
- * there is none. */
+ * there is none, or roundoff hides it. */
 static bool direction(const double bounds[2][3], const double *e, double to[3])
 {
     double middle[3];
@@ -293,7 +296,7 @@ static bool direction(const double bounds[2][3], const double *e, double to[3])
     for (size_t k = 0; k < 3; ++k) {
         to[k] *= inverse;
     }
-    return length > 0.0;
+    return length > 0.0 && length * length > ACROSS * weft__dot(middle, middle);
 }
 
 static inline bool may_be_flat(const tree_search *of, const weft__knot *knot)
