@@ -52,7 +52,7 @@ static const bounds scenes[] = {
     { "tshirt.yaml", 0.01, 0.1, 1.0, .passive = true, .until = 0.3 },
     { "dressed.yaml", 0.01, 0.6, 1.0, .passive = true, .until = 0.05, .self = true },
     { "disc.yaml", 0.01, 0.05, 1.0, .passive = true, .until = 0.3, .cut = true },
-    { "poncho.yaml", 0.02, 0.15, 1.0, .passive = true, .until = 0.35, .cut = true },
+    { "poncho.yaml", 0.02, 0.2, 1.0, .passive = true, .until = 0.35, .cut = true },
     { "walk.yaml", 0.02, 0.2, 1.0, .until = 0.35, .cut = true, .self = true },
     { "dropped-disc.yaml", 0.01, 0.1, 0.5, .passive = true, .until = 0.3, .cut = true,
       .self = true },
