@@ -326,8 +326,9 @@ void weft__require_flag(weft__reader *reader, uint32_t flag, weft__mark at,
                        names);
     } else {
         name_other(reader->def, scene->type, flag, names, sizeof names);
-        (void)snprintf(hint, sizeof hint, names[0] == '\0' ? "" : "; %s %s", names,
-                       lack->does);
+        if (names[0] != '\0') {
+            (void)snprintf(hint, sizeof hint, "; %s %s", names, lack->does);
+        }
     }
     weft__report_error(reader->report, at,
                        "method '%.40s' of plugin '%.40s' %s%s; or %s", scene->method,
