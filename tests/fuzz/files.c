@@ -36,17 +36,34 @@ static const part *named(const part *parts, const char *place)
     return NULL;
 }
 
+/* The end of the line that begins at `at`, or of the file. Where no line but the last
+ * ends with LF, CR alone ends them, as in obj_parse.c. */
+static const uint8_t *line_end(const part *of, const uint8_t *at)
+{
+    const uint8_t *end = of->text + of->length;
+    size_t inner = of->length;
+    while (inner > 0 && of->text[inner - 1] == '\0') {
+        --inner;
+    }
+    inner -= inner > 0;
+    const bool bare = memchr(of->text, '\0', inner) == NULL
+                      && memchr(of->text, '\n', inner) == NULL;
+    while (at < end && *at != '\n' && !(bare && *at == '\r')) {
+        ++at;
+    }
+    return at;
+}
+
 /* The file has the line that is shown: a short one as it is, if it is plain text. */
 static void check_place(const part *of, const weft_diagnostic *item)
 {
     const uint8_t *at = of->text, *end = at + of->length;
     for (int line = 1; line < item->line; ++line) {
-        at = memchr(at, '\n', (size_t)(end - at));
-        HOLDS(at != NULL);
+        at = line_end(of, at);
+        HOLDS(at < end);
         ++at;
     }
-    const uint8_t *stop = at < end ? memchr(at, '\n', (size_t)(end - at)) : NULL;
-    size_t length = (size_t)((stop == NULL ? end : stop) - at);
+    size_t length = (size_t)(line_end(of, at) - at);
     length -= length > 0 && at[length - 1] == '\r';
     bool plain = length < 100;
     for (size_t i = 0; i < length; ++i) {
