@@ -17,26 +17,28 @@ static size_t smaller(size_t a, size_t b)
 }
 
 /* Case is ignored: 'Rows' matches 'rows'. */
-static int same(char a, char b)
+static int suggest_same(char a, char b)
 {
     return tolower((unsigned char)a) == tolower((unsigned char)b);
 }
 
 /* rows[0] is the row to fill, for the first i + 1 characters of a; rows[1] and rows[2]
  * are the two before it. */
-static void fill_row(const char *a, size_t i, const char *b, size_t *const rows[3])
+static void suggest_fill_row(const char *a, size_t i, const char *b,
+                             size_t *const rows[3])
 {
     rows[0][0] = i + 1;
     for (size_t j = 0; b[j] != '\0'; ++j) {
-        const size_t replaced = rows[1][j] + !same(a[i], b[j]);
+        const size_t replaced = rows[1][j] + !suggest_same(a[i], b[j]);
         rows[0][j + 1] = smaller(replaced, 1 + smaller(rows[0][j], rows[1][j + 1]));
-        if (i > 0 && j > 0 && same(a[i], b[j - 1]) && same(a[i - 1], b[j])) {
+        if (i > 0 && j > 0 && suggest_same(a[i], b[j - 1])
+            && suggest_same(a[i - 1], b[j])) {
             rows[0][j + 1] = smaller(rows[0][j + 1], rows[2][j - 1] + 1);
         }
     }
 }
 
-static size_t distance(const char *a, const char *b)
+static size_t suggest_distance(const char *a, const char *b)
 {
     size_t rows[3][MAX_LENGTH + 1];
     for (size_t j = 0; j <= MAX_LENGTH; ++j) {
@@ -44,7 +46,7 @@ static size_t distance(const char *a, const char *b)
     }
     for (size_t i = 0; a[i] != '\0'; ++i) {
         size_t *const turn[3] = { rows[i % 3], rows[(i + 2) % 3], rows[(i + 1) % 3] };
-        fill_row(a, i, b, turn);
+        suggest_fill_row(a, i, b, turn);
     }
     return rows[(strlen(a) + 2) % 3][strlen(b)];
 }
@@ -77,7 +79,7 @@ void weft__guess_try(weft__guess *guess, const char *typed, const char *name)
     if (longer - smaller(typed_length, length) > limit) {
         return; /* the distance is no less */
     }
-    const size_t found = distance(typed, name);
+    const size_t found = suggest_distance(typed, name);
     if (found <= limit && found < length
         && (guess->name == NULL || found < guess->distance
             || (found == guess->distance && length > strlen(guess->name)))) {

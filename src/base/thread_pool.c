@@ -55,7 +55,7 @@ struct weft__pool {
     weft_allocator memory;
 };
 
-static size_t count_of(uint_fast64_t job)
+static size_t thread_pool_count_of(uint_fast64_t job)
 {
     return job >> 16 & WEFT_PARTS;
 }
@@ -66,7 +66,7 @@ static size_t next_of(uint_fast64_t job)
 }
 
 /* Waits a moment, for the i-th time: first by spinning, then by yielding. */
-static void relax(int i)
+static void thread_pool_relax(int i)
 {
     if (i >= SPINS) {
         (void)sched_yield();
@@ -84,14 +84,14 @@ static uint_fast64_t take_parts(weft__pool *pool, bool helps)
 {
     uint_fast64_t job = atomic_load(&pool->job);
     size_t own = 0;
-    while (next_of(job) < count_of(job)) {
+    while (next_of(job) < thread_pool_count_of(job)) {
         if (atomic_compare_exchange_weak(&pool->job, &job, job + 1)) {
             if (helps) {
                 fp_mode_set(&pool->mode);
             }
-            pool->task(pool->ctx,
-                       helps ? count_of(job) - 1 - atomic_fetch_add(&pool->helped, 1)
-                             : own++);
+            pool->task(pool->ctx, helps ? thread_pool_count_of(job) - 1
+                                              - atomic_fetch_add(&pool->helped, 1)
+                                        : own++);
             atomic_fetch_add(&pool->done, 1);
             job = atomic_load(&pool->job);
         }
@@ -110,7 +110,7 @@ static void await_news(weft__pool *pool, uint_fast64_t seen)
         if (news(pool, seen)) {
             return;
         }
-        relax(i);
+        thread_pool_relax(i);
     }
     (void)pthread_mutex_lock(&pool->lock);
     atomic_fetch_add(&pool->asleep, 1);
@@ -159,12 +159,12 @@ void weft__pool_run(void *self, weft__task *task, void *ctx, size_t count)
     }
     (void)take_parts(pool, false);
     for (int i = 0; atomic_load(&pool->done) < count; ++i) {
-        relax(i);
+        thread_pool_relax(i);
     }
 }
 
 /* Signals are for the program's own threads. */
-static void start(weft__pool *pool, size_t threads)
+static void thread_pool_start(weft__pool *pool, size_t threads)
 {
     sigset_t all, before;
     pthread_attr_t stack;
@@ -202,7 +202,7 @@ weft__pool *weft__pool_create(size_t threads, const weft_allocator *given)
         weft__free(&memory, pool);
         return NULL;
     }
-    start(pool, threads);
+    thread_pool_start(pool, threads);
     return pool;
 }
 

@@ -232,7 +232,7 @@ typedef struct matrix {
     double *y, *planes, *numbers; /* the state; of bonds; of links */
 } matrix;
 
-static void free_matrix(const weft_cloth *cloth, matrix *of)
+static void bounds_free_matrix(const weft_cloth *cloth, matrix *of)
 {
     WEFT__FREE_ALL(&cloth->memory, of->lists, of->y, of->planes, of->numbers);
 }
@@ -309,8 +309,9 @@ static void multiply_links(const matrix *of, size_t n, double a, double b,
 }
 
 /* M^-1 (a K + b C) x, zero on pins. */
-static void multiply(const weft_cloth *cloth, const weft__state *at, const matrix *of,
-                     const double way[2], const double *x, double *out)
+static void bounds_multiply(const weft_cloth *cloth, const weft__state *at,
+                            const matrix *of, const double way[2], const double *x,
+                            double *out)
 {
     const size_t n = cloth->mesh.particles;
     for (size_t j = 0; j < 3 * n; ++j) {
@@ -332,7 +333,7 @@ static double scatter(uint64_t j)
 }
 
 /* x* M z over the free particles, block by block */
-static double product(const weft__mesh *mesh, const double *x, const double *z)
+static double bounds_product(const weft__mesh *mesh, const double *x, const double *z)
 {
     const size_t n = mesh->particles;
     double sum = 0.0;
@@ -352,8 +353,9 @@ typedef struct estimate {
     double spread; /* |M^-1 A x - value x| of the x it is of, |x| = 1 */
 } estimate;
 
-static estimate power(const weft_cloth *cloth, const weft__state *at, const matrix *of,
-                      const double way[2], size_t iterations, double *x, double *z)
+static estimate bounds_power(const weft_cloth *cloth, const weft__state *at,
+                             const matrix *of, const double way[2], size_t iterations,
+                             double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
     for (size_t j = 0; j < 3 * cloth->mesh.particles; ++j) {
@@ -361,13 +363,13 @@ static estimate power(const weft_cloth *cloth, const weft__state *at, const matr
                                                                          : 0.0;
     }
     for (size_t i = 0; i < iterations; ++i) {
-        const double norm = sqrt(product(&cloth->mesh, x, x));
+        const double norm = sqrt(bounds_product(&cloth->mesh, x, x));
         for (size_t j = 0; norm > 0.0 && j < 3 * cloth->mesh.particles; ++j) {
             x[j] /= norm;
         }
-        multiply(cloth, at, of, way, x, z);
-        const double value = product(&cloth->mesh, x, z),
-                     square = product(&cloth->mesh, z, z);
+        bounds_multiply(cloth, at, of, way, x, z);
+        const double value = bounds_product(&cloth->mesh, x, z),
+                     square = bounds_product(&cloth->mesh, z, z);
         best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
         memcpy(x, z, 3 * cloth->mesh.particles * sizeof *x);
     }
@@ -386,7 +388,7 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
     matrix of;
     double *work = weft__alloc(&cloth->memory, 2 * size, sizeof *work);
     if (!find_matrix(cloth, &at, &of) || work == NULL) {
-        free_matrix(cloth, &of);
+        bounds_free_matrix(cloth, &of);
         weft__free(&cloth->memory, work);
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
@@ -395,12 +397,12 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
         const estimate found
-            = power(cloth, &at, &of, ways[i], iterations > 0 ? iterations : 100, work,
-                    work + size);
+            = bounds_power(cloth, &at, &of, ways[i], iterations > 0 ? iterations : 100,
+                           work, work + size);
         *values[i] = fmin(*values[i], found.value);
         cut(out, ways[i], found.value + 2.0 * found.spread);
     }
-    free_matrix(cloth, &of);
+    bounds_free_matrix(cloth, &of);
     weft__free(&cloth->memory, work);
     return WEFT_OK;
 }

@@ -49,7 +49,7 @@ static weft_status list_pins(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status allocate(weft_cloth *cloth, weft_error *err)
+static weft_status cloth_allocate(weft_cloth *cloth, weft_error *err)
 {
     const size_t n = cloth->mesh.particles;
     const weft_allocator *memory = &cloth->memory;
@@ -149,10 +149,11 @@ static weft_status make_rows(weft_cloth *cloth, const weft_cloth_def *def,
 
 /* All of a cloth that has its plain fields; stop_ctx of the definition is a weft__stop.
  */
-static weft_status fill(weft_cloth *cloth, const weft_cloth_def *def, weft_error *err)
+static weft_status cloth_fill(weft_cloth *cloth, const weft_cloth_def *def,
+                              weft_error *err)
 {
     weft__stop *stop = def->stop_ctx;
-    TRY(allocate(cloth, err));
+    TRY(cloth_allocate(cloth, err));
     TRY(make_rows(cloth, def, err));
     double *rows = weft__mesh_fill(&cloth->mesh, def, cloth->rows);
     cloth->wind.track
@@ -262,8 +263,8 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
 }
 
 /* Gives the triangles that the check made, also where it fails. */
-static weft_status check(const weft_cloth_def *def, weft__triangles **triangles,
-                         weft_error *err)
+static weft_status cloth_check(const weft_cloth_def *def, weft__triangles **triangles,
+                               weft_error *err)
 {
     weft__refusal first = { WEFT_OK, err };
     bool no_memory;
@@ -275,11 +276,12 @@ static weft_status check(const weft_cloth_def *def, weft__triangles **triangles,
     return first.status != WEFT_OK ? first.status : weft__slice_check(def, err);
 }
 
-static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_error *err)
+static weft_status cloth_create(const weft_cloth_def *def, weft_cloth **out,
+                                weft_error *err)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     weft__triangles *triangles;
-    weft_status status = check(def, &triangles, err);
+    weft_status status = cloth_check(def, &triangles, err);
     weft_cloth *cloth
         = status == WEFT_OK ? weft__zeroed(&memory, 1, sizeof *cloth) : NULL;
     if (cloth == NULL) {
@@ -299,7 +301,7 @@ static weft_status create(const weft_cloth_def *def, weft_cloth **out, weft_erro
     status = weft__isa_find(getenv("WEFT_ISA"), &cloth->isa, err);
     if (status == WEFT_OK) {
         weft__cloth_choose(cloth, cloth->isa);
-        status = fill(cloth, def, err);
+        status = cloth_fill(cloth, def, err);
         weft__cloth_choose(cloth, cloth->isa); /* by what they are now, too */
     }
     if (status != WEFT_OK) {
@@ -321,10 +323,10 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
     weft_status status = take_def(&def, &mesh, given, copies, err);
     weft__stop stop = { .ask = def.stop, .ctx = def.stop_ctx };
     def.stop = weft__stop_ask, def.stop_ctx = &stop;
-    status = status == WEFT_OK ? create(&def, out, err) : status;
+    status = status == WEFT_OK ? cloth_create(&def, out, err) : status;
     if (status == WEFT_OK && weft__is_band(&def) && def.contact.self) {
         def.band_first = def.band_rows = 0;
-        status = create(&def, &(*out)->whole, err);
+        status = cloth_create(&def, &(*out)->whole, err);
     }
     if (status != WEFT_OK) {
         weft_cloth_destroy(*out);

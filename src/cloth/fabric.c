@@ -97,8 +97,8 @@ static weft_status check_ratio(const weft_fabric *fabric, const weft_cloth_def *
         most * (1.0 - inward), def->spacing[0], most / least > 1.02 ? 3 : 6, middle);
 }
 
-static weft_status check(const weft_fabric *fabric, const weft_cloth_def *def,
-                         weft_error *err)
+static weft_status fabric_check(const weft_fabric *fabric, const weft_cloth_def *def,
+                                weft_error *err)
 {
     weft__refusal first = { WEFT_OK, err };
     const weft__faults to = { weft__keep_first, &first };
@@ -125,7 +125,7 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
                               weft_error *err)
 {
     TRY(weft__given(fabric, def, "weft_fabric_apply", err));
-    TRY(check(fabric, def, err));
+    TRY(fabric_check(fabric, def, err));
     const bool chain = is_chain(def);
     const double a = weft__width(def->rows, def->spacing[0]);
     const double b = weft__width(def->cols, def->spacing[1]);
@@ -154,8 +154,8 @@ weft_status weft_fabric_apply(const weft_fabric *fabric, weft_cloth_def *def,
 
 /* Adds the moduli of a group: springs of direction n and elongation s n.E n have the
  * energy k s^2 (n.E n)^2 / 2 each at a homogeneous strain E. */
-static void add_group(const weft__mesh *grid, const weft__group *group, double area,
-                      weft_fabric *to)
+static void fabric_add_group(const weft__mesh *grid, const weft__group *group,
+                             double area, weft_fabric *to)
 {
     const size_t lines = group->end_row, each = group->end_col - group->first_col;
     const double down = (double)(grid->rows - lines) * grid->spacing[0];
@@ -189,7 +189,7 @@ weft_fabric weft_fabric_of(const weft_cloth_def *def)
             .bend = { bending->rigidity[0], bending->rigidity[1] },
             .twist = weft__twist_of(bending) };
     for (size_t g = 0; g < springs.group_count; ++g) {
-        add_group(&grid, &springs.groups[g], down * right, &fabric);
+        fabric_add_group(&grid, &springs.groups[g], down * right, &fabric);
     }
     fabric.coupling = fabric.shear;
     return fabric;

@@ -87,7 +87,7 @@ bool weft__grids_copy(weft_cloth *copy)
     return copy->grid_count == count;
 }
 
-static weft__state state_of(const weft_cloth *grid, const weft__state *at)
+static weft__state grids_state_of(const weft_cloth *grid, const weft__state *at)
 {
     weft__state own = *at;
     own.y = at->y != NULL ? at->y + grid->first : NULL;
@@ -96,8 +96,8 @@ static weft__state state_of(const weft_cloth *grid, const weft__state *at)
 }
 
 /* The particles of a grid among those of blocks [first, end) of the whole. */
-static void range_of(const weft_cloth *whole, const weft_cloth *grid, size_t first,
-                     size_t end, size_t range[2])
+static void grids_range_of(const weft_cloth *whole, const weft_cloth *grid,
+                           size_t first, size_t end, size_t range[2])
 {
     for (size_t k = 0; k < 2; ++k) {
         const size_t i = weft__block(&whole->mesh, k == 0 ? first : end);
@@ -112,10 +112,10 @@ int weft__grids_sum(const weft_cloth *whole, const weft__state *at, weft__unit u
     int failed = 0;
     for (size_t g = 0; g < whole->grid_count; g += 2) {
         const weft_cloth *rows = &whole->grids[g], *points = rows + 1;
-        const weft__state own = state_of(rows, at);
+        const weft__state own = grids_state_of(rows, at);
         const size_t cols = rows->mesh.cols;
         size_t in[2];
-        range_of(whole, rows, first, end, in);
+        grids_range_of(whole, rows, first, end, in);
         const size_t low = (in[0] + cols - 1) / cols, high = in[1] / cols;
         const bool some = low < high;
         const size_t stop = some ? low * cols : in[1],
@@ -138,12 +138,12 @@ bool weft__grids_next(const weft_cloth *whole, const weft__state *at, size_t b,
     while (row->grid < whole->grid_count) {
         const weft_cloth *grid = &whole->grids[row->grid];
         const size_t cols = grid->mesh.cols;
-        range_of(whole, grid, b, b + 1, in);
+        grids_range_of(whole, grid, b, b + 1, in);
         row->row = row->begun ? row->row + 1 : (in[0] + cols - 1) / cols;
         row->begun = row->row * cols < in[1];
         if (row->begun) {
             row->cloth = grid;
-            row->at = state_of(grid, at);
+            row->at = grids_state_of(grid, at);
             return true;
         }
         row->grid += 2;

@@ -121,8 +121,8 @@ void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
     WEFT__EACH_FORCE(cloth, measure_all, spaces != NULL ? spaces[k_] : NULL, at, sum)
 }
 
-static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
-                             weft__measure_fn *of)
+static weft_measures measure_measure_it(const weft_cloth *cloth, double t,
+                                        const double *y, weft__measure_fn *of)
 {
     const weft__state at = { .t = t, .y = y };
     const size_t first = cloth->mesh.band.above, end = first + cloth->mesh.band.own;
@@ -136,18 +136,18 @@ static weft_measures measure(const weft_cloth *cloth, double t, const double *y,
 }
 
 /* With the energy and powers of self-contact. */
-static weft_measures measure_all(const weft_cloth *cloth, double t, const double *y,
-                                 weft__measure_fn *of)
+static weft_measures measure_measure_all_it(const weft_cloth *cloth, double t,
+                                            const double *y, weft__measure_fn *of)
 {
     const weft__state at = { .t = t, .y = y };
-    weft_measures sum = measure(cloth, t, y, of);
+    weft_measures sum = measure_measure_it(cloth, t, y, of);
     weft__measure_all(cloth, NULL, &at, &sum);
     return sum;
 }
 
 weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure_all(cloth, t, y, weft__block_energy).energy;
+    return measure_measure_all_it(cloth, t, y, weft__block_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -162,30 +162,32 @@ double weft_energy_total(weft_energy energy)
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                       double power[WEFT_POWERS])
 {
-    memcpy(power, measure_all(cloth, t, y, weft__block_power).power,
+    memcpy(power, measure_measure_all_it(cloth, t, y, weft__block_power).power,
            WEFT_POWERS * sizeof *power);
 }
 
 double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft_measures sum = measure_all(cloth, t, y, weft__block_power);
+    const weft_measures sum = measure_measure_all_it(cloth, t, y, weft__block_power);
     return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
            + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])
 {
-    memcpy(p, measure(cloth, 0.0, y, block_momentum).momentum, 3 * sizeof *p);
+    memcpy(p, measure_measure_it(cloth, 0.0, y, block_momentum).momentum,
+           3 * sizeof *p);
 }
 
 void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, double l[3])
 {
-    memcpy(l, measure(cloth, 0.0, y, block_momentum).angular_momentum, 3 * sizeof *l);
+    memcpy(l, measure_measure_it(cloth, 0.0, y, block_momentum).angular_momentum,
+           3 * sizeof *l);
 }
 
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
-    weft_spring worst = measure(cloth, 0.0, y, weft__block_worst).worst;
+    weft_spring worst = measure_measure_it(cloth, 0.0, y, weft__block_worst).worst;
     worst.p = weft__shown(&cloth->mesh, worst.p);
     worst.q = weft__shown(&cloth->mesh, worst.q);
     return worst;

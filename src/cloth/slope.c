@@ -89,7 +89,7 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
 
 /* ---- what differs ---------------------------------------------------------------- */
 
-static bool same_place(const weft_cloth *one, const weft_cloth *other)
+static bool slope_same_place(const weft_cloth *one, const weft_cloth *other)
 {
     const weft__mesh *a = &one->mesh, *b = &other->mesh;
     bool same = a->particles == b->particles && a->block == b->block
@@ -170,7 +170,7 @@ static bool find_masses(weft__slope *of, const weft_allocator *memory)
     return to != NULL;
 }
 
-static uint64_t hash_of(const weft_cloth *cloth, size_t k)
+static uint64_t slope_hash_of(const weft_cloth *cloth, size_t k)
 {
     return weft__table[k].force->hash != NULL
                ? weft__table[k].force->hash(weft__own(cloth, k), WEFT__HASH_START)
@@ -184,7 +184,7 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
 {
     *of = (weft__slope){ .less = less, .more = more, .scale = scale / span };
     if (less == NULL || more == NULL || !weft__positive(span)
-        || !same_place(cloth, less) || !same_place(cloth, more)) {
+        || !slope_same_place(cloth, less) || !slope_same_place(cloth, more)) {
         return weft_error_set(
             err, WEFT_INVALID,
             "two cloths with less and more of a parameter must have the "
@@ -213,8 +213,8 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
           || memcmp(less->mesh.spacing, more->mesh.spacing, sizeof less->mesh.spacing)
                  != 0;
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
-        of->differs[k]
-            = k != WEFT__FORCE_body && (all || hash_of(less, k) != hash_of(more, k));
+        of->differs[k] = k != WEFT__FORCE_body
+                         && (all || slope_hash_of(less, k) != slope_hash_of(more, k));
         const weft__force *force = of->differs[k] && weft__force_at(less, k) != NULL
                                        ? weft__force_at(less, k)
                                    : of->differs[k] ? weft__force_at(more, k)
@@ -234,8 +234,8 @@ void weft__slope_free(const weft__slope *of, const weft_allocator *memory)
 /* ---- the derivative -------------------------------------------------------------- */
 
 /* dv/dt of blocks [first, end) by the forces that differ. */
-static int evaluate(const weft__slope *of, const weft_cloth *cloth,
-                    const weft__state *at, double *out, size_t first, size_t end)
+static int slope_evaluate(const weft__slope *of, const weft_cloth *cloth,
+                          const weft__state *at, double *out, size_t first, size_t end)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles, low = weft__block(mesh, first);
@@ -255,8 +255,8 @@ static int evaluate(const weft__slope *of, const weft_cloth *cloth,
 }
 
 /* out += scale (more - less), of the accelerations of particles [low, high). */
-static void add_difference(const weft__slope *of, double *const room[2], double *out,
-                           size_t low, size_t high)
+static void slope_add_difference(const weft__slope *of, double *const room[2],
+                                 double *out, size_t low, size_t high)
 {
     const size_t n = of->more->mesh.particles;
     for (size_t k = 3 * n; k < 6 * n; k += n) {
@@ -306,10 +306,10 @@ int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out
 {
     int failed = 0;
     if (of->others) {
-        failed = evaluate(of, of->less, at, room[0], first, end)
-                 | evaluate(of, of->more, at, room[1], first, end);
-        add_difference(of, room, out, weft__block(&of->more->mesh, first),
-                       weft__block(&of->more->mesh, end));
+        failed = slope_evaluate(of, of->less, at, room[0], first, end)
+                 | slope_evaluate(of, of->more, at, room[1], first, end);
+        slope_add_difference(of, room, out, weft__block(&of->more->mesh, first),
+                             weft__block(&of->more->mesh, end));
     }
     return failed;
 }
@@ -327,7 +327,7 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
         failed |= weft__rhs_all(side == 0 ? of->less : of->more, spaces, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
-    add_difference(of, room, out, 0, n);
+    slope_add_difference(of, room, out, 0, n);
     return failed;
 }
 
@@ -368,7 +368,7 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
 }
 
 /* The sum of a[i] b[i]. */
-static double product_of(const double *a, const double *b, size_t count)
+static double slope_product_of(const double *a, const double *b, size_t count)
 {
     double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
@@ -383,7 +383,8 @@ static double springs_product(const weft__slope *of, const double *w,
 {
     const weft__spring_slope *slope = &of->springs;
     const size_t n = of->more->mesh.particles;
-    double sum = product_of(slope->gravity, by->gravity, 3) + slope->drag * by->drag;
+    double sum
+        = slope_product_of(slope->gravity, by->gravity, 3) + slope->drag * by->drag;
     for (size_t g = 0; g < WEFT_GROUPS; ++g) {
         const weft__slope_law *law = &slope->laws[g];
         sum += law->stiffness * by->stiffness[g] + law->damping * by->damping[g]
@@ -411,7 +412,7 @@ int weft__slope_product(const weft__slope *of, void *const *spaces,
         memset(room[2] + 3 * n, 0, 3 * n * sizeof *room[2]);
         failed = weft__slope_blocks(of, at, room[2], room, 0, weft__blocks(mesh));
         failed |= weft__slope_all(of, spaces, at, room[2], room);
-        *sum += product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
+        *sum += slope_product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
     }
     for (size_t j = 0; of->pins && j < mesh->pinned; ++j) {
         double rate[6];
@@ -432,7 +433,7 @@ int weft_cloth_parameter_product_transposed(const weft_cloth *less,
     double *by = weft__alloc(&more->memory, dim, sizeof *by);
     const int failed
         = by == NULL ? -1 : weft_cloth_parameter_product(less, more, span, t, y, by);
-    *out = failed < 0 ? 0.0 : product_of(w, by, dim);
+    *out = failed < 0 ? 0.0 : slope_product_of(w, by, dim);
     weft__free(&more->memory, by);
     return failed;
 }

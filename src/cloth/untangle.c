@@ -65,7 +65,7 @@ typedef struct relaxation {
 
 /* ---- what crosses ---------------------------------------------------------------- */
 
-static void gather(void *ctx, const weft__crossing *one)
+static void untangle_gather(void *ctx, const weft__crossing *one)
 {
     tangle *of = ctx;
     of->failed = of->failed
@@ -95,8 +95,8 @@ static void find_pairs(tangle *of, const weft_cloth *cloth, const double *y)
             memcpy(of->y, y, size * sizeof *y);
         }
         const weft__quadtree tree = weft__tree_of(of->own, of->y);
-        (void)weft__each_crossing(&tree, &(weft__search){ .stop = of->stop }, gather,
-                                  of);
+        (void)weft__each_crossing(&tree, &(weft__search){ .stop = of->stop },
+                                  untangle_gather, of);
     }
 }
 
@@ -105,7 +105,7 @@ static void free_tangle(tangle *of)
     WEFT__FREE_ALL(of->memory, of->y, of->pairs, of->crossed, of->part, of->points);
 }
 
-static void place(const tangle *of, size_t i, double x[3])
+static void untangle_place(const tangle *of, size_t i, double x[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         x[k] = of->y[k * of->own->points + i];
@@ -141,8 +141,8 @@ size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
                                  out.text);
             for (size_t j = 0; j < 6; ++j) {
                 if (j % 3 < out.count[j / 3]) {
-                    place(&both[k], one->side[j / 3].particle[j % 3],
-                          out.place[j / 3][j % 3]);
+                    untangle_place(&both[k], one->side[j / 3].particle[j % 3],
+                                   out.place[j / 3][j % 3]);
                 }
             }
             if (each != NULL) {
@@ -174,7 +174,7 @@ size_t weft_cloth_each_crossing(const weft_cloth *cloth, const double *y,
 
 /* ---- parts ----------------------------------------------------------------------- */
 
-static uint32_t part_of(uint32_t *part, uint32_t i)
+static uint32_t untangle_part_of(uint32_t *part, uint32_t i)
 {
     while (part[i] != i) {
         i = part[i] = part[part[i]];
@@ -198,15 +198,15 @@ static void find_parts(tangle *of)
         weft__items edges;
         weft__items_of(own, i, 2, &edges);
         for (size_t e = 0; e < edges.count; ++e) {
-            const uint32_t a = part_of(of->part, edges.at[2 * e]);
-            const uint32_t b = part_of(of->part, edges.at[2 * e + 1]);
+            const uint32_t a = untangle_part_of(of->part, edges.at[2 * e]);
+            const uint32_t b = untangle_part_of(of->part, edges.at[2 * e + 1]);
             if (!of->crossed[edges.key + e]) {
                 of->part[a < b ? b : a] = a < b ? a : b;
             }
         }
     }
     for (uint32_t i = 0; i < own->points; ++i) {
-        ++of->points[part_of(of->part, i)];
+        ++of->points[untangle_part_of(of->part, i)];
     }
 }
 
@@ -219,7 +219,7 @@ static double ease(const tangle *of, size_t i)
     return i < mesh->particles ? mesh->inverse_mass[i] : 0.0;
 }
 
-static void move(relaxation *to, size_t i, double by, const double along[3])
+static void untangle_move(relaxation *to, size_t i, double by, const double along[3])
 {
     const size_t n = to->cloth->mesh.particles;
     for (size_t k = 0; k < 3; ++k) {
@@ -234,8 +234,10 @@ static void move(relaxation *to, size_t i, double by, const double along[3])
 static size_t wrong_end(tangle *of, const weft_primitive *edge, const double height[2],
                         double *side)
 {
-    const size_t a = of->points[part_of(of->part, (uint32_t)edge->particle[0])];
-    const size_t b = of->points[part_of(of->part, (uint32_t)edge->particle[1])];
+    const size_t a
+        = of->points[untangle_part_of(of->part, (uint32_t)edge->particle[0])];
+    const size_t b
+        = of->points[untangle_part_of(of->part, (uint32_t)edge->particle[1])];
     const double sum = height[0] + height[1];
     const size_t wrong = a != b ? b < a : fabs(height[1]) < fabs(height[0]);
     const double other = a != b ? height[1 - wrong] : sum;
@@ -253,7 +255,7 @@ static void part_pair(relaxation *to, tangle *of, const weft__crossing *one)
         return;
     }
     for (size_t k = 0; k < 5; ++k) {
-        place(of, k < 2 ? edge->particle[k] : triangle->particle[k - 2], x[k]);
+        untangle_place(of, k < 2 ? edge->particle[k] : triangle->particle[k - 2], x[k]);
     }
     for (size_t k = 0; k < 3; ++k) {
         u[k] = x[3][k] - x[2][k], v[k] = x[4][k] - x[2][k];
@@ -280,12 +282,12 @@ static void part_pair(relaxation *to, tangle *of, const weft__crossing *one)
     }
     to->depth += fabs(height[wrong]);
     if (of_end > 0.0) {
-        move(to, end, side * way * of_end / sum, normal);
+        untangle_move(to, end, side * way * of_end / sum, normal);
     }
     for (size_t k = 0; k < 3; ++k) {
         const double share = ease(of, triangle->particle[k]);
         if (share > 0.0) {
-            move(to, triangle->particle[k], -side * way * share / sum, normal);
+            untangle_move(to, triangle->particle[k], -side * way * share / sum, normal);
         }
     }
 }
@@ -302,7 +304,7 @@ static size_t part_shapes(relaxation *to)
         to->depth += fmax(-at.touch.gap, 0.0);
         if (at.touch.gap < to->least
             && isfinite(weft__dot(at.touch.normal, at.touch.normal))) {
-            move(to, at.i, way, at.touch.normal);
+            untangle_move(to, at.i, way, at.touch.normal);
             ++to->near;
         }
     }
@@ -330,7 +332,7 @@ static void part_near(void *ctx, weft__pair_kind kind, const weft__pushes *pushe
         for (size_t j = 0; near && most > 0.0 && j < points; ++j) {
             const size_t at = (size_t)from->particle[j][lane];
             if (at < n && to->cloth->mesh.inverse_mass[at] > 0.0) {
-                move(to, at, 0.5 * way / most, force[j]);
+                untangle_move(to, at, 0.5 * way / most, force[j]);
             }
         }
         to->near += near;
@@ -387,7 +389,7 @@ static void take_step(relaxation *of, double h)
 
 /* ---- a start --------------------------------------------------------------------- */
 
-static weft_status no_memory(weft_error *err)
+static weft_status untangle_no_memory(weft_error *err)
 {
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for contact.untangle");
 }
@@ -413,7 +415,7 @@ static weft_cloth *elastic_copy(const weft_cloth *cloth)
     return copy;
 }
 
-static bool create(relaxation *of, const weft_cloth *cloth, double *y)
+static bool untangle_create(relaxation *of, const weft_cloth *cloth, double *y)
 {
     const weft_allocator *memory = &cloth->memory;
     const size_t n = cloth->mesh.particles;
@@ -469,7 +471,7 @@ static void tell(relaxation *of, size_t crosses)
 
 /* Keeps a state that is better than the ones before: one without a crossing always, as
  * it then becomes wider. */
-static void keep_better(relaxation *of, size_t crosses)
+static void untangle_keep_better(relaxation *of, size_t crosses)
 {
     if (crosses < of->fewest || crosses == 0) {
         memcpy(of->kept, of->y, 3 * of->cloth->mesh.particles * sizeof *of->kept);
@@ -484,7 +486,7 @@ static void keep_better(relaxation *of, size_t crosses)
 
 /* From a state that crosses, whose moves are found, for the time of the cloth at most.
  */
-static weft_status relax(relaxation *of, size_t crosses, weft_error *err)
+static weft_status untangle_relax(relaxation *of, size_t crosses, weft_error *err)
 {
     const size_t size = 3 * of->cloth->mesh.particles;
     const weft_stiffness most = weft_cloth_stiffness(of->elastic, 0.0, of->y);
@@ -494,7 +496,7 @@ static weft_status relax(relaxation *of, size_t crosses, weft_error *err)
     of->fewest = SIZE_MAX;
     of->shallowest = INFINITY;
     of->told = weft__wall_clock();
-    keep_better(of, crosses);
+    untangle_keep_better(of, crosses);
     rest(of);
     while (able && of->t < time && of->ended[0] == '\0' && (crosses > 0 || of->near > 0)
            && !weft__stops(&of->stop)) {
@@ -507,7 +509,7 @@ static weft_status relax(relaxation *of, size_t crosses, weft_error *err)
         able = find_moves(of, &crosses);
         if (able && !of->stop.came) {   /* else not all pairs were found */
             of->idle += of->fewest > 0; /* once nothing crosses, it becomes wider */
-            keep_better(of, crosses);
+            untangle_keep_better(of, crosses);
             tell(of, crosses);
             of->ended = of->idle < PATIENCE
                             ? ""
@@ -516,7 +518,9 @@ static weft_status relax(relaxation *of, size_t crosses, weft_error *err)
     }
     memcpy(of->y, of->kept, size * sizeof *of->kept);
     rest(of);
-    return !able ? no_memory(err) : of->stop.came ? weft__stopped(err) : WEFT_OK;
+    return !able           ? untangle_no_memory(err)
+           : of->stop.came ? weft__stopped(err)
+                           : WEFT_OK;
 }
 
 /* The error of what is left. */
@@ -557,12 +561,13 @@ weft_status weft__relax_start(const weft_cloth *cloth, double *y,
     const weft__search pins
         = { .where = "contact.untangle cannot move the cloth out: " };
     TRY(weft__bodies_pins_error(&cloth->bodies, 0.0, y, &pins, err));
-    weft_status status = create(&of, cloth, y) ? WEFT_OK : no_memory(err);
+    weft_status status
+        = untangle_create(&of, cloth, y) ? WEFT_OK : untangle_no_memory(err);
     of.stop = *stop, of.log = *log;
     if (status == WEFT_OK) {
-        status = !find_moves(&of, &crosses) ? no_memory(err)
+        status = !find_moves(&of, &crosses) ? untangle_no_memory(err)
                  : of.stop.came             ? weft__stopped(err)
-                 : crosses > 0              ? relax(&of, crosses, err)
+                 : crosses > 0              ? untangle_relax(&of, crosses, err)
                                             : WEFT_OK;
     }
     status = status == WEFT_OK ? tangled(&of, err) : status;

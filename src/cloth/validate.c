@@ -88,7 +88,7 @@ static void check_motions(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static bool check_arrays(const weft_cloth_def *def, const weft__faults *to)
+static bool validate_check_arrays(const weft_cloth_def *def, const weft__faults *to)
 {
     const char *missing = def->load_count > 0 && def->loads == NULL ? "loads"
                           : def->pin_count > 0 && def->pins == NULL ? "pins"
@@ -293,7 +293,7 @@ void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
 {
     *triangles = NULL;
     *no_memory = false;
-    if (!check_arrays(def, to)) {
+    if (!validate_check_arrays(def, to)) {
         return;
     }
     if (def->mesh != NULL) {

@@ -86,7 +86,7 @@ size_t weft__triangles_of(const weft__mesh *mesh, size_t i, uint32_t triangles[2
     return 2;
 }
 
-static size_t at_most(size_t count, size_t most)
+static size_t grid_at_most(size_t count, size_t most)
 {
     return count < most ? count : most;
 }
@@ -98,8 +98,9 @@ static weft_band band_of(const weft_cloth_def *def)
     return (weft_band){ .rows = def->rows,
                         .first = first,
                         .own = own,
-                        .above = at_most(first, WEFT_GHOST_ROWS),
-                        .below = at_most(def->rows - (first + own), WEFT_GHOST_ROWS) };
+                        .above = grid_at_most(first, WEFT_GHOST_ROWS),
+                        .below
+                        = grid_at_most(def->rows - (first + own), WEFT_GHOST_ROWS) };
 }
 
 void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def)
@@ -148,7 +149,7 @@ typedef struct grid_part {
     size_t r0, r1, c0, c1; /* [r0, r1) and [c0, c1] */
 } grid_part;
 
-static grid_part part_of(const weft__mesh *mesh, weft_range rows, weft_range cols)
+static grid_part grid_part_of(const weft__mesh *mesh, weft_range rows, weft_range cols)
 {
     const size_t low = top(mesh), high = low + mesh->rows;
     size_t a, b;
@@ -162,7 +163,7 @@ static grid_part part_of(const weft__mesh *mesh, weft_range rows, weft_range col
 
 static void add_load(weft__mesh *mesh, const weft_load *load)
 {
-    const grid_part of = part_of(mesh, load->rows, load->cols);
+    const grid_part of = grid_part_of(mesh, load->rows, load->cols);
     for (size_t r = of.r0; r < of.r1; ++r) {
         for (size_t c = of.c0; c <= of.c1; ++c) {
             mesh->mass[r * mesh->cols + c] += load->mass;
@@ -172,7 +173,7 @@ static void add_load(weft__mesh *mesh, const weft_load *load)
 
 static void add_pin(weft__mesh *mesh, const weft_pin *pin, size_t number)
 {
-    const grid_part of = part_of(mesh, pin->rows, pin->cols);
+    const grid_part of = grid_part_of(mesh, pin->rows, pin->cols);
     for (size_t r = of.r0; r < of.r1; ++r) {
         for (size_t c = of.c0; c <= of.c1; ++c) {
             mesh->pin[r * mesh->cols + c] = (uint32_t)(number + 1);

@@ -70,7 +70,7 @@ static bool check_size(const weft_cloth_def *def, const weft__faults *to)
     return !single && rows <= MAX_PARTICLES / cols;
 }
 
-static bool check_band(const weft_cloth_def *def, const weft__faults *to)
+static bool grid_check_check_band(const weft_cloth_def *def, const weft__faults *to)
 {
     const size_t first = def->band_first, rows = def->band_rows, all = def->rows;
     const bool single = rows == 1 && all > 1;
@@ -113,7 +113,7 @@ static bool check_axes(const weft_cloth_def *def, const weft__faults *to)
 }
 
 /* Positions must be numbers, at rest and as they start. */
-static bool check_finite(const weft__mesh *grid, const weft__faults *to)
+static bool grid_check_check_finite(const weft__mesh *grid, const weft__faults *to)
 {
     bool finite = true;
     for (size_t corner = 0; corner < 4; ++corner) {
@@ -176,12 +176,13 @@ bool weft__grid_check(const weft_cloth_def *def, size_t most, const weft__faults
 {
     weft__mesh grid = { .rows = 0 };
     const bool good = WEFT__NUMBERS_CHECK(weft__grid_numbers, def, to, "%s", "");
-    const bool sized = check_size(def, to) && check_band(def, to);
+    const bool sized = check_size(def, to) && grid_check_check_band(def, to);
     if (!check_axes(def, to) || !sized || !good) {
         return sized;
     }
     weft__grid_init(&grid, def);
-    if (check_finite(&grid, to) && may_coincide(&grid) && grid.particles <= most) {
+    if (grid_check_check_finite(&grid, to) && may_coincide(&grid)
+        && grid.particles <= most) {
         check_apart(&grid, to);
     }
     return true;

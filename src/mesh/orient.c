@@ -26,7 +26,7 @@ static uint32_t root_of(const sets *of, uint32_t t, bool *odd)
 }
 
 /* Joins two triangles, of which one must be turned against the other or not. */
-static void join(const sets *of, uint32_t a, uint32_t b, bool turned)
+static void orient_join(const sets *of, uint32_t a, uint32_t b, bool turned)
 {
     bool odd[2];
     const uint32_t x = root_of(of, a, &odd[0]), y = root_of(of, b, &odd[1]);
@@ -49,7 +49,7 @@ static void join_all(const weft__work *at, const sets *of)
             const bool third = (h > at->first[i] && a[-1].high == a->high)
                                || (h + 2 < at->first[i + 1] && b[1].high == b->high);
             if (a->high == b->high && !third) {
-                join(of, a->triangle, b->triangle, a->down == b->down);
+                orient_join(of, a->triangle, b->triangle, a->down == b->down);
             }
         }
     }

@@ -39,7 +39,8 @@ static bool is_own(const weft__slice *slice, const uint32_t corner[3])
 }
 
 /* Triangle t of the whole becomes the next one here. */
-static void keep(weft__triangles *of, const weft__slice *slice, size_t t, size_t next)
+static void slice_keep(weft__triangles *of, const weft__slice *slice, size_t t,
+                       size_t next)
 {
     slice->triangle[t] = (uint32_t)next;
     for (size_t k = 0; k < 3; ++k) {
@@ -88,7 +89,7 @@ bool weft__mesh_slice(weft__mesh *mesh, const weft__slice *slice)
     for (size_t t = 0; t < of->count; ++t) {
         slice->triangle[t] = WEFT__NONE;
         if (is_own(slice, of->corner[t])) {
-            keep(of, slice, t, count++);
+            slice_keep(of, slice, t, count++);
         }
     }
     of->count = count;

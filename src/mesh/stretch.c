@@ -14,7 +14,7 @@ typedef struct strain {
     double least, mean, most; /* mean: sqrt of the ratio of the areas */
 } strain;
 
-static strain strain_of(const weft_mesh_def *def, size_t t)
+static strain stretch_strain_of(const weft_mesh_def *def, size_t t)
 {
     const double *x[3], *u[3];
     double a[3], b[3], longest, cross[3];
@@ -64,7 +64,7 @@ static void take_triangles(const weft_mesh_def *def, size_t part, double *means,
             && weft__part_at(def, weft__vertex_at(def, t, 0)) != part) {
             continue;
         }
-        const strain of = strain_of(def, t);
+        const strain of = stretch_strain_of(def, t);
         if (count == 0 || of.least < out->least) {
             out->least = of.least, least = t;
         }

@@ -56,7 +56,7 @@ size_t weft__surface_triangles(const weft__mesh *mesh, uint32_t *corners)
 }
 
 /* [m] u along a row, v up a column of a grid. */
-static void place_at(const weft__mesh *mesh, size_t i, double uv[2])
+static void surface_place_at(const weft__mesh *mesh, size_t i, double uv[2])
 {
     if (mesh->triangles != NULL) {
         const double *at = mesh->triangles->rest[i];
@@ -104,12 +104,12 @@ size_t weft__surface_places(const weft__mesh *mesh, uint32_t *corner_uv, double 
         (void)add_grid_cells(of, 3, of->count, &of->places, corner_uv);
     }
     for (size_t i = 0; uv != NULL && i < places; ++i) {
-        place_at(mesh, i, &uv[2 * i]);
+        surface_place_at(mesh, i, &uv[2 * i]);
     }
     for (size_t k = 0; of != NULL && k < of->part_count; ++k) {
         const weft__mesh *grid = &of->parts[k].grid;
         for (size_t i = 0; uv != NULL && i < grid->particles; ++i) {
-            place_at(grid, i, &uv[2 * (places + i)]);
+            surface_place_at(grid, i, &uv[2 * (places + i)]);
         }
         places += grid->particles;
     }

@@ -74,7 +74,7 @@ static void list_halves(weft__work *at, const uint32_t *corners, size_t vertices
     }
 }
 
-static uint32_t root(uint32_t *piece, uint32_t t)
+static uint32_t triangles_root(uint32_t *piece, uint32_t t)
 {
     while (piece[t] != t) {
         t = piece[t] = piece[piece[t]];
@@ -115,8 +115,8 @@ static const char *advice(weft__work *at, const weft__half_edge of[2])
 }
 
 /* Edges of the same two vertices: at most two, in opposite directions. */
-static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
-                 size_t count)
+static void triangles_join(weft__work *at, uint32_t low, const weft__half_edge *from,
+                           size_t count)
 {
     const size_t p = weft__name_of(at, low), q = weft__name_of(at, from->high);
     if (count > 2) {
@@ -129,8 +129,8 @@ static void join(weft__work *at, uint32_t low, const weft__half_edge *from,
             "two triangles run along edge %zu-%zu in the same direction: %s", p, q,
             advice(at, from));
     } else if (count == 2 && same_places(at->def, &from[0], &from[1])) {
-        const uint32_t a = root(at->piece, from[0].triangle),
-                       b = root(at->piece, from[1].triangle);
+        const uint32_t a = triangles_root(at->piece, from[0].triangle),
+                       b = triangles_root(at->piece, from[1].triangle);
         at->piece[a < b ? b : a] = a < b ? a : b;
     }
 }
@@ -164,7 +164,7 @@ static void each_edge(weft__work *at, size_t vertices, edge_fn *visit)
 static void check_sides(weft__work *at)
 {
     for (size_t t = 0; !at->failed && t < at->def->triangles; ++t) {
-        const uint32_t first = root(at->piece, (uint32_t)t);
+        const uint32_t first = triangles_root(at->piece, (uint32_t)t);
         if (at->bad[t] == 0 && at->clockwise[t] != at->clockwise[first]) {
             weft__mesh_fault(
                 at, WEFT__MESH_TRIANGLE, t,
@@ -200,7 +200,7 @@ static uint64_t hilbert(uint32_t x, uint32_t y)
 }
 
 /* A part of 2^32, 0 for what is no number. */
-static uint32_t along(double part)
+static uint32_t triangles_along(double part)
 {
     return part <= 1.0 ? (uint32_t)(part * (double)UINT32_MAX) : 0;
 }
@@ -236,8 +236,8 @@ static void set_place_keys(weft__work *at)
             const place_extent *in = &of[at->place_key[i] - 1];
             const double side
                 = fmax(in->high[0] - in->low[0], in->high[1] - in->low[1]);
-            at->place_key[i] = hilbert(along((x[0] - in->low[0]) / side),
-                                       along((x[1] - in->low[1]) / side));
+            at->place_key[i] = hilbert(triangles_along((x[0] - in->low[0]) / side),
+                                       triangles_along((x[1] - in->low[1]) / side));
         }
     }
 }
@@ -448,7 +448,7 @@ static void list_triangles(weft__work *at)
     uint32_t *number = at->other; /* of a root */
     memset(number, 0xff, out->count * sizeof *number);
     for (size_t t = 0; t < out->count; ++t) {
-        const uint32_t from = at->order[t], first = root(at->piece, from);
+        const uint32_t from = at->order[t], first = triangles_root(at->piece, from);
         const size_t low = lowest_corner(at, from);
         for (size_t k = 0; k < 3; ++k) {
             const size_t c = (low + k) % 3;
@@ -475,27 +475,28 @@ static void set_areas(weft__work *at)
     }
 }
 
-static uint32_t place_of(const weft__triangles *of, uint32_t t, uint32_t particle)
+static uint32_t triangles_place_of(const weft__triangles *of, uint32_t t,
+                                   uint32_t particle)
 {
     const uint32_t *corner = of->corner[t];
     return of->place[t][corner[0] == particle ? 0 : corner[1] == particle ? 1 : 2];
 }
 
-static void add_edge(weft__work *at, uint32_t low, const weft__half_edge *from,
-                     size_t count)
+static void triangles_add_edge(weft__work *at, uint32_t low,
+                               const weft__half_edge *from, size_t count)
 {
     weft__triangles *out = at->out;
     const bool joined = count == 2
-                        && place_of(out, from[0].triangle, low)
-                               == place_of(out, from[1].triangle, low)
-                        && place_of(out, from[0].triangle, from->high)
-                               == place_of(out, from[1].triangle, from->high);
+                        && triangles_place_of(out, from[0].triangle, low)
+                               == triangles_place_of(out, from[1].triangle, low)
+                        && triangles_place_of(out, from[0].triangle, from->high)
+                               == triangles_place_of(out, from[1].triangle, from->high);
     const size_t sides = joined ? 1 : count;
     for (size_t i = 0; i < sides; ++i) {
         const uint32_t edge = (uint32_t)out->edges++, t = from[i].triangle;
         out->edge_list[edge]
-            = (weft__edge){ .place
-                            = { place_of(out, t, low), place_of(out, t, from->high) },
+            = (weft__edge){ .place = { triangles_place_of(out, t, low),
+                                       triangles_place_of(out, t, from->high) },
                             .triangle = { t, joined ? from[1].triangle : WEFT__NONE },
                             .sewn = sides == 1 ? WEFT__NONE
                                     : i == 0   ? edge + 1
@@ -552,7 +553,7 @@ static void copy_fabrics(weft__work *at)
     X(vertex, n)                                                                       \
     X(of_vertex, n) X(fabrics, of->fabric_count) X(parts, of->part_count + 1)
 
-static void allocate(weft__work *at)
+static void triangles_allocate(weft__work *at)
 {
     const size_t n = at->def->vertices, t = at->def->triangles;
     const size_t most = n > t ? n : t;
@@ -591,12 +592,12 @@ static void find_pieces(weft__work *at)
     }
     list_halves(at, def->corners, def->vertices, def->triangles);
     at->failed = false;
-    each_edge(at, def->vertices, join);
+    each_edge(at, def->vertices, triangles_join);
     check_sides(at);
     at->failed = at->failed || failed;
 }
 
-static void fill(weft__work *at)
+static void triangles_fill(weft__work *at)
 {
     order_particles(at);
     order_triangles(at);
@@ -607,7 +608,7 @@ static void fill(weft__work *at)
         set_areas(at);
         copy_fabrics(at);
         list_halves(at, &at->out->corner[0][0], at->def->vertices, at->out->count);
-        each_edge(at, at->def->vertices, add_edge);
+        each_edge(at, at->def->vertices, triangles_add_edge);
     }
 }
 
@@ -621,10 +622,10 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
         find_pieces(&at);
     }
     if (out != NULL && !at.failed) {
-        allocate(&at);
+        triangles_allocate(&at);
     }
     if (out != NULL && !at.failed) {
-        fill(&at);
+        triangles_fill(&at);
     }
     WEFT__FREE_ALL(memory, at.bad, at.clockwise, at.one_sided, at.halves, at.first,
                    at.piece, at.key, at.place_key, at.order, at.other);

@@ -37,7 +37,7 @@ void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
 
 /* ---- numbers --------------------------------------------------------------------- */
 
-static void check_arrays(weft__work *at)
+static void triangles_check_check_arrays(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
     const bool none = def->grids != NULL && def->triangles == 0;
@@ -263,7 +263,7 @@ static void check_used(weft__work *at)
 
 void weft__triangles_check(weft__work *at)
 {
-    check_arrays(at);
+    triangles_check_check_arrays(at);
     check_parts(at);
     if (!at->failed) {
         check_positions(at);

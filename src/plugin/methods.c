@@ -59,7 +59,7 @@ weft_status weft__config_check(const weft_stepper_config *config, weft_error *er
 /* ---- of a plugin ------------------------------------------------------------- */
 
 /* Appends to a list, while there is room for the name and for ", ...". */
-static void append(char *list, size_t size, const char *name)
+static void methods_append(char *list, size_t size, const char *name)
 {
     const size_t used = strlen(list);
     if (used + strlen(name) + sizeof ", , ..." <= size) {
@@ -75,7 +75,7 @@ void weft__methods_list(const weft_plugin *plugin, uint32_t flags, char *out,
     out[0] = '\0';
     for (size_t i = 0; plugin->types[i] != NULL; ++i) {
         if ((plugin->types[i]->flags & flags) == flags) {
-            append(out, size, plugin->types[i]->name);
+            methods_append(out, size, plugin->types[i]->name);
         }
     }
 }
@@ -292,7 +292,7 @@ static void consider(void *ctx, const char *id, const char *file)
     if (is_listed(self->names, id)) {
         return;
     }
-    append(self->names, sizeof self->names, id);
+    methods_append(self->names, sizeof self->names, id);
     weft__guess_try(&guess, self->wanted, id);
     if (guess.name != before) {
         (void)snprintf(self->nearest, sizeof self->nearest, "%s", id);

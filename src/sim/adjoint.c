@@ -56,13 +56,13 @@ void weft_gradient_def_init(weft_gradient_def *def, size_t size)
 /* ---- made -------------------------------------------------------------------------
  */
 
-static weft_status no_memory(weft_error *err)
+static weft_status adjoint_no_memory(weft_error *err)
 {
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a gradient");
 }
 
-static weft_status check(const weft_gradient_def *def, const double *by_parameter,
-                         weft_error *err)
+static weft_status adjoint_check(const weft_gradient_def *def,
+                                 const double *by_parameter, weft_error *err)
 {
     double before = 0.0;
     if (def->sim == NULL || def->objective == NULL
@@ -89,7 +89,7 @@ static size_t dim_of(const adjoint *of)
     return weft_cloth_dim(of->sim->cloth);
 }
 
-static weft_status make_sim(adjoint *of, weft_error *err)
+static weft_status adjoint_make_sim(adjoint *of, weft_error *err)
 {
     weft_sim_def def;
     TRY(WEFT__DEF_READ(weft_sim_def, &def, of->def->sim, WEFT__DEF_MOST, err));
@@ -102,7 +102,7 @@ static weft_status make_sim(adjoint *of, weft_error *err)
     return weft__stages_find(of->sim->def.method, &of->sim->config, of->table, err);
 }
 
-static weft_status make_room(adjoint *of, weft_error *err)
+static weft_status adjoint_make_room(adjoint *of, weft_error *err)
 {
     const size_t dim = dim_of(of), end = of->table->count + 1;
     for (size_t k = 1; k < end; ++k) {
@@ -112,7 +112,7 @@ static weft_status make_room(adjoint *of, weft_error *err)
     of->frame = weft__zeroed(&of->memory, of->def->frames, sizeof *of->frame);
     of->slopes = weft__zeroed(&of->memory, of->def->count, sizeof *of->slopes);
     if (of->vectors == NULL || of->frame == NULL || of->slopes == NULL) {
-        return no_memory(err);
+        return adjoint_no_memory(err);
     }
     double *next = of->vectors;
     for (size_t k = 0; k < end; ++k, next += dim) {
@@ -181,7 +181,7 @@ static weft_status leave_checkpoint(adjoint *of, weft_error *err)
         double *to = weft__alloc(&of->memory, dim + half, sizeof *to);
         if (to == NULL || list == NULL) {
             weft__free(&of->memory, to);
-            return no_memory(err);
+            return adjoint_no_memory(err);
         }
         of->checkpoints[of->made++] = to;
     }
@@ -202,7 +202,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
         recorded_step *steps
             = weft__resize(&of->memory, of->steps, more, sizeof *steps);
         if (steps == NULL) {
-            return no_memory(err);
+            return adjoint_no_memory(err);
         }
         of->steps = steps, of->room_for = more;
     }
@@ -280,7 +280,7 @@ static void find_state(const adjoint *of, size_t k, double h, const double *y,
 }
 
 /* Where `segment` has state k of a step; 0: its start, if the step keeps that. */
-static double *place_of(const adjoint *of, size_t step, size_t k)
+static double *adjoint_place_of(const adjoint *of, size_t step, size_t k)
 {
     size_t slot = of->steps[step].first;
     for (size_t j = 0; j < k; ++j) {
@@ -291,11 +291,11 @@ static double *place_of(const adjoint *of, size_t step, size_t k)
 
 /* The state at the start of a step that has a checkpoint or keeps it; that at the end
  * of the run. */
-static const double *start_of(const adjoint *of, size_t step)
+static const double *adjoint_start_of(const adjoint *of, size_t step)
 {
     return step == of->count       ? of->sim->y
            : step % of->every == 0 ? of->checkpoints[step / of->every]
-                                   : place_of(of, step, 0);
+                                   : adjoint_place_of(of, step, 0);
 }
 
 /* Finds where the states of steps are, and has room for them. */
@@ -315,7 +315,7 @@ static weft_status make_segment(adjoint *of, weft_error *err)
         most = next > most ? next : most;
     }
     of->segment = weft__alloc(&of->memory, most * dim_of(of), sizeof *of->segment);
-    return of->segment != NULL ? WEFT_OK : no_memory(err);
+    return of->segment != NULL ? WEFT_OK : adjoint_no_memory(err);
 }
 
 /* That of the step after one, or that begins where the last step ends. */
@@ -328,7 +328,7 @@ static double next_piece(const adjoint *of, size_t step)
 }
 
 /* Fills the segment of steps [first, end) from its checkpoint. */
-static int repeat(adjoint *of, size_t first, size_t end)
+static int adjoint_repeat(adjoint *of, size_t first, size_t end)
 {
     const weft__mesh *mesh = &of->sim->cloth->mesh;
     const size_t count = of->table->count, half = 3 * mesh->particles;
@@ -348,7 +348,7 @@ static int repeat(adjoint *of, size_t first, size_t end)
             failed |= weft__forces_rhs(forces, t, y, of->rates[0]);
         }
         for (size_t k = 1; k <= count; ++k) {
-            double *state = place_of(of, i, k);
+            double *state = adjoint_place_of(of, i, k);
             if (of->table->needed[k]) {
                 find_state(of, k, h, y, state);
             }
@@ -358,8 +358,8 @@ static int repeat(adjoint *of, size_t first, size_t end)
             }
         }
         if (!last) {
-            double *next
-                = of->steps[i + 1].keeps ? place_of(of, i + 1, 0) : of->room[i % 2];
+            double *next = of->steps[i + 1].keeps ? adjoint_place_of(of, i + 1, 0)
+                                                  : of->room[i % 2];
             find_state(of, count + 1, h, y, next);
             if (of->steps[i].piece != next_piece(of, i)) {
                 weft__meet_pins(mesh, of->steps[i + 1].t, next_piece(of, i),
@@ -496,8 +496,8 @@ static int step_back(adjoint *of, size_t step)
     for (size_t k = end - 1; k > 0; --k) {
         if (of->table->needed[k]) {
             find_by_rate(of, k, h, of->w);
-            failed |= go_through(of, t + of->table->c[k] * h, place_of(of, step, k),
-                                 of->w, of->by_state[k]);
+            failed |= go_through(of, t + of->table->c[k] * h,
+                                 adjoint_place_of(of, step, k), of->w, of->by_state[k]);
         }
     }
     find_start(of, h, start);
@@ -505,7 +505,7 @@ static int step_back(adjoint *of, size_t step)
         find_by_rate(of, 0, h, of->carried);
     }
     if (of->table->carries && of->steps[step].restarts) {
-        failed |= go_through(of, t, start_of(of, step), of->carried, by_first);
+        failed |= go_through(of, t, adjoint_start_of(of, step), of->carried, by_first);
         for (size_t i = 0; i < dim; ++i) {
             start[i] += by_first[i];
         }
@@ -545,14 +545,14 @@ static weft_status go_back(adjoint *of, weft_error *err)
     TRY(make_segment(of, err));
     while (end > 0 && status == WEFT_OK) {
         const size_t first = (end - 1) / of->every * of->every;
-        failed |= repeat(of, first, end);
+        failed |= adjoint_repeat(of, first, end);
         for (; end > first && status == WEFT_OK; --end) {
-            status = add_frames(of, end, start_of(of, end), &left, err);
+            status = add_frames(of, end, adjoint_start_of(of, end), &left, err);
             failed |= status == WEFT_OK ? step_back(of, end - 1) : 0;
         }
     }
-    status
-        = status == WEFT_OK ? add_frames(of, 0, start_of(of, 0), &left, err) : status;
+    status = status == WEFT_OK ? add_frames(of, 0, adjoint_start_of(of, 0), &left, err)
+                               : status;
     return status == WEFT_OK && failed != 0
                ? weft_error_set(err, WEFT_NOT_FINITE,
                                 "the gradient is not finite: it grows beyond all "
@@ -578,14 +578,14 @@ static void finish(adjoint *of, double *by_start)
     }
 }
 
-static weft_status differentiate(adjoint *of, double *by_start, weft_error *err)
+static weft_status adjoint_differentiate(adjoint *of, double *by_start, weft_error *err)
 {
     of->table = weft__alloc(&of->memory, 1, sizeof *of->table);
     if (of->table == NULL) {
-        return no_memory(err);
+        return adjoint_no_memory(err);
     }
-    TRY(make_sim(of, err));
-    TRY(make_room(of, err));
+    TRY(adjoint_make_sim(of, err));
+    TRY(adjoint_make_room(of, err));
     TRY(make_slopes(of, err));
     TRY(record(of, err));
     TRY(go_back(of, err));
@@ -601,7 +601,7 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
     if (status != WEFT_OK
         || WEFT__DEF_READ(weft_gradient_def, &def, given, WEFT__DEF_MOST, err)
                != WEFT_OK
-        || check(&def, by_parameter, err) != WEFT_OK) {
+        || adjoint_check(&def, by_parameter, err) != WEFT_OK) {
         return WEFT_INVALID;
     }
     adjoint of = { .def = &def,
@@ -609,7 +609,7 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
                    .value = value,
                    .by_parameter = by_parameter };
     *value = 0.0;
-    status = differentiate(&of, by_start, err);
+    status = adjoint_differentiate(&of, by_start, err);
     for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {
         weft__slope_free(&of.slopes[j], &of.memory);
     }

@@ -7,46 +7,48 @@
 #include "sim/simulation.h"
 
 /* The structure of the state of which that of all parts is made, and their number. */
-static const weft_structure *parts_of(const weft_sim *sim, size_t *count)
+static const weft_structure *augmented_parts_of(const weft_sim *sim, size_t *count)
 {
     *count = 1 + sim->sensitivity.count;
     return &sim->structure;
 }
 
 /* Planes of one part, `width` apart, to the same of part i, `all` apart. */
-static void repeat(const double *from, size_t planes, size_t first, size_t count,
-                   size_t width, double *to, size_t all, size_t at)
+static void augmented_repeat(const double *from, size_t planes, size_t first,
+                             size_t count, size_t width, double *to, size_t all,
+                             size_t at)
 {
     for (size_t k = 0; k < planes; ++k) {
         memcpy(to + k * all + at, from + k * width + first, count * sizeof *to);
     }
 }
 
-static int linearise(double t, const double *y, double *planes, double *blocks,
-                     void *ctx)
+static int augmented_linearise(double t, const double *y, double *planes,
+                               double *blocks, void *ctx)
 {
     const weft_sim *sim = ctx;
     size_t parts;
-    const weft_structure *of = parts_of(sim, &parts);
+    const weft_structure *of = augmented_parts_of(sim, &parts);
     const size_t n = of->particles, bonds = of->pair_count, bend = of->bend_pairs;
     double *own = sim->sensitivity.own, *touched = own + WEFT_PAIR_PLANES * bonds;
     weft__sensitivity_state(sim, y, sim->sensitivity.room[0]);
     const int failed = of->linearise(t, sim->sensitivity.room[0], own,
                                      blocks != NULL ? touched : NULL, of->ctx);
     for (size_t i = 0; i < parts; ++i) {
-        repeat(own, WEFT_PAIR_PLANES, 0, bonds - bend, bonds, planes, parts * bonds,
-               i * (bonds - bend));
-        repeat(own, WEFT_PAIR_PLANES, bonds - bend, bend, bonds, planes, parts * bonds,
-               parts * (bonds - bend) + i * bend);
+        augmented_repeat(own, WEFT_PAIR_PLANES, 0, bonds - bend, bonds, planes,
+                         parts * bonds, i * (bonds - bend));
+        augmented_repeat(own, WEFT_PAIR_PLANES, bonds - bend, bend, bonds, planes,
+                         parts * bonds, parts * (bonds - bend) + i * bend);
         if (blocks != NULL) {
-            repeat(touched, WEFT_BLOCK_PLANES, 0, n, n, blocks, parts * n, i * n);
+            augmented_repeat(touched, WEFT_BLOCK_PLANES, 0, n, n, blocks, parts * n,
+                             i * n);
         }
     }
     return failed;
 }
 
-static size_t modes(double t, const double *y, double (*corners)[2], size_t room,
-                    void *ctx)
+static size_t augmented_modes(double t, const double *y, double (*corners)[2],
+                              size_t room, void *ctx)
 {
     const weft_sim *sim = ctx;
     if (y != NULL) {
@@ -59,7 +61,7 @@ static size_t modes(double t, const double *y, double (*corners)[2], size_t room
 weft_status weft__augmented_init(weft_sim *sim, weft_error *err)
 {
     size_t parts;
-    const weft_structure *of = parts_of(sim, &parts);
+    const weft_structure *of = augmented_parts_of(sim, &parts);
     weft__sensitivity *to = &sim->sensitivity;
     const size_t n = of->particles, plain = of->run_count - of->bend_runs;
     weft_spring_run *runs
@@ -88,7 +90,8 @@ weft_status weft__augmented_init(weft_sim *sim, weft_error *err)
     to->structure.bend_pairs *= parts;
     to->structure.runs = runs;
     to->structure.mass = masses, to->structure.drag = masses + parts * n;
-    to->structure.linearise = linearise, to->structure.modes = modes;
+    to->structure.linearise = augmented_linearise,
+    to->structure.modes = augmented_modes;
     to->structure.block_coupling_count = to->structure.scalar_coupling_count = 0;
     to->structure.ctx = sim;
     sim->config.structure = &to->structure;

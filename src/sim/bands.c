@@ -29,7 +29,7 @@ weft_status weft__bands_comm_check(const weft_comm *comm, weft_error *err)
                                          : "lacks a function or its struct_size");
 }
 
-static weft_status check_band(const weft_sim_def *def, weft_error *err)
+static weft_status bands_check_band(const weft_sim_def *def, weft_error *err)
 {
     const weft_band band = weft_cloth_band(def->cloth);
     const weft_comm *comm = def->comm;
@@ -66,7 +66,7 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
                               "bands of triangles, or with contact of the cloth with "
                               "itself, need a comm with `post`");
     }
-    TRY(check_band(def, err));
+    TRY(bands_check_band(def, err));
     if (def->comm == NULL) {
         return WEFT_OK;
     }
@@ -233,8 +233,8 @@ static void owned(const weft__mesh *mesh, const weft_comm *comm, size_t rank,
 }
 
 /* How many of an ascending list are in [first, end), and which is the first of them. */
-static size_t between(const uint32_t *list, size_t count, size_t first, size_t end,
-                      size_t *at)
+static size_t bands_between(const uint32_t *list, size_t count, size_t first,
+                            size_t end, size_t *at)
 {
     size_t in = 0;
     *at = 0;
@@ -282,8 +282,8 @@ static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t 
         mail->count = sent = 0;
         for (size_t r = 0; r < size; list += counts[r++]) {
             owned(mesh, comm, r, &low, &high);
-            const size_t ins = 3 * between(mine, counts[me], low, high, &at);
-            const size_t outs = 3 * between(list, counts[r], first, end, &at);
+            const size_t ins = 3 * bands_between(mine, counts[me], low, high, &at);
+            const size_t outs = 3 * bands_between(list, counts[r], first, end, &at);
             mail->before = r == me ? mail->count : mail->before;
             if (r == me || outs + ins == 0) {
                 continue;
@@ -308,7 +308,7 @@ static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t 
     return mail->parcels != NULL;
 }
 
-static weft_status no_memory(const weft_comm *comm, bool made, weft_error *err)
+static weft_status bands_no_memory(const weft_comm *comm, bool made, weft_error *err)
 {
     return weft_comm_agree(
         comm,
@@ -317,8 +317,8 @@ static weft_status no_memory(const weft_comm *comm, bool made, weft_error *err)
 }
 
 /* All bands get the lists of all. */
-static weft_status meet(weft__forces *forces, uint32_t *own, size_t *counts,
-                        uint32_t **lists, weft_error *err)
+static weft_status bands_meet(weft__forces *forces, uint32_t *own, size_t *counts,
+                              uint32_t **lists, weft_error *err)
 {
     const weft_comm *comm = forces->comm;
     size_t all = 0;
@@ -329,10 +329,10 @@ static weft_status meet(weft__forces *forces, uint32_t *own, size_t *counts,
         all += counts[r];
     }
     *lists = weft__alloc(&forces->memory, all, sizeof **lists);
-    TRY(no_memory(comm, *lists != NULL, err));
+    TRY(bands_no_memory(comm, *lists != NULL, err));
     comm->gather(comm->self, own, mine * sizeof *own, *lists);
     comm->share(comm->self, *lists, all * sizeof **lists);
-    return no_memory(comm, make_mail(forces, *lists, counts), err);
+    return bands_no_memory(comm, make_mail(forces, *lists, counts), err);
 }
 
 weft_status weft__bands_meet(weft__forces *forces, weft_error *err)
@@ -345,8 +345,8 @@ weft_status weft__bands_meet(weft__forces *forces, weft_error *err)
     }
     uint32_t *own = weft__alloc(memory, forces->cloth->mesh.particles, sizeof *own);
     size_t *counts = weft__alloc(memory, (size_t)comm->size, sizeof *counts);
-    weft_status status = no_memory(comm, own != NULL && counts != NULL, err);
-    status = status == WEFT_OK ? meet(forces, own, counts, &lists, err) : status;
+    weft_status status = bands_no_memory(comm, own != NULL && counts != NULL, err);
+    status = status == WEFT_OK ? bands_meet(forces, own, counts, &lists, err) : status;
     WEFT__FREE_ALL(memory, own, counts, lists);
     return status;
 }
@@ -364,7 +364,7 @@ typedef struct band_rhs {
     atomic_int failed;
 } band_rhs;
 
-static void evaluate(band_rhs *self, size_t first, size_t end)
+static void bands_evaluate(band_rhs *self, size_t first, size_t end)
 {
     if (first < end
         && weft__rhs_blocks(self->forces->cloth, self->of, self->dydt, first, end)
@@ -377,7 +377,8 @@ static void evaluate(band_rhs *self, size_t first, size_t end)
 static void do_edge(void *ctx, size_t i)
 {
     band_rhs *self = ctx;
-    evaluate(self, i == 0 ? self->first : self->high, i == 0 ? self->low : self->end);
+    bands_evaluate(self, i == 0 ? self->first : self->high,
+                   i == 0 ? self->low : self->end);
 }
 
 static void do_inner(void *ctx, size_t i)
@@ -385,8 +386,8 @@ static void do_inner(void *ctx, size_t i)
     band_rhs *self = ctx;
     const weft_comm *comm = self->forces->comm;
     const size_t rows = self->high - self->low;
-    evaluate(self, self->low + rows * i / self->parts,
-             self->low + rows * (i + 1) / self->parts);
+    bands_evaluate(self, self->low + rows * i / self->parts,
+                   self->low + rows * (i + 1) / self->parts);
     if (comm->poke != NULL && weft__pool_in_caller(self->forces->pool)) {
         comm->poke(comm->self);
     }
@@ -405,7 +406,7 @@ static void do_kind(void *ctx, size_t i)
             ++end;
         }
         if (edge[b] == self->edges) {
-            evaluate(self, self->first + b, self->first + end);
+            bands_evaluate(self, self->first + b, self->first + end);
         }
     }
     if (!self->edges && comm->poke != NULL

@@ -51,7 +51,7 @@ static double applied(condition of, unsigned power)
 }
 
 /* Solves a w = b of `count` rows by Gauss's elimination; w comes in place of b. */
-static void solve(double a[MOST][MOST], double b[MOST], unsigned count)
+static void between_solve(double a[MOST][MOST], double b[MOST], unsigned count)
 {
     for (unsigned k = 0; k < count; ++k) {
         unsigned pivot = k;
@@ -95,11 +95,11 @@ static void weights(unsigned highest, unsigned inner, condition at, double w[MOS
         }
         w[power] = applied(at, power);
     }
-    solve(a, w, count);
+    between_solve(a, w, count);
 }
 
 /* sum += factor * from, plane by plane. */
-static void add(double *sum, double factor, const double *from, size_t count)
+static void between_add(double *sum, double factor, const double *from, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         sum[i] += factor * from[i];
@@ -107,8 +107,8 @@ static void add(double *sum, double factor, const double *from, size_t count)
 }
 
 /* A resting particle keeps its bits: differences and rates that are 0 add nothing. */
-static void add_difference(double *sum, double factor, const double *from,
-                           const double *to, size_t count)
+static void between_add_difference(double *sum, double factor, const double *from,
+                                   const double *to, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         sum[i] += factor * (to[i] - from[i]);
@@ -178,8 +178,8 @@ static void motion_at(const weft_sim *sim, unsigned levels, double s, double *ou
     weft__piece_jump(sim, -h * w.x[end_velocity], out);
     weft__piece_jump(sim, -h * w.v[end_velocity], out + count);
     for (unsigned i = 0; i + 1 < levels; ++i) {
-        add(out, h * h * w.x[6 + i], of->rates[2 + i] + count, count);
-        add(out + count, h * h * w.v[6 + i], of->rates[2 + i] + count, count);
+        between_add(out, h * h * w.x[6 + i], of->rates[2 + i] + count, count);
+        between_add(out + count, h * h * w.v[6 + i], of->rates[2 + i] + count, count);
     }
     for (size_t i = count; i < 2 * count; ++i) {
         out[i] /= h;
@@ -194,11 +194,12 @@ static void quadratures_at(const weft_sim *sim, unsigned inner, double s, double
     double w[MOST];
     weights(1, inner, (condition){ 0, s }, w);
     memcpy(out, of->start + dim, count * sizeof *out);
-    add_difference(out, w[2], of->start + dim, sim->y + dim, count);
-    add(out, h * w[1], of->rates[0] + dim, count);
-    add(out, h * w[3], of->rates[1] + dim, count);
+    between_add_difference(out, w[2], of->start + dim, sim->y + dim, count);
+    between_add(out, h * w[1], of->rates[0] + dim, count);
+    between_add(out, h * w[3], of->rates[1] + dim, count);
     for (unsigned i = 0; i < inner; ++i) {
-        add(out, h * w[QUADRATURE_CONDITIONS + i], of->rates[2 + i] + dim, count);
+        between_add(out, h * w[QUADRATURE_CONDITIONS + i], of->rates[2 + i] + dim,
+                    count);
     }
 }
 
@@ -209,7 +210,7 @@ static void state_at(const weft_sim *sim, unsigned inner, double s, double *y)
 }
 
 /* The rates in a state of the step; as weft_rhs_fn, and the same on all bands. */
-static int evaluate(weft_sim *sim, double t, const double *y, double *rates)
+static int between_evaluate(weft_sim *sim, double t, const double *y, double *rates)
 {
     ++sim->earlier.rhs_calls;
     const int failed = weft__sim_rhs(t, y, rates, sim);
@@ -228,12 +229,14 @@ static weft_status find_rates(weft_sim *sim, weft_error *err)
     sim->forces.piece = sim->piece;
     memcpy(of->shown, sim->y, weft__sim_dim(sim) * sizeof *of->shown);
     weft__piece_jump(sim, -1.0, of->shown + weft_cloth_dim(sim->cloth) / 2);
-    int failed = evaluate(sim, of->t0, of->start, of->rates[0]);
-    failed = failed == 0 ? evaluate(sim, sim->t, of->shown, of->rates[1]) : failed;
+    int failed = between_evaluate(sim, of->t0, of->start, of->rates[0]);
+    failed
+        = failed == 0 ? between_evaluate(sim, sim->t, of->shown, of->rates[1]) : failed;
     for (of->levels = failed == 0; failed == 0 && of->levels <= of->nodes;) {
         for (unsigned i = 0; failed == 0 && i < of->levels; ++i) {
             state_at(sim, of->levels - 1, nodes[i], of->shown);
-            failed = evaluate(sim, of->t0 + nodes[i] * h, of->shown, of->rates[2 + i]);
+            failed = between_evaluate(sim, of->t0 + nodes[i] * h, of->shown,
+                                      of->rates[2 + i]);
         }
         of->levels += failed == 0;
     }
@@ -298,7 +301,7 @@ void weft__between_forget(weft_sim *sim)
 }
 
 /* Puts the state at t to `shown`. */
-static weft_status find(weft_sim *sim, double t, weft_error *err)
+static weft_status between_find(weft_sim *sim, double t, weft_error *err)
 {
     weft__between *of = &sim->between;
     if (of->start == NULL || !(t >= of->t0 && t < sim->t)) {
@@ -333,14 +336,14 @@ weft_status weft_sim_between(weft_sim *sim, double t, double *y, weft_error *err
 {
     const bool at_end = t == sim->t;
     TRY(weft__sim_outside(sim, "weft_sim_between", err));
-    TRY(at_end ? WEFT_OK : find(sim, t, err));
+    TRY(at_end ? WEFT_OK : between_find(sim, t, err));
     memcpy(y, at_end ? sim->y : sim->between.shown,
            weft_cloth_dim(sim->cloth) * sizeof *y);
     return WEFT_OK;
 }
 
 /* Exchanges the present state and the other one. */
-static void swap(weft_sim *sim, double *t)
+static void between_swap(weft_sim *sim, double *t)
 {
     double *const y = sim->y;
     const double now = sim->t;
@@ -356,9 +359,9 @@ weft_status weft__between_show(weft_sim *sim, double t, weft_error *err)
     if (t == sim->t) {
         return WEFT_OK;
     }
-    TRY(find(sim, t, err));
+    TRY(between_find(sim, t, err));
     of->behind = t;
-    swap(sim, &of->behind);
+    between_swap(sim, &of->behind);
     of->showing = true;
     ++sim->callbacks;
     return WEFT_OK;
@@ -368,7 +371,7 @@ void weft__between_hide(weft_sim *sim)
 {
     weft__between *of = &sim->between;
     if (of->showing) {
-        swap(sim, &of->behind);
+        between_swap(sim, &of->behind);
         of->showing = false;
         --sim->callbacks;
     }

@@ -99,7 +99,7 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
 
 /* Warns of a run that takes back more steps than it takes; again only after this share
  * was less than a tenth. */
-static void watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
+static void checked_step_watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
 {
     char text[WEFT__BREACH_TEXT];
     const bool crawls = (sim->guard.crawl.vetoed += vetoed) > WINDOW / 2;
@@ -137,7 +137,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         bool again;
         const weft_status status = attempt(sim, t0, end, &again, why);
         if (!again) {
-            watch_pace(sim, false, t0, 0.0);
+            checked_step_watch_pace(sim, false, t0, 0.0);
             return status;
         }
         const double tried = status == WEFT_OK ? sim->guard.refused.t - t0 : end - t0;
@@ -147,7 +147,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
             return give_up(sim, why);
         }
         ++sim->guard.vetoed;
-        watch_pace(sim, true, t0, tried);
+        checked_step_watch_pace(sim, true, t0, tried);
         end = t0 + h;
         weft__log(&sim->def.log, WEFT_LOG_DEBUG,
                   "t = %.9g s: a step of %.3g s rolled back: %s", t0, tried,

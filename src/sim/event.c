@@ -56,7 +56,7 @@ static weft_status try_end(fall_search *of, weft__sample *at, weft_error *why)
     return WEFT_OK;
 }
 
-static void keep(fall_search *of, double g)
+static void event_keep(fall_search *of, double g)
 {
     of->kept = (weft__sample){ of->sim->t, g };
     of->steps = steps_since(of);
@@ -85,7 +85,7 @@ static weft_status try_fall(fall_search *of, double t, weft__bracket *in,
     }
     TRY(try_end(of, &at, why));
     if (at.g <= 0.0) {
-        keep(of, at.g);
+        event_keep(of, at.g);
     }
     weft__bracket_narrow(in, at);
     return WEFT_OK;
@@ -120,7 +120,7 @@ static weft_status settle(fall_search *of, weft__sample a, weft__sample b, bool 
 {
     const weft__bracket seen = weft__event_root(of->sim, a, b);
     weft__bracket in = { .a = of->start, .b = { of->end.t, INFINITY } };
-    keep(of, of->end.g);
+    event_keep(of, of->end.g);
     if (!(of->start.g > 0.0)) { /* it must have risen before */
         in.a = a;
         TRY(try_end(of, &in.a, why));
@@ -151,8 +151,8 @@ static weft_status look_again(fall_search *of, bool found, weft_error *why)
     return found ? WEFT_OK : weft__between_look(of->sim, why);
 }
 
-static weft_status find_first(fall_search *of, weft__sample *at, size_t count,
-                              weft_error *why)
+static weft_status event_find_first(fall_search *of, weft__sample *at, size_t count,
+                                    weft_error *why)
 {
     bool found = false;
     for (size_t k = 1; k < count && !found; ++k) {
@@ -173,10 +173,10 @@ static weft_status end_hold(fall_search *of, double t, bool *found, weft_error *
 {
     weft__sample at = { t, of->end.g };
     if (t < of->end.t) {
-        keep(of, of->end.g);
+        event_keep(of, of->end.g);
         TRY(try_end(of, &at, why));
         if (at.g <= 0.0) {
-            keep(of, at.g);
+            event_keep(of, at.g);
         }
         go_on_from_kept(of);
     }
@@ -231,7 +231,7 @@ static weft_status look_within(fall_search *of, weft_error *why)
     TRY(weft__between_look(sim, why));
     const size_t count = weft__event_samples(sim, of->start, of->end, at);
     return long_enough > 0.0 ? hold(of, at, count, why)
-                             : find_first(of, at, count, why);
+                             : event_find_first(of, at, count, why);
 }
 
 weft_status weft__sim_find_event(weft_sim *sim, weft_error *why)

@@ -84,7 +84,7 @@ typedef struct bands_job {
     void *ctx;
 } bands_job;
 
-static void do_band(void *ctx, size_t i)
+static void forces_do_band(void *ctx, size_t i)
 {
     const bands_job *of = ctx;
     of->task(of->ctx, first_block(of->forces, i), first_block(of->forces, i + 1));
@@ -93,7 +93,7 @@ static void do_band(void *ctx, size_t i)
 void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
 {
     bands_job of = { forces, task, ctx };
-    weft__pool_run(forces->pool, do_band, &of, forces->bands);
+    weft__pool_run(forces->pool, forces_do_band, &of, forces->bands);
 }
 
 typedef struct call {

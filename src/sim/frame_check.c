@@ -24,16 +24,16 @@ typedef struct look_job {
     look *blocks;
 } look_job;
 
-static weft__passages of_block(const look_job *job, size_t b)
+static weft__passages frame_check_of_block(const look_job *job, size_t b)
 {
     return weft__block_passages(&job->sim->cloth->contact, &job->at, b, job->rise);
 }
 
-static void look_at(void *ctx, size_t first, size_t end)
+static void frame_check_look_at(void *ctx, size_t first, size_t end)
 {
     const look_job *job = ctx;
     for (size_t b = first; b < end; ++b) {
-        const weft__passages found = of_block(job, b);
+        const weft__passages found = frame_check_of_block(job, b);
         job->blocks[b - job->sim->cloth->mesh.band.above]
             = (look){ (double)found.count, 1.0 / found.wait };
     }
@@ -46,7 +46,7 @@ static look look_for(const weft_sim *sim, const look_job *job)
     const weft_comm *comm = forces->comm;
     look all = { 0.0, 0.0 }, *of = (look *)(void *)forces->all;
     _Static_assert(sizeof(look) <= sizeof(weft_measures), "a block's room for each");
-    weft__forces_bands(forces, look_at, (void *)job);
+    weft__forces_bands(forces, frame_check_look_at, (void *)job);
     for (size_t b = 0; b < sim->cloth->mesh.band.own; ++b) {
         all.count += job->blocks[b].count;
         all.rate = fmax(all.rate, job->blocks[b].rate);
@@ -63,13 +63,13 @@ static look look_for(const weft_sim *sim, const look_job *job)
 }
 
 /* The first, with numbers of the definition, in all bands the same. */
-static weft_passage find_first(const weft_sim *sim, const look_job *job)
+static weft_passage frame_check_find_first(const weft_sim *sim, const look_job *job)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
     const size_t end = mesh->band.above + mesh->band.own;
     weft__passages out = { .count = 0 };
     for (size_t b = mesh->band.above; b < end && out.count == 0; ++b) {
-        out = of_block(job, b);
+        out = frame_check_of_block(job, b);
     }
     for (size_t k = 0; k < out.first.count; ++k) {
         out.first.particle[k]
@@ -97,7 +97,7 @@ static weft_status check_state(weft_sim *sim, double t, const double *y,
         return WEFT_OK;
     }
     char text[WEFT__PASSAGE_TEXT];
-    const weft_passage first = find_first(sim, &job);
+    const weft_passage first = frame_check_find_first(sim, &job);
     weft__passage_text(sim->cloth, t, &first, found.count, text);
     sim->passage.told = true;
     if (strict) {

@@ -20,7 +20,7 @@ static size_t own_of(const weft__forces *forces, size_t rank, size_t *first)
     return (end < all ? end : all) - *first;
 }
 
-static bool make_room(weft__joint *of, const weft__forces *forces)
+static bool joint_make_room(weft__joint *of, const weft__forces *forces)
 {
     const weft_allocator *memory = &forces->memory;
     const size_t numbers = weft_cloth_dim(of->cloth);
@@ -59,7 +59,7 @@ bool weft__joint_create(weft__forces *forces, bool all)
                                               of->part ? own : NULL, &forces->memory);
         forces->spaces[WEFT__FORCE_self] = forces->self;
     }
-    return forces->self != NULL && make_room(of, forces);
+    return forces->self != NULL && joint_make_room(of, forces);
 }
 
 /* ---- states ---------------------------------------------------------------------- */
@@ -78,8 +78,8 @@ void weft__joint_begin(const weft__forces *forces, const double *y)
 }
 
 /* Planes of `count` particles, to their place in those of the whole. */
-static void put(const weft__joint *of, const double *planes, size_t first, size_t count,
-                double *y)
+static void joint_put(const weft__joint *of, const double *planes, size_t first,
+                      size_t count, double *y)
 {
     const size_t n = weft_cloth_particles(of->cloth);
     for (size_t k = 0; k < 6; ++k) {
@@ -95,11 +95,11 @@ const double *weft__joint_end(const weft__forces *forces, const double *y, size_
         return y;
     }
     comm->end(comm->self);
-    put(of, of->room, of->first, of->own, of->y[k]);
+    joint_put(of, of->room, of->first, of->own, of->y[k]);
     for (size_t j = 0, first = 0; j + 1 < (size_t)comm->size; ++j) {
         const weft_parcel *from = &of->parcels[j];
         first += first == of->first ? of->own : 0;
-        put(of, from->in, first, from->ins / 6, of->y[k]);
+        joint_put(of, from->in, first, from->ins / 6, of->y[k]);
         first += from->ins / 6;
     }
     return of->y[k];

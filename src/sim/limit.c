@@ -93,7 +93,7 @@ static void extrapolate(weft__limit *self)
 }
 
 /* Sweeps until the limit is met, or the allowed number of times. */
-static bool solve(weft__limit *self)
+static bool limit_solve(weft__limit *self)
 {
     const bool fast = self->def.solver == WEFT_LIMIT_FAST;
     const size_t bytes = self->count * sizeof *self->x;
@@ -136,7 +136,7 @@ static void corrected(const weft__limit *self, double h, const double *y, size_t
 }
 
 /* Changes nothing if a number would overflow. */
-static bool store(const weft__limit *self, double h, double *y)
+static bool limit_store(const weft__limit *self, double h, double *y)
 {
     double x, v;
     bool changed = false;
@@ -157,7 +157,7 @@ static bool store(const weft__limit *self, double h, double *y)
 
 /* A step that is cut short by a frame must not turn the excess left by earlier steps
  * into a large velocity: it counts as long as the one before. */
-static bool apply(weft__limit *limit, double step, double *y)
+static bool limit_apply(weft__limit *limit, double step, double *y)
 {
     const double h = fmax(step, limit->last_step);
     limit->last_step = step;
@@ -170,8 +170,8 @@ static bool apply(weft__limit *limit, double step, double *y)
         return false;
     }
     ++limit->stats.corrected;
-    limit->solved = solve(limit);
-    return store(limit, h, y);
+    limit->solved = limit_solve(limit);
+    return limit_store(limit, h, y);
 }
 
 /* Counts a state beyond its bounds. */
@@ -206,7 +206,7 @@ bool weft__sim_limit(weft_sim *sim, double h)
     if (checks) {
         memcpy(sim->guard.start, sim->y, weft_cloth_dim(sim->cloth) * sizeof *sim->y);
     }
-    const bool changed = apply(&sim->limit, h, sim->y);
+    const bool changed = limit_apply(&sim->limit, h, sim->y);
     if (changed && checks) {
         weft__hold_back(&sim->forces, sim->t, sim->guard.start, sim->y);
     }

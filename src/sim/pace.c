@@ -77,8 +77,8 @@ static other_gap find_other(const weft_sim *sim, size_t than)
 }
 
 /* What is nearest, in words, and to *out. */
-static void find_nearest(const weft_sim *sim, const weft_measures *now, char *text,
-                         size_t size, weft_failure *out)
+static void pace_find_nearest(const weft_sim *sim, const weft_measures *now, char *text,
+                              size_t size, weft_failure *out)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
     char names[2][96];
@@ -128,7 +128,7 @@ void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
         (void)weft_text_format(out->held, sizeof out->held, "the fixed step is %g s",
                                fixed);
     } else if (out->held_by_contact) {
-        find_nearest(sim, now, near, sizeof near, out);
+        pace_find_nearest(sim, now, near, sizeof near, out);
         (void)weft_text_format(out->held, sizeof out->held,
                                "contact holds it: %s (rates up to %.2g 1/s; without "
                                "contact %.2g 1/s, by %s)",
@@ -159,7 +159,7 @@ static void warn_of_pace(weft_sim *sim, double way)
     sim->pace.told = true;
 }
 
-static void place_of(const void *ctx, size_t i, double x[3])
+static void pace_place_of(const void *ctx, size_t i, double x[3])
 {
     const weft_sim *sim = ctx;
     for (size_t k = 0; k < 3; ++k) {
@@ -167,7 +167,7 @@ static void place_of(const void *ctx, size_t i, double x[3])
     }
 }
 
-static void warn_of_closing(weft_sim *sim)
+static void pace_warn_of_closing(weft_sim *sim)
 {
     const weft__contact *contact = &sim->cloth->contact;
     const weft__mesh *mesh = &sim->cloth->mesh;
@@ -175,7 +175,7 @@ static void warn_of_closing(weft_sim *sim)
     const weft__closing_search search = { .shapes = contact->shapes,
                                           .shape_count = contact->shape_count,
                                           .end = mesh->particles,
-                                          .place = place_of,
+                                          .place = pace_place_of,
                                           .ctx = sim,
                                           .thickness = contact->law.thickness,
                                           .within = two,
@@ -207,7 +207,7 @@ static void warn_of_closing(weft_sim *sim)
 void weft__sim_look_ahead(weft_sim *sim)
 {
     if (!sim->pace.closed && sim->def.log.write != NULL && sim->def.comm == NULL) {
-        warn_of_closing(sim);
+        pace_warn_of_closing(sim);
     }
 }
 

@@ -19,7 +19,7 @@ static double middle(const weft__piece_bounds *of, double t)
                          : t;
 }
 
-static weft__piece_bounds bounds_of(const weft_sim *sim)
+static weft__piece_bounds piece_bounds_of(const weft_sim *sim)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
     weft__piece_bounds out = { -DBL_MAX, DBL_MAX };
@@ -41,7 +41,7 @@ void weft__piece_jump(const weft_sim *sim, double factor, double *v)
 
 double weft__piece_enter(weft_sim *sim, double *t_end)
 {
-    const weft__piece_bounds out = bounds_of(sim);
+    const weft__piece_bounds out = piece_bounds_of(sim);
     *t_end = weft__row_met(*t_end, out.last) ? *t_end : out.last;
     sim->forces.piece = sim->piece = middle(&out, sim->t);
     sim->piece_begins = false;
@@ -53,7 +53,7 @@ void weft__piece_leave(weft_sim *sim, double end)
     sim->forces.piece = (double)NAN;
     sim->piece_begins = weft__row_met(end, sim->t);
     if (sim->piece_begins) {
-        const weft__piece_bounds next = bounds_of(sim);
+        const weft__piece_bounds next = piece_bounds_of(sim);
         sim->next_piece = middle(&next, sim->t);
         weft__meet_pins(&sim->cloth->mesh, sim->t, sim->next_piece,
                         sim->y + weft_cloth_dim(sim->cloth) / 2);

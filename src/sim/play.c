@@ -97,7 +97,8 @@ static weft_status pass_checkpoint(weft_sim *sim, const weft_play *play, size_t 
     return status;
 }
 
-static weft_status check(const weft_sim *sim, const weft_play *play, weft_error *err)
+static weft_status play_check(const weft_sim *sim, const weft_play *play,
+                              weft_error *err)
 {
     if (play->run == NULL || play->frame == NULL) {
         return weft_error_set(err, WEFT_INVALID,
@@ -118,7 +119,7 @@ weft_status weft_sim_play_sized(weft_sim *sim, const weft_play *given, size_t si
     if (given != NULL && !weft__sized_read(play, sizeof own, given, size)) {
         return weft__sized_unknown("weft_play", err);
     }
-    TRY(check(sim, play, err));
+    TRY(play_check(sim, play, err));
     bool event = sim->event.passed = false;
     for (size_t i = play->first; i <= play->last && !event; ++i) {
         TRY(play_to(sim, play, i, err));

@@ -87,7 +87,7 @@ static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
                                                                 : damaged(err);
 }
 
-static weft_status make_room(const weft_sim *sim, restored *to, weft_error *err)
+static weft_status restore_make_room(const weft_sim *sim, restored *to, weft_error *err)
 {
     const weft_allocator *memory = &sim->memory;
     to->front = weft__alloc(memory, to->front_words, WEFT__WORD);
@@ -145,7 +145,7 @@ static weft_status read_saved(const weft_sim *sim, const source *from, restored 
     to->head = head_at(head);
     TRY(check_head(sim, &to->head, from->size, &to->shape_count, err));
     to->front_words = weft__save_front(sim, to->shape_count);
-    TRY(make_room(sim, to, err));
+    TRY(restore_make_room(sim, to, err));
     TRY(get_words(from, 0, to->front, to->front_words, err));
     return read_planes(sim, from, to, err);
 }
@@ -158,7 +158,8 @@ static const unsigned char *front_shapes(const weft_sim *sim, const restored *fr
 }
 
 /* Collective. */
-static weft_status check_sum(const weft_sim *sim, const restored *from, weft_error *err)
+static weft_status restore_check_sum(const weft_sim *sim, const restored *from,
+                                     weft_error *err)
 {
     const size_t last = from->front_words - 1;
     const uint64_t sum
@@ -228,7 +229,7 @@ static bool read_shapes(const weft_sim *sim, restored *to)
 }
 
 /* What is wrong; NULL: nothing. Forged bytes may have a correct checksum. */
-static const char *fault_of(const weft_sim *sim, restored *of)
+static const char *restore_fault_of(const weft_sim *sim, restored *of)
 {
     const weft__save_fields *saved = &of->head.fields;
     const size_t dim = weft_cloth_dim(sim->cloth);
@@ -286,7 +287,7 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->passage.told = (from->flags & WEFT__SAVED_PASSAGE) != 0;
 }
 
-static void swap(double *a, double *b, size_t count)
+static void restore_swap(double *a, double *b, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         const double kept = a[i];
@@ -310,9 +311,10 @@ static void exchange(weft_sim *sim, restored *with)
         weft__set_hold(mesh, i, (weft__hold)with->holds[i]);
         with->holds[i] = hold;
     }
-    swap(sim->y, with->y, weft__sim_dim(sim));
+    restore_swap(sim->y, with->y, weft__sim_dim(sim));
     weft__sensitivity_unpack(sim);
-    swap(sim->sensitivity.s, with->s, weft__sim_dim(sim) * sim->sensitivity.count);
+    restore_swap(sim->sensitivity.s, with->s,
+                 weft__sim_dim(sim) * sim->sensitivity.count);
     weft__sensitivity_pack(sim);
     contact->shapes = with->shapes;
     contact->shape_count = with->shape_count;
@@ -336,7 +338,7 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
     TRY(check_definition(sim, to, err));
     weft__words_get(to->y + weft_cloth_dim(sim->cloth),
                     to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
-    const char *fault = fault_of(sim, to);
+    const char *fault = restore_fault_of(sim, to);
     TRY(fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : WEFT_OK);
     TRY(check_gaps(sim, to, err));
     return to->shape_count > 0 ? weft__sim_make_start(sim, err) : WEFT_OK;
@@ -351,7 +353,7 @@ static weft_status restore(weft_sim *sim, const source *from, restored *to,
     const weft_status read = read_saved(sim, from, to, err);
     --sim->callbacks;
     TRY(weft_comm_agree(comm, read, err));
-    TRY(check_sum(sim, to, err));
+    TRY(restore_check_sum(sim, to, err));
     TRY(weft_comm_agree(comm, read_fields(sim, to, err), err));
     exchange(sim, to);
     const weft_status status = weft__sim_renew(sim, &to->head.fields, err);

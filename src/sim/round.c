@@ -28,18 +28,18 @@ typedef struct round_job {
     atomic_size_t sum;
 } round_job;
 
-static size_t least(size_t a, size_t b)
+static size_t round_least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
 
-static size_t start_of(const round_job *all, size_t band)
+static size_t round_start_of(const round_job *all, size_t band)
 {
     return band * all->cloth->mesh.rows / all->bands;
 }
 
 /* Of rows [first, end). */
-static void take(round_job *all, weft_part *part, size_t first, size_t end)
+static void round_take(round_job *all, weft_part *part, size_t first, size_t end)
 {
     const weft__mesh *mesh = &all->cloth->mesh;
     size_t sum = 0;
@@ -50,7 +50,7 @@ static void take(round_job *all, weft_part *part, size_t first, size_t end)
     atomic_fetch_add(&all->sum, sum);
 }
 
-static void evaluate(round_job *all, size_t first, size_t end)
+static void round_evaluate(round_job *all, size_t first, size_t end)
 {
     const weft__state at = weft__forces_state(all->forces, all->of->t, all->of->y);
     if (first < end && all->of->f != NULL
@@ -59,20 +59,20 @@ static void evaluate(round_job *all, size_t first, size_t end)
     }
 }
 
-static void do_band(void *ctx, size_t b)
+static void round_do_band(void *ctx, size_t b)
 {
     round_job *all = ctx;
-    const size_t end = start_of(all, b + 1);
+    const size_t end = round_start_of(all, b + 1);
     const bool alone = all->bands == 1;
     const size_t above = b > 0 ? REACH : 0;
-    size_t made = start_of(all, b), done = made + above, used = done + above;
+    size_t made = round_start_of(all, b), done = made + above, used = done + above;
     while (made < end && atomic_load(&all->failed) == 0) {
-        const size_t next = least(made + all->block, end);
+        const size_t next = round_least(made + all->block, end);
         const size_t to = next == end ? end - (alone ? 0 : READ) : next - REACH;
         const size_t till = next == end && alone ? end : to - REACH;
-        take(all, all->of->before, made, next);
-        evaluate(all, done, to);
-        take(all, all->after, used, till);
+        round_take(all, all->of->before, made, next);
+        round_evaluate(all, done, to);
+        round_take(all, all->after, used, till);
         made = next, done = to, used = till;
     }
 }
@@ -81,9 +81,9 @@ static void do_band(void *ctx, size_t b)
 static void do_seam(void *ctx, size_t s)
 {
     round_job *all = ctx;
-    const size_t row = start_of(all, s + 1), rows = all->cloth->mesh.rows;
-    evaluate(all, row - READ, least(row + REACH, rows));
-    take(all, all->after, row - READ - REACH, least(row + 2 * REACH, rows));
+    const size_t row = round_start_of(all, s + 1), rows = all->cloth->mesh.rows;
+    round_evaluate(all, row - READ, round_least(row + REACH, rows));
+    round_take(all, all->after, row - READ - REACH, round_least(row + 2 * REACH, rows));
 }
 
 bool weft__round_can(const weft__forces *forces)
@@ -111,14 +111,15 @@ int weft__round_run(const weft__forces *forces, weft_round *round)
     const size_t rows = BLOCK_LEAST / mesh->cols + 1;
     const size_t most = mesh->cols < WEFT_PAST ? 1 : mesh->rows / BAND;
     const size_t threads = weft__pool_threads(forces->pool);
-    const size_t bands = least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
+    const size_t bands
+        = round_least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
     round_job all = { .forces = forces,
                       .cloth = forces->cloth,
                       .of = round,
                       .after = round->f != NULL ? round->after : NULL,
                       .bands = bands > 0 ? bands : 1,
                       .block = rows > BLOCK ? rows : BLOCK };
-    weft__pool_run(forces->pool, do_band, &all, all.bands);
+    weft__pool_run(forces->pool, round_do_band, &all, all.bands);
     if (all.bands > 1 && round->f != NULL && atomic_load(&all.failed) == 0) {
         weft__pool_run(forces->pool, do_seam, &all, all.bands);
     }

@@ -67,7 +67,7 @@ double weft__event_within(weft_sim *sim, double t)
 /* The slope of f > 0 at the point k that a convex f does not exceed on its other side,
  * by the neighbour towards `side`: that is the slope from there or, at an end, a
  * parabola's, made steeper by as much again. */
-static double slope(const double *f, size_t count, size_t k, int side)
+static double samples_slope(const double *f, size_t count, size_t k, int side)
 {
     const bool end = side < 0 ? k == 0 : k + 1 == count;
     const double *at = f + k;
@@ -80,9 +80,10 @@ static double slope(const double *f, size_t count, size_t k, int side)
 
 /* What f[count] > 0, at equal distances, does not fall below between the points k and
  * k + 1. */
-static double least(const double *f, size_t count, size_t k)
+static double samples_least(const double *f, size_t count, size_t k)
 {
-    const double left = slope(f, count, k, -1), right = slope(f, count, k + 1, 1);
+    const double left = samples_slope(f, count, k, -1),
+                 right = samples_slope(f, count, k + 1, 1);
     if (!(left < 0.0) || !(right < 0.0)) {
         return fmin(f[k], f[k + 1]);
     }
@@ -110,7 +111,7 @@ static bool dig(weft_sim *sim, double sign, weft__sample a, weft__sample b,
             f[k] = sign * at[k].g;
         }
         for (size_t k = 0; k < PARTS; ++k) {
-            const double here = least(f, PARTS + 1, k);
+            const double here = samples_least(f, PARTS + 1, k);
             part = here < lowest ? k : part;
             lowest = fmin(here, lowest);
         }
@@ -170,7 +171,7 @@ size_t weft__event_samples(weft_sim *sim, weft__sample start, weft__sample end,
         for (size_t i = 0; i <= parts; ++i) {
             f[i] = sign * even[i].g;
         }
-        count += least(f, parts + 1, k) < 0.0
+        count += samples_least(f, parts + 1, k) < 0.0
                  && dig(sim, sign, even[k], even[k + 1], &at[count]);
     }
     return count;

@@ -59,7 +59,7 @@ static bool has_others(const weft_cloth *cloth)
            || cloth->bodies.pairs.law.self;
 }
 
-static bool make_room(weft_sim *sim, weft__sensitivity *of)
+static bool sensitivity_make_room(weft_sim *sim, weft__sensitivity *of)
 {
     const weft_sensitivity_def *def = sim->def.sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth), all = dim * (1 + of->count);
@@ -84,7 +84,7 @@ static bool make_room(weft_sim *sim, weft__sensitivity *of)
 }
 
 /* The derivative of the state at t = 0. */
-static void start(const weft_sim *sim, weft__sensitivity *of, size_t j)
+static void sensitivity_start(const weft_sim *sim, weft__sensitivity *of, size_t j)
 {
     const size_t dim = weft_cloth_dim(sim->cloth);
     const weft_parameter *number = &sim->def.sensitivity->parameters[j];
@@ -129,11 +129,11 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
                 number->name == NULL ? "unnamed" : number->name, inner.message);
         }
     }
-    if (!make_room(sim, of)) {
+    if (!sensitivity_make_room(sim, of)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
     }
     for (size_t j = 0; j < of->count; ++j) {
-        start(sim, of, j);
+        sensitivity_start(sim, of, j);
     }
     weft__sensitivity_pack(sim);
     return WEFT_OK;
@@ -163,7 +163,7 @@ uint64_t weft__sensitivity_hash(const weft_sim *sim, uint64_t hash)
 /* ---- the stepper's state --------------------------------------------------------- */
 
 /* Where a row of part i of plane k begins: 0 the state, then each s. */
-static size_t place(const weft_sim *sim, size_t k, size_t i, size_t row)
+static size_t sensitivity_place(const weft_sim *sim, size_t k, size_t i, size_t row)
 {
     const weft__sensitivity *of = &sim->sensitivity;
     return (1 + of->count) * (k * sim->cloth->mesh.particles + row * of->row)
@@ -172,13 +172,13 @@ static size_t place(const weft_sim *sim, size_t k, size_t i, size_t row)
 
 /* Copies all rows of part i, with a factor: from planes of their own to those of the
  * stepper, or back. */
-static void copy(const weft_sim *sim, size_t i, const double *from, double factor,
-                 double *to, bool back)
+static void sensitivity_copy(const weft_sim *sim, size_t i, const double *from,
+                             double factor, double *to, bool back)
 {
     const size_t n = sim->cloth->mesh.particles, row = sim->sensitivity.row;
     for (size_t k = 0; k < 6; ++k) {
         for (size_t r = 0; r < n / row; ++r) {
-            const size_t in = place(sim, k, i, r), own = k * n + r * row;
+            const size_t in = sensitivity_place(sim, k, i, r), own = k * n + r * row;
             const double *source = from + (back ? in : own);
             double *target = to + (back ? own : in);
             if (factor == 1.0) {
@@ -196,14 +196,14 @@ void weft__sensitivity_pack(weft_sim *sim)
     const weft__sensitivity *of = &sim->sensitivity;
     const size_t dim = weft_cloth_dim(sim->cloth);
     for (size_t i = 0; of->count > 0 && i <= of->count; ++i) {
-        copy(sim, i, i == 0 ? sim->y : of->s + (i - 1) * dim, i == 0 ? 1.0 : of->factor,
-             of->z, false);
+        sensitivity_copy(sim, i, i == 0 ? sim->y : of->s + (i - 1) * dim,
+                         i == 0 ? 1.0 : of->factor, of->z, false);
     }
 }
 
 void weft__sensitivity_state(const weft_sim *sim, const double *z, double *y)
 {
-    copy(sim, 0, z, 1.0, y, true);
+    sensitivity_copy(sim, 0, z, 1.0, y, true);
 }
 
 const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
@@ -213,7 +213,7 @@ const double *weft_sim_sensitivity(const weft_sim *sim, size_t number)
         return NULL;
     }
     double *s = of->s + number * weft_cloth_dim(sim->cloth);
-    copy(sim, 1 + number, of->z, 1.0 / of->factor, s, true);
+    sensitivity_copy(sim, 1 + number, of->z, 1.0 / of->factor, s, true);
     return s;
 }
 
@@ -336,7 +336,7 @@ static void move_pins(const job *of, size_t i, size_t low, size_t high)
             weft__slope_pin(&all->of[i - 1], p, &at, rate);
         }
         for (size_t k = 0; k < 6; ++k) {
-            of->out[all->direct ? place(of->sim, k, i, row) + p % all->row
+            of->out[all->direct ? sensitivity_place(of->sim, k, i, row) + p % all->row
                                 : (6 * i + k) * mesh->particles + p]
                 = rate[k];
         }
@@ -399,7 +399,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
     }
     all.y = of->states, all.out = of->rates;
     for (size_t i = 0; i <= of->count; ++i) {
-        copy(sim, i, z, 1.0, of->states + i * dim, true);
+        sensitivity_copy(sim, i, z, 1.0, of->states + i * dim, true);
     }
     int failed = weft__sim_rhs(t, of->states, of->rates, sim);
     if (failed == 0) {
@@ -407,7 +407,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
         failed = atomic_load(&all.failed) | add_whole(&all);
     }
     for (size_t i = 0; i <= of->count; ++i) {
-        copy(sim, i, of->rates + i * dim, 1.0, dzdt, false);
+        sensitivity_copy(sim, i, of->rates + i * dim, 1.0, dzdt, false);
     }
     return failed;
 }

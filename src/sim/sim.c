@@ -111,7 +111,7 @@ static void write_log(void *ctx, weft_log_level level, const char *text)
 }
 
 /* The simulation, filled as far as only memory can fail. */
-static weft_sim *make_sim(const weft_sim_def *def)
+static weft_sim *sim_make_sim(const weft_sim_def *def)
 {
     const weft_allocator memory = weft_allocator_or_malloc(def->allocator);
     const size_t dim = weft_cloth_dim(def->cloth);
@@ -155,7 +155,7 @@ static bool must_stop(void *ctx)
 
 /* The first state: of the definition, or that of the cloth, relaxed if it asks for it.
  */
-static weft_status make_state(weft_sim *sim, weft_error *err)
+static weft_status sim_make_state(weft_sim *sim, weft_error *err)
 {
     const double *given = sim->def.start;
     const weft__stop stop = { .ask = must_stop, .ctx = sim };
@@ -172,7 +172,7 @@ static weft_status make_state(weft_sim *sim, weft_error *err)
 }
 
 /* All that needs no other band: the structure for the stepper does. */
-static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
+static weft_status sim_prepare(const weft_sim_def *def, weft_sim **out, weft_error *err)
 {
     if (def->cloth == NULL || def->method == NULL) {
         return weft_error_set(err, WEFT_INVALID, "a simulation needs a %s",
@@ -186,13 +186,13 @@ static weft_status prepare(const weft_sim_def *def, weft_sim **out, weft_error *
     TRY(weft__method_check(def->method, 0, err));
     TRY(weft__config_check(&def->config, err));
     TRY(weft__bands_check(def, err));
-    weft_sim *sim = *out = make_sim(def);
+    weft_sim *sim = *out = sim_make_sim(def);
     if (sim == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }
     TRY(weft__limit_init(&sim->limit, &def->limit, sim->cloth, &sim->memory, err));
     TRY(take_config(sim, err));
-    TRY(make_state(sim, err));
+    TRY(sim_make_state(sim, err));
     TRY(make_forces(sim, err));
     TRY(weft__sim_make_pass(sim, err));
     TRY(weft__structure_init(sim, err));
@@ -210,7 +210,7 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
     weft_sim *sim = *out = NULL;
     TRY(WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err));
     TRY(weft__bands_comm_check(def->comm, err)); /* nobody can be told */
-    weft_status status = weft_comm_agree(def->comm, prepare(def, &sim, err), err);
+    weft_status status = weft_comm_agree(def->comm, sim_prepare(def, &sim, err), err);
     status = status == WEFT_OK ? weft__bands_meet(&sim->forces, err) : status;
     if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);

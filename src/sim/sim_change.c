@@ -82,8 +82,8 @@ void weft__sim_change_ends(weft_sim *sim, bool ode)
 }
 
 /* x y z of each vertex; NULL: none are given. */
-static weft_status check_finite(const weft_sim *sim, const char *what,
-                                const double *values, weft_error *err)
+static weft_status sim_change_check_finite(const weft_sim *sim, const char *what,
+                                           const double *values, weft_error *err)
 {
     const size_t count = 3 * weft_cloth_particles(sim->cloth);
     char name[64];
@@ -103,8 +103,8 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
 {
     TRY(weft__sim_changeable(sim, "weft_sim_set_state", err));
     const size_t n = weft_cloth_particles(sim->cloth);
-    TRY(check_finite(sim, "position", positions, err));
-    TRY(check_finite(sim, "velocity", velocities, err));
+    TRY(sim_change_check_finite(sim, "position", positions, err));
+    TRY(sim_change_check_finite(sim, "velocity", velocities, err));
     if (positions != NULL && weft__sim_checks(sim)) {
         memcpy(sim->guard.start, sim->y, 6 * n * sizeof *sim->y);
         set_planes(sim->cloth, positions, sim->guard.start);
@@ -143,8 +143,9 @@ static weft_status check_particle(const weft_sim *sim, const char *function, siz
 }
 
 /* Of the function that a refusal names. */
-static weft_status pin(weft_sim *sim, const char *function, const size_t *particles,
-                       const double *velocities, size_t count, weft_error *err)
+static weft_status sim_change_pin(weft_sim *sim, const char *function,
+                                  const size_t *particles, const double *velocities,
+                                  size_t count, weft_error *err)
 {
     for (size_t j = 0; j < count; ++j) {
         TRY(check_particle(sim, function, particles[j],
@@ -171,16 +172,16 @@ static weft_status pin(weft_sim *sim, const char *function, const size_t *partic
 weft_status weft_sim_pin_many(weft_sim *sim, const size_t *particles,
                               const double *velocities, size_t count, weft_error *err)
 {
-    return pin(sim, "weft_sim_pin_many", particles, velocities, count, err);
+    return sim_change_pin(sim, "weft_sim_pin_many", particles, velocities, count, err);
 }
 
 weft_status weft_sim_pin(weft_sim *sim, size_t vertex, const double velocity[3],
                          weft_error *err)
 {
-    return pin(sim, "weft_sim_pin", &vertex, velocity, 1, err);
+    return sim_change_pin(sim, "weft_sim_pin", &vertex, velocity, 1, err);
 }
 
-static void place(weft_sim *sim, size_t i, const double position[3])
+static void sim_change_place(weft_sim *sim, size_t i, const double position[3])
 {
     const size_t n = weft_cloth_particles(sim->cloth);
     for (size_t k = 0; k < 3; ++k) {
@@ -201,10 +202,10 @@ weft_status weft_sim_move_pin(weft_sim *sim, size_t vertex, const double positio
     const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
     const double before[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
     weft__sim_change_begins(sim);
-    place(sim, i, position);
+    sim_change_place(sim, i, position);
     if (weft__crossings_error(sim->cloth, sim->t, sim->y, &(weft__search){ 0 }, err)
         != WEFT_OK) {
-        place(sim, i, before);
+        sim_change_place(sim, i, before);
         return WEFT_INVALID;
     }
     weft__sim_change_ends(sim, false);
@@ -253,8 +254,8 @@ static weft_status meshes_stay(const char *how, weft_error *err)
 }
 
 /* Shape k, or one more, becomes this one, unless a free particle is in it. */
-static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
-                       weft_error *err)
+static weft_status sim_change_put(weft_sim *sim, size_t k, const weft__shape *shape,
+                                  weft_error *err)
 {
     weft_cloth *cloth = sim->cloth;
     const size_t count = cloth->contact.shape_count;
@@ -279,7 +280,7 @@ static weft_status put(weft_sim *sim, size_t k, const weft__shape *shape,
     return WEFT_OK;
 }
 
-static weft_status make_room(weft_sim *sim, weft_error *err)
+static weft_status sim_change_make_room(weft_sim *sim, weft_error *err)
 {
     weft_cloth *cloth = sim->cloth;
     weft__shape *grown = weft__resize(&sim->memory, cloth->contact.shapes,
@@ -314,8 +315,8 @@ weft_status weft_sim_add_shape_sized(weft_sim *sim, const weft_shape *given,
     }
     TRY(weft__shape_make(&sim->cloth->contact, given == NULL ? NULL : &shape, sim->t,
                          count, &made, err));
-    TRY(make_room(sim, err));
-    TRY(put(sim, count, &made, err));
+    TRY(sim_change_make_room(sim, err));
+    TRY(sim_change_put(sim, count, &made, err));
     if (k != NULL) {
         *k = count;
     }
@@ -332,7 +333,7 @@ static weft_status move_shape(weft_sim *sim, size_t k, const double place[3],
     TRY(weft__shape_make(contact, def, sim->t, k, &made, err));
     weft__shape_rebase(&before, sim->t, place, def);
     TRY(weft__shape_make(contact, def, sim->t, k, &made, err));
-    return put(sim, k, &made, err);
+    return sim_change_put(sim, k, &made, err);
 }
 
 weft_status weft_sim_move_shape(weft_sim *sim, size_t k, const double place[3],

@@ -152,7 +152,7 @@ void weft_sim_positions(const weft_sim *sim, double *xyz)
     interleave(&sim->cloth->mesh, sim->y, xyz);
 }
 
-static void put(float *array, size_t bytes, double value)
+static void sim_state_put(float *array, size_t bytes, double value)
 {
     const float number = (float)value;
     memcpy((char *)array + bytes, &number, sizeof number);
@@ -171,10 +171,10 @@ void weft_sim_vertices(const weft_sim *sim, float *positions, float *normals,
         }
         for (size_t k = 0; k < 3; ++k) {
             if (positions != NULL) {
-                put(positions + k, at, sim->y[k * n + i]);
+                sim_state_put(positions + k, at, sim->y[k * n + i]);
             }
             if (normals != NULL) {
-                put(normals + k, at, normal[k]);
+                sim_state_put(normals + k, at, normal[k]);
             }
         }
     }

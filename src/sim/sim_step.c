@@ -85,7 +85,7 @@ static weft_status step_in_piece(weft_sim *sim, double t_end, weft_error *why)
 #define LONGEST_FRAME 0.04
 
 /* Before a step towards t_end, which is another with each frame. */
-static void watch_pace(weft_sim *sim, double t_end)
+static void sim_step_watch_pace(weft_sim *sim, double t_end)
 {
     weft__pace *of = &sim->pace;
     if (t_end != of->end) {
@@ -119,7 +119,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     sim->failure.status = WEFT_OK;
     sim->guard.refused.found = false;
     sim->event.passed = false;
-    watch_pace(sim, t_end);
+    sim_step_watch_pace(sim, t_end);
     if (sim->between.start != NULL) {
         weft__between_begin(sim);
     }

@@ -87,7 +87,7 @@ static weft__share share_of(const double *from, const double *y, double c, size_
                           clean(v[Q + call] - v0[Q + call]) };
 }
 
-static bool same(const weft__share *a, const weft__share *b)
+static bool stages_same(const weft__share *a, const weft__share *b)
 {
     return fabs(a->xa - b->xa) + fabs(a->va - b->va) + fabs(a->xp - b->xp)
                + fabs(a->xq - b->xq) + fabs(a->vq - b->vq)
@@ -96,13 +96,13 @@ static bool same(const weft__share *a, const weft__share *b)
 
 static bool is_nothing(const weft__share *a)
 {
-    return same(a, &(weft__share){ 0 });
+    return stages_same(a, &(weft__share){ 0 });
 }
 
 /* Fills a table from one of the two steps, whose rate 0 is that of call `zero`; of no
  * call if that is CALLS. False: it is no such sum. */
-static bool fill(const unit_model *of, size_t step, size_t first, size_t zero,
-                 weft__stages *to)
+static bool stages_fill(const unit_model *of, size_t step, size_t first, size_t zero,
+                        weft__stages *to)
 {
     const double *from = of->start[step];
     bool sums = true;
@@ -150,11 +150,12 @@ static bool find_sums(const unit_model *of, weft__stages *first, weft__stages *o
         || (before != count && before != count + 1)) {
         return false;
     }
-    bool sums = fill(of, 1, before, before - 1, out);
-    sums = fill(of, 0, before - count, before == count ? CALLS : 0, first) && sums;
+    bool sums = stages_fill(of, 1, before, before - 1, out);
+    sums = stages_fill(of, 0, before - count, before == count ? CALLS : 0, first)
+           && sums;
     for (size_t k = 1; k <= count + 1; ++k) {
         for (size_t j = 0; j < k; ++j) {
-            sums = sums && same(&first->share[k][j], &out->share[k][j]);
+            sums = sums && stages_same(&first->share[k][j], &out->share[k][j]);
         }
     }
     find_needed(out);

@@ -16,7 +16,7 @@ typedef struct path_check {
     atomic_bool failed;
 } path_check;
 
-static void check_band(void *ctx, size_t first, size_t end)
+static void step_check_check_band(void *ctx, size_t first, size_t end)
 {
     path_check *of = ctx;
     if (!atomic_load_explicit(&of->failed, memory_order_relaxed)
@@ -45,7 +45,7 @@ bool weft__path_clear(const weft__forces *forces, const weft__path *path)
     weft__joint_begin(forces, path->y0);
     (void)weft__joint_end(forces, path->y0, 0);
     weft__joint_begin(forces, path->y1);
-    weft__forces_bands(forces, check_band, &of);
+    weft__forces_bands(forces, step_check_check_band, &of);
     (void)weft__joint_end(forces, path->y1, 1);
     weft__bodies_breach with;
     return !atomic_load(&of.failed) && !self_breach(forces, path).found
@@ -174,7 +174,7 @@ typedef struct correction {
 } correction;
 
 /* All six numbers of a particle, `share` of the way from where they were. */
-static void shorten(const correction *of, size_t i, double share)
+static void step_check_shorten(const correction *of, size_t i, double share)
 {
     for (size_t j = i; j < 6 * of->cloth->mesh.particles;
          j += of->cloth->mesh.particles) {
@@ -205,7 +205,7 @@ static void hold_band(void *ctx, size_t first, size_t end)
         for (size_t i = weft__block(&cloth->mesh, first); i < last; ++i) {
             for (int tries = 0; cloth->mesh.pin[i] == 0 && !line_clear(of, &pose, i);
                  ++tries) {
-                shorten(of, i, tries < HALVINGS ? 0.5 : 0.0);
+                step_check_shorten(of, i, tries < HALVINGS ? 0.5 : 0.0);
             }
         }
     }

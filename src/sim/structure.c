@@ -8,8 +8,8 @@
 _Static_assert((int)WEFT_MODES_CORNERS == (int)WEFT_STIFFNESS_CORNERS,
                "weft/stepper.h and weft/cloth.h disagree");
 
-static int linearise(double t, const double *y, double *planes, double *blocks,
-                     void *ctx)
+static int structure_linearise(double t, const double *y, double *planes,
+                               double *blocks, void *ctx)
 {
     const weft_sim *sim = ctx;
     const weft__state at = weft__forces_state(&sim->forces, t, y);
@@ -23,8 +23,8 @@ static int linearise_blocks(double t, const double *y, double *numbers, void *ct
     return weft__linearise_links(((const weft_sim *)ctx)->cloth, t, y, numbers);
 }
 
-static size_t modes(double t, const double *y, double (*corners)[2], size_t room,
-                    void *ctx)
+static size_t structure_modes(double t, const double *y, double (*corners)[2],
+                              size_t room, void *ctx)
 {
     const weft_sim *sim = ctx;
     const weft_stiffness of = weft_sim_stiffness(sim, t, y);
@@ -51,9 +51,9 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
     weft_structure *of = &sim->structure;
     *of = (weft_structure){ .struct_size = sizeof *of,
                             .particles = n,
-                            .linearise = linearise,
+                            .linearise = structure_linearise,
                             .linearise_blocks = linearise_blocks,
-                            .modes = modes,
+                            .modes = structure_modes,
                             .ctx = sim,
                             .bend_damping = sim->cloth->bending.damping };
     const bool links = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0;

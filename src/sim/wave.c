@@ -64,7 +64,7 @@ struct weft__wave {
 
 /* ---- sizes ----------------------------------------------------------------------- */
 
-static size_t least(size_t a, size_t b)
+static size_t wave_least(size_t a, size_t b)
 {
     return a < b ? a : b;
 }
@@ -75,7 +75,7 @@ static size_t less(size_t a, size_t b)
     return a > b ? a - b : 0;
 }
 
-static size_t block_of(const weft_cloth *cloth)
+static size_t wave_block_of(const weft_cloth *cloth)
 {
     const size_t rows = BLOCK_LEAST / cloth->mesh.cols + 1;
     return rows > BLOCK ? rows : BLOCK;
@@ -95,7 +95,7 @@ static size_t ring_rows(size_t block, size_t stages, size_t i)
 /* So that planes do not meet in the same sets of a cache. */
 static size_t stride_of(const weft_cloth *cloth, size_t stages)
 {
-    const size_t block = block_of(cloth), rows = window_rows(block);
+    const size_t block = wave_block_of(cloth), rows = window_rows(block);
     const size_t ring = ring_rows(block, stages, 1);
     size_t n = (rows > ring ? rows : ring) * cloth->mesh.cols + 2 * WEFT_PAST;
     n = (n + LINE - 1) / LINE * LINE;
@@ -176,7 +176,7 @@ weft__wave *weft__wave_create(const weft__forces *forces, size_t stages,
     const size_t threads = weft__pool_threads(forces->pool);
     *wave = (weft__wave){ .bands = bands_of(threads, forces->cloth, stages),
                           .stages = stages,
-                          .block = block_of(forces->cloth),
+                          .block = wave_block_of(forces->cloth),
                           .stride = stride_of(forces->cloth, stages),
                           .trail = weft__trail_length(forces->cloth->mesh.cols),
                           .memory = memory };
@@ -250,9 +250,9 @@ WIDE static uint64_t add_some(const double *const *x, const double *c, size_t co
 }
 
 /* Longer sums continue from what is there. Returns whether all of it is finite. */
-static bool add(const terms *of, double *to, size_t n)
+static bool wave_add(const terms *of, double *to, size_t n)
 {
-    size_t done = least(of->count, SIDE_BY_SIDE);
+    size_t done = wave_least(of->count, SIDE_BY_SIDE);
     uint64_t bad = add_some(of->x, of->c, done, to, n);
     while (done < of->count) {
         const double *x[SIDE_BY_SIDE] = { to };
@@ -370,7 +370,7 @@ static size_t rows_together(const way *by, size_t count, size_t row, size_t end)
 {
     size_t rows = end - row;
     for (size_t i = 1; i < count; ++i) {
-        rows = least(rows, by->band->windows[i].ring - slot(by, i, row));
+        rows = wave_least(rows, by->band->windows[i].ring - slot(by, i, row));
     }
     return rows;
 }
@@ -387,7 +387,7 @@ static void slide(const way *by, window *at)
     at->low = keep > at->low ? keep : at->low;
 }
 
-static bool make_state(const way *by, size_t i, size_t end)
+static bool wave_make_state(const way *by, size_t i, size_t end)
 {
     window *at = &by->band->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, stride = by->of->wave->stride;
@@ -400,8 +400,8 @@ static bool make_state(const way *by, size_t i, size_t end)
         const size_t rows = rows_together(by, i, at->made, end);
         for (size_t p = 0; p < 6; ++p) {
             const terms sum = terms_of(by, factors, i, p, at->made, true);
-            good &= add(&sum, at->z + p * stride + (at->made - at->low) * cols,
-                        rows * cols);
+            good &= wave_add(&sum, at->z + p * stride + (at->made - at->low) * cols,
+                             rows * cols);
         }
         at->made += rows;
     }
@@ -409,7 +409,7 @@ static bool make_state(const way *by, size_t i, size_t end)
 }
 
 /* The window as a cloth: its forces see rows from at->low on. */
-static void place(const way *by, window *at)
+static void wave_place(const way *by, window *at)
 {
     const weft__mesh *whole = &by->of->cloth->mesh;
     weft__mesh *mesh = &at->cloth.mesh;
@@ -435,7 +435,7 @@ static bool make_rates(const way *by, size_t i, size_t end)
     weft__state state = weft__forces_state(by->of->forces, t, at->z);
     state.trail = at->trail, state.goes_on = at->done > first_of(by, i);
     double *to = at->k + slot(by, i, at->done) * cols;
-    place(by, at);
+    wave_place(by, at);
     const int failed
         = weft__sum_blocks(&at->cloth, &state, WEFT__ACCELERATION, to - first * cols,
                            first, first + (end - at->done));
@@ -459,7 +459,7 @@ static void leave(const way *by, size_t end)
             const size_t to = p * mesh->particles + row * cols;
             if (of->e != NULL) {
                 const terms sum = terms_of(by, of->e, count, p, row, false);
-                by->band->failed |= !add(&sum, e, n);
+                by->band->failed |= !wave_add(&sum, e, n);
                 by->band->norm = judge(e, of->y + to, of->rtol, of->atol[p / 3], n,
                                        by->band->norm);
             }
@@ -473,7 +473,7 @@ static void leave(const way *by, size_t end)
     }
 }
 
-static void begin(const way *by)
+static void wave_begin(const way *by)
 {
     const size_t rows = by->of->cloth->mesh.rows;
     for (size_t i = 1; i <= by->last; ++i) {
@@ -482,8 +482,8 @@ static void begin(const way *by)
         at->ring = ring_rows(by->of->wave->block, by->last + 1, i);
         at->done = first_of(by, i);
         at->low = at->made = less(at->done, REACH);
-        at->end_done = least(rows, by->end + halo);
-        at->end_made = least(rows, by->end + halo + REACH);
+        at->end_done = wave_least(rows, by->end + halo);
+        at->end_made = wave_least(rows, by->end + halo + REACH);
         at->cloth = *by->of->cloth;
         at->cloth.mesh.particles = at->cloth.mesh.stride = by->of->wave->stride;
         at->cloth.mesh.band.above = 0;
@@ -493,7 +493,7 @@ static void begin(const way *by)
     }
 }
 
-static void do_band(void *ctx, size_t b)
+static void wave_do_band(void *ctx, size_t b)
 {
     const wave_job *of = ctx;
     const size_t rows = of->cloth->mesh.rows, last = (size_t)of->of->stages - 1;
@@ -507,14 +507,15 @@ static void do_band(void *ctx, size_t b)
                .left = first };
     by.band->failed = false;
     by.band->norm = by.band->most[0] = by.band->most[1] = 0.0;
-    begin(&by);
+    wave_begin(&by);
     for (by.front = by.start; by.left < by.end && !by.band->failed;) {
         by.front += of->wave->block;
         for (size_t i = 1; i <= last; ++i) {
             window *at = &by.band->windows[i];
-            const size_t made = least(at->end_made, less(by.front, REACH * (i - 1)));
-            const size_t done = least(at->end_done, less(by.front, REACH * i));
-            bool good = made <= at->made || make_state(&by, i, made);
+            const size_t made
+                = wave_least(at->end_made, less(by.front, REACH * (i - 1)));
+            const size_t done = wave_least(at->end_done, less(by.front, REACH * i));
+            bool good = made <= at->made || wave_make_state(&by, i, made);
             if (done > at->done) {
                 good = good
                        && ((i == last && of->of->k_end == NULL)
@@ -523,7 +524,7 @@ static void do_band(void *ctx, size_t b)
             }
             by.band->failed |= !good;
         }
-        const size_t end = least(by.end, by.band->windows[last].done);
+        const size_t end = wave_least(by.end, by.band->windows[last].done);
         if (end > by.left) {
             leave(&by, end);
             by.left = end;
@@ -534,7 +535,7 @@ static void do_band(void *ctx, size_t b)
 int weft__wave_run(weft__wave *wave, const weft__forces *forces, weft_attempt *attempt)
 {
     wave_job of = { wave, forces, forces->cloth, attempt };
-    weft__pool_run(forces->pool, do_band, &of, wave->bands);
+    weft__pool_run(forces->pool, wave_do_band, &of, wave->bands);
     bool failed = false;
     attempt->norm = attempt->most[0] = attempt->most[1] = 0.0;
     for (size_t b = 0; b < wave->bands; ++b) {

@@ -122,7 +122,7 @@ static weft_status read_polynomial(weft_stability *out, weft_error *err)
 }
 
 /* (x, v) becomes R(A) (x, v), A = (0 1; -w -c). */
-static void apply(const weft_stability *of, double w, double c, double y[2])
+static void stability_apply(const weft_stability *of, double w, double c, double y[2])
 {
     double sum[2] = { 0.0, 0.0 };
     for (int k = of->degree; k >= 0; --k) {
@@ -148,7 +148,7 @@ static weft_status polynomial_holds(const weft_stability *of, bool *holds,
     for (int step = 0; step < 3 && *holds; ++step) {
         *holds = probe_step(&run, y) == WEFT_OK;
         for (size_t i = 0; i < 3; ++i) {
-            apply(of, w[i], c[i], wanted[i]);
+            stability_apply(of, w[i], c[i], wanted[i]);
             *holds = *holds && fabs(y[i] - wanted[i][0]) < 1e-10
                      && fabs(y[3 + i] - wanted[i][1]) < 1e-10;
         }
@@ -221,7 +221,7 @@ static double ray_limit(const weft_stability *of, double complex mu, double grow
 }
 
 /* The root of mu^2 + c mu + w that is farthest left, of a pair the upper one. */
-static double complex root(double w, double c)
+static double complex stability_root(double w, double c)
 {
     const double under = 0.25 * c * c - w;
     return under >= 0.0 ? -0.5 * c - sqrt(under) : -0.5 * c + I * sqrt(-under);
@@ -259,8 +259,9 @@ static double polygon_limit(const weft_stability *of, const weft_stiffness *poly
         const double *slow = p[0] < q[0] ? p : q, *fast = p[0] < q[0] ? q : p;
         for (int k = POINTS; k >= 0; --k) {
             const double part = (double)k * k / (POINTS * POINTS);
-            const double complex mu = root(slow[0] + part * (fast[0] - slow[0]),
-                                           slow[1] + part * (fast[1] - slow[1]));
+            const double complex mu
+                = stability_root(slow[0] + part * (fast[0] - slow[0]),
+                                 slow[1] + part * (fast[1] - slow[1]));
             if (mu != 0.0) {
                 limit = ray_limit(of, mu, allowance(mu, growth),
                                   fmin(limit, farthest(of, mu)));

@@ -39,7 +39,7 @@ static weft__bending rigidity_of(const weft_cloth_def *def)
     return k;
 }
 
-static void check(const weft_cloth_def *def, const weft__faults *to)
+static void bending_check(const weft_cloth_def *def, const weft__faults *to)
 {
     if (def->mesh != NULL) {
         return;
@@ -60,7 +60,8 @@ static void check(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool bending_init(void *own, const weft_cloth_def *def,
+                         const weft_allocator *memory)
 {
     weft__bending *of = own;
     weft__bending k = def->mesh == NULL ? rigidity_of(def) : (weft__bending){ 0 };
@@ -71,7 +72,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
 }
 
 /* Nothing without. */
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t bending_hash_of(const void *own, uint64_t hash)
 {
     const weft__bending *of = own;
     return of->present
@@ -79,12 +80,12 @@ static uint64_t hash_of(const void *own, uint64_t hash)
                : hash;
 }
 
-static void choose(void *own, weft__isa isa)
+static void bending_choose(void *own, weft__isa isa)
 {
     ((weft__bending *)own)->fast = WEFT_FORM(isa, bending);
 }
 
-static bool present(const void *own)
+static bool bending_present(const void *own)
 {
     return ((const weft__bending *)own)->present;
 }
@@ -97,7 +98,7 @@ typedef struct field {
     const double *x, *v;
 } field;
 
-static double value(const field *of, size_t r, size_t c)
+static double bending_value(const field *of, size_t r, size_t c)
 {
     const size_t i = r * of->own->mesh->cols + c;
     return of->v != NULL ? of->x[i] + of->own->damping * of->v[i] : of->x[i];
@@ -110,14 +111,14 @@ static double second(double low, double here, double high)
 
 static double along_column(const field *of, size_t r, size_t c)
 {
-    return second(value(of, weft__before(r), c), value(of, r, c),
-                  value(of, weft__after(r, of->own->mesh->rows), c));
+    return second(bending_value(of, weft__before(r), c), bending_value(of, r, c),
+                  bending_value(of, weft__after(r, of->own->mesh->rows), c));
 }
 
 static double along_row(const field *of, size_t r, size_t c)
 {
-    return second(value(of, r, weft__before(c)), value(of, r, c),
-                  value(of, r, weft__after(c, of->own->mesh->cols)));
+    return second(bending_value(of, r, weft__before(c)), bending_value(of, r, c),
+                  bending_value(of, r, weft__after(c, of->own->mesh->cols)));
 }
 
 /* k_r D_r + k_t D_c */
@@ -176,8 +177,8 @@ int weft__bending_loops(const void *own, const weft__state *at, weft__unit unit,
     return bad == 0.0 ? 0 : 1;
 }
 
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
+static int bending_add(const void *own, const weft__state *at, weft__unit unit,
+                       double *to, size_t first, size_t end)
 {
     const weft__bending *of = own;
     weft__add_fn *form = unit == WEFT__FORCE ? weft__bending_loops : of->fast;
@@ -210,13 +211,15 @@ static double row_square(const weft__bending *own, const double *x, size_t r)
     return sum;
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void bending_energy(const void *own, const weft__state *at, size_t b,
+                           weft_measures *sum)
 {
     sum->energy.elastic[WEFT_BEND] += 0.5 * row_square(own, at->y, b);
 }
 
 /* Of the pins that move in row r. */
-static double pin_power(const weft__bending *own, const weft__state *at, size_t r)
+static double bending_pin_power(const weft__bending *own, const weft__state *at,
+                                size_t r)
 {
     const weft__mesh *mesh = own->mesh;
     double power = 0.0, rate[6], force[3];
@@ -232,11 +235,12 @@ static double pin_power(const weft__bending *own, const weft__state *at, size_t 
     return power;
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void bending_power(const void *own, const weft__state *at, size_t b,
+                          weft_measures *sum)
 {
     const weft__bending *of = own;
     const double *v = at->y + 3 * of->mesh->stride;
-    sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
+    sum->power[WEFT_POWER_PINS] += bending_pin_power(of, at, b);
     if (of->damping != 0.0) {
         sum->power[WEFT_POWER_SPRINGS] += of->damping * row_square(of, v, b);
     }
@@ -245,7 +249,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 /* ---- the matrix ------------------------------------------------------------------ */
 
 /* Neighbours along a line of `count`. */
-static double neighbours(size_t at, size_t count)
+static double bending_neighbours(size_t at, size_t count)
 {
     return (at > 0 ? 1.0 : 0.0) + (at + 1 < count ? 1.0 : 0.0);
 }
@@ -266,16 +270,16 @@ static double row_sum(const weft__bending *own, size_t i)
     const weft__bending *k = own;
     return k->along * weft__strip(c, cols) * line_sum(r, rows)
            + k->across * weft__strip(r, rows) * line_sum(c, cols)
-           + 4.0 * k->twist * neighbours(r, rows) * neighbours(c, cols);
+           + 4.0 * k->twist * bending_neighbours(r, rows) * bending_neighbours(c, cols);
 }
 
-static void ratios(const void *own, weft__sides *to)
+static void bending_ratios(const void *own, weft__sides *to)
 {
     weft__sides_add(to, ((const weft__bending *)own)->damping);
 }
 
-static void bound(const void *own, const weft__state *at, size_t i,
-                  const weft__sides *sides, double (*sums)[6])
+static void bending_bound(const void *own, const weft__state *at, size_t i,
+                          const weft__sides *sides, double (*sums)[6])
 {
     const weft__bending *of = own;
     const double most = row_sum(of, i) * of->mesh->inverse_mass[i];
@@ -295,15 +299,15 @@ static double centred(size_t at, size_t count)
 
 /* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
  * one of WEFT_GROUPS ways are a group without a law. [N/m] q of the one at (r, c): */
-static double pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
+static double bending_pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
 {
     const size_t rows = own->mesh->rows, cols = own->mesh->cols;
     const weft__bending *k = own;
     const double along = k->along * weft__strip(c, cols);
     const double across = k->across * weft__strip(r, rows);
     const double pulls[WEFT_GROUPS]
-        = { across * centred(c, cols) + k->twist * neighbours(r, rows),
-            along * centred(r, rows) + k->twist * neighbours(c, cols),
+        = { across * centred(c, cols) + k->twist * bending_neighbours(r, rows),
+            along * centred(r, rows) + k->twist * bending_neighbours(c, cols),
             -k->twist,
             -k->twist,
             -across,
@@ -338,7 +342,7 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
             for (size_t k = 0; k < 6; ++k) {
                 planes[k * all] = 0.0;
             }
-            planes[4 * all] = pull_of(own, way, b, c);
+            planes[4 * all] = bending_pull_of(own, way, b, c);
         }
     }
     return planes;
@@ -354,7 +358,7 @@ size_t weft__bending_ties(const weft__bending *own, size_t first,
         for (size_t r = 0; has && r < of.end_row; ++r) {
             for (size_t c = of.first_col; c < of.end_col; ++c, ++count) {
                 const size_t p = first + r * own->mesh->cols + c;
-                const double k = pull_of(own, way, r, c);
+                const double k = bending_pull_of(own, way, r, c);
                 if (to != NULL) {
                     to[count]
                         = (weft_scalar_coupling){ (uint32_t)p,
@@ -368,16 +372,16 @@ size_t weft__bending_ties(const weft__bending *own, size_t first,
 }
 
 const weft__force weft__bending_force = { .name = "bending",
-                                          .check = check,
-                                          .init = init,
-                                          .hash = hash_of,
-                                          .choose = choose,
-                                          .present = present,
-                                          .add = add,
+                                          .check = bending_check,
+                                          .init = bending_init,
+                                          .hash = bending_hash_of,
+                                          .choose = bending_choose,
+                                          .present = bending_present,
+                                          .add = bending_add,
                                           .linear = true,
-                                          .energy = energy,
-                                          .power = power,
-                                          .ratios = ratios,
-                                          .bound = bound,
+                                          .energy = bending_energy,
+                                          .power = bending_power,
+                                          .ratios = bending_ratios,
+                                          .bound = bending_bound,
                                           .runs = runs,
                                           .bonds = bonds };

@@ -44,7 +44,7 @@ typedef struct trail {
 } trail;
 
 /* The resistance [N] of the row before in the block at j; rim: see `right2`. */
-INLINE vec block(line of, ptrdiff_t j, trail *left, const mask *rim)
+INLINE vec bending_fast_block(line of, ptrdiff_t j, trail *left, const mask *rim)
 {
     const vec here = left->ahead, ahead = load(of.here + j + LANES);
     const vec next = NEXT_1(here, ahead), slope = NEXT_2(here, ahead) - next;
@@ -63,13 +63,14 @@ INLINE vec block(line of, ptrdiff_t j, trail *left, const mask *rim)
 }
 
 /* The last columns of a row. */
-INLINE void row_end(strip *self, line of, trail *left, const double *mass, double *to)
+INLINE void bending_fast_row_end(strip *self, line of, trail *left, const double *mass,
+                                 double *to)
 {
     const size_t count = self->own->mesh->cols - self->inner;
     double change[2 * LANES];
     for (size_t e = 0; e * LANES < count; ++e) {
         const size_t j = self->inner - self->first + e * LANES;
-        const vec force = block(of, (ptrdiff_t)j, left, &self->right2[e]);
+        const vec force = bending_fast_block(of, (ptrdiff_t)j, left, &self->right2[e]);
         store(change + e * LANES, load(mass + j) * force);
     }
     for (size_t l = 0; to != NULL && l < count; ++l) {
@@ -108,7 +109,7 @@ static const double *field(const strip *self, size_t r, size_t k)
                              + r * self->own->mesh->cols + self->first;
 }
 
-static line line_of(strip *self, size_t r, size_t k)
+static line bending_fast_line_of(strip *self, size_t r, size_t k)
 {
     static const double none[SPAN];
     const weft__bending *of = self->own;
@@ -124,9 +125,10 @@ static line line_of(strip *self, size_t r, size_t k)
 }
 
 /* Plane k of row r; adds the force on the row before to `to`, unless that is NULL. */
-static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
+static void bending_fast_row(strip *self, size_t r, size_t k, const double *mass,
+                             double *to)
 {
-    const line of = line_of(self, r, k);
+    const line of = bending_fast_line_of(self, r, k);
     const ptrdiff_t count = (ptrdiff_t)(self->end - self->first);
     const ptrdiff_t begin = self->first > 0 ? -LANES : 0;
     trail left = { .ahead = load(of.here + begin) };
@@ -135,7 +137,7 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
         left.turn[LANES - 1] = of.here[1] - of.here[0];
     }
     for (ptrdiff_t j = begin; j < count; j += LANES) {
-        const vec force = block(of, j, &left, NULL);
+        const vec force = bending_fast_block(of, j, &left, NULL);
         if (to != NULL && j >= 0) {
             const vec sums = load(to + j) - load(mass + j) * force;
             store(to + j, sums);
@@ -144,12 +146,12 @@ static void row(strip *self, size_t r, size_t k, const double *mass, double *to)
     }
     self->bad = bad;
     if (self->end == self->inner) {
-        row_end(self, of, &left, mass, to);
+        bending_fast_row_end(self, of, &left, mass, to);
     }
 }
 
 /* The columns of the tile in rows [first_row, end_row). */
-static void tile(strip *self, size_t first_row, size_t end_row)
+static void bending_fast_tile(strip *self, size_t first_row, size_t end_row)
 {
     const size_t n = self->own->mesh->stride, rows = self->own->mesh->rows;
     size_t taken = weft__before(weft__before(first_row)); /* rows, so far */
@@ -161,13 +163,14 @@ static void tile(strip *self, size_t first_row, size_t end_row)
             take_row(self, taken);
         }
         for (size_t k = 0; k < 3; ++k) {
-            row(self, r, k, self->own->mesh->inverse_mass + i,
-                adds ? self->to + k * n + i : NULL);
+            bending_fast_row(self, r, k, self->own->mesh->inverse_mass + i,
+                             adds ? self->to + k * n + i : NULL);
         }
     }
 }
 
-static void start(strip *self, const weft__bending *own, const double *y, double *to)
+static void bending_fast_start(strip *self, const weft__bending *own, const double *y,
+                               double *to)
 {
     const weft__mesh *mesh = own->mesh;
     memset(self, 0, sizeof *self);
@@ -187,14 +190,14 @@ int NAME(bending, LEVEL)(const void *own, const weft__state *at, weft__unit unit
     const size_t cols = of->mesh->cols;
     strip self;
     (void)unit;
-    start(&self, of, at->y, to);
+    bending_fast_start(&self, of, at->y, to);
     for (size_t c = 0; c == 0 || c < self.inner; c += TILE) {
         self.first = c;
         self.end = self.inner - c < TILE ? self.inner : c + TILE;
         for (size_t j = 0; j < SPAN; ++j) {
             self.columns[j] = of->along * weft__strip(c + j - LANES, cols);
         }
-        tile(&self, first, end);
+        bending_fast_tile(&self, first, end);
     }
     return sum(self.bad) * 0.0 == 0.0 ? 0 : 1;
 }

@@ -8,7 +8,7 @@
 #include "forces/bounds.h"
 #include "mesh/triangles_work.h"
 
-static bool present(const void *own)
+static bool plate_present(const void *own)
 {
     return ((const weft__plate *)own)->matrix.first != NULL;
 }
@@ -74,8 +74,8 @@ static void bound_all(weft__plate *of, double *work)
 
 /* [1/s^2] of a K + b C. Where both count, C is bounded apart; else it lies between the
  * multiples tau[0] K and tau[1] K. */
-static void bound(const void *own, const weft__state *at, size_t i,
-                  const weft__sides *sides, double (*sums)[6])
+static void plate_bound(const void *own, const weft__state *at, size_t i,
+                        const weft__sides *sides, double (*sums)[6])
 {
     const weft__plate *of = own;
     const double *tau = of->matrix.tau;
@@ -91,7 +91,7 @@ static void bound(const void *own, const weft__state *at, size_t i,
     }
 }
 
-static void ratios(const void *own, weft__sides *to)
+static void plate_ratios(const void *own, weft__sides *to)
 {
     const weft__plate *of = own;
     for (size_t k = 0; k < 2; ++k) {
@@ -102,7 +102,7 @@ static void ratios(const void *own, weft__sides *to)
 /* ---- life ------------------------------------------------------------------------ */
 
 /* Entries of K are at most some thousands of B A / h^4, h a triangle's height. */
-static void check(const weft_cloth_def *def, const weft__faults *to)
+static void plate_check(const weft_cloth_def *def, const weft__faults *to)
 {
     const size_t field = offsetof(weft_cloth_def, mesh);
     for (size_t t = 0; def->mesh != NULL && t < def->mesh->triangles; ++t) {
@@ -125,7 +125,8 @@ static void check(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool plate_init(void *own, const weft_cloth_def *def,
+                       const weft_allocator *memory)
 {
     weft__plate *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -136,7 +137,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
                                    mesh->pin, def->stop_ctx, memory)) {
         return false;
     }
-    if (!present(of)) {
+    if (!plate_present(of)) {
         return true;
     }
     double *work = weft__alloc(memory, mesh->particles, 3 * sizeof *work);
@@ -149,14 +150,14 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return made;
 }
 
-static bool copy(void *own, const weft_allocator *memory)
+static bool plate_copy(void *own, const weft_allocator *memory)
 {
     (void)memory;
     ((weft__plate *)own)->copied = true;
     return true;
 }
 
-static void free_matrix(void *own, const weft_allocator *memory)
+static void plate_free_matrix(void *own, const weft_allocator *memory)
 {
     weft__plate *of = own;
     if (!of->copied) {
@@ -166,7 +167,7 @@ static void free_matrix(void *own, const weft_allocator *memory)
 }
 
 /* Nothing without. */
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t plate_hash_of(const void *own, uint64_t hash)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     if (of->first == NULL) {
@@ -179,7 +180,7 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     return of->damping != NULL ? weft__hash_reals(hash, of->damping, entries) : hash;
 }
 
-static void choose(void *own, weft__isa isa)
+static void plate_choose(void *own, weft__isa isa)
 {
     ((weft__plate *)own)->fast = WEFT_FORM(isa, plate);
 }
@@ -187,16 +188,16 @@ static void choose(void *own, weft__isa isa)
 /* ---- the force ------------------------------------------------------------------- */
 
 /* Particle i of plane k of what a term multiplies. */
-static double value(const weft__plate_matrix *of, const weft__plate_term *term,
-                    size_t i, size_t k)
+static double plate_value(const weft__plate_matrix *of, const weft__plate_term *term,
+                          size_t i, size_t k)
 {
     const double *x = term->x + k * of->particles + i;
     return term->tau != 0.0 ? x[0] + term->tau * x[3 * of->particles] : x[0];
 }
 
 /* The rows of a term, of the particles of block b: less the force on them. */
-static void add_rows(const weft__plate *own, const weft__plate_term *term, size_t b,
-                     double (*rows)[3])
+static void plate_add_rows(const weft__plate *own, const weft__plate_term *term,
+                           size_t b, double (*rows)[3])
 {
     const weft__plate_matrix *of = &own->matrix;
     const size_t first = weft__block(own->mesh, b), end = weft__block(own->mesh, b + 1);
@@ -207,8 +208,8 @@ static void add_rows(const weft__plate *own, const weft__plate_term *term, size_
         for (size_t j = row.first; j < row.end; ++j) {
             const weft__plate_pair pair = weft__plate_pair_of(of, i, j);
             for (size_t k = 0; k < 3; ++k) {
-                const double apart
-                    = value(of, term, i, k) - value(of, term, pair.particle, k);
+                const double apart = plate_value(of, term, i, k)
+                                     - plate_value(of, term, pair.particle, k);
                 const double pull = term->matrix[j] * apart;
                 sums[(j - row.first) % 2][k] += pull;
                 if (pair.own) {
@@ -232,7 +233,7 @@ int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
     for (size_t b = first * count; b < end * count; ++b) {
         const size_t low = weft__block(of->mesh, b / count);
         const size_t high = weft__block(of->mesh, b / count + 1);
-        add_rows(of, &terms[b % count], b / count, rows);
+        plate_add_rows(of, &terms[b % count], b / count, rows);
         for (size_t i = low; i < high; ++i) {
             const double *row = rows[i - low];
             bad += weft__force_add(of->mesh, unit, i,
@@ -242,8 +243,8 @@ int weft__plate_loops(const void *own, const weft__state *at, weft__unit unit,
     return bad == 0.0 ? 0 : 1;
 }
 
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
+static int plate_add(const void *own, const weft__state *at, weft__unit unit,
+                     double *to, size_t first, size_t end)
 {
     const weft__plate *of = own;
     int failed = 0;
@@ -279,14 +280,16 @@ static double block_square(const weft__plate *own, const double *entry, const do
     return sum;
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void plate_energy(const void *own, const weft__state *at, size_t b,
+                         weft_measures *sum)
 {
     const weft__plate *of = own;
     sum->energy.elastic[WEFT_BEND]
         += 0.5 * block_square(of, of->matrix.entry, at->y, b);
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void plate_power(const void *own, const weft__state *at, size_t b,
+                        weft_measures *sum)
 {
     const weft__plate *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -300,7 +303,7 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
         moves = moves || weft__pin_moves(mesh, i);
     }
     for (size_t m = 0; moves && m < count; ++m) {
-        add_rows(of, &terms[m], b, rows);
+        plate_add_rows(of, &terms[m], b, rows);
         for (size_t i = first; i < end; ++i) {
             if (weft__pin_moves(mesh, i)) {
                 weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
@@ -343,7 +346,7 @@ static size_t ties(const void *own, weft_scalar_coupling *to)
     return count;
 }
 
-static size_t bytes(const void *own)
+static size_t plate_bytes(const void *own)
 {
     const weft__plate *of = own;
     const weft__plate_matrix *k = &of->matrix;
@@ -356,7 +359,7 @@ static size_t bytes(const void *own)
            + 2 * k->particles * sizeof *of->most;
 }
 
-static size_t halo(const void *own, size_t b, const uint32_t **particles)
+static size_t plate_halo(const void *own, size_t b, const uint32_t **particles)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     *particles = of->halo + of->reach[b];
@@ -418,20 +421,20 @@ static bool slice_matrix(void *own, const weft__slice *slice)
 }
 
 const weft__force weft__plate_force = { .name = "plate",
-                                        .check = check,
-                                        .init = init,
-                                        .hash = hash_of,
-                                        .choose = choose,
-                                        .copy = copy,
-                                        .free = free_matrix,
-                                        .bytes = bytes,
-                                        .halo = halo,
+                                        .check = plate_check,
+                                        .init = plate_init,
+                                        .hash = plate_hash_of,
+                                        .choose = plate_choose,
+                                        .copy = plate_copy,
+                                        .free = plate_free_matrix,
+                                        .bytes = plate_bytes,
+                                        .halo = plate_halo,
                                         .slice = slice_matrix,
-                                        .present = present,
-                                        .add = add,
+                                        .present = plate_present,
+                                        .add = plate_add,
                                         .linear = true,
-                                        .energy = energy,
-                                        .power = power,
-                                        .ratios = ratios,
-                                        .bound = bound,
+                                        .energy = plate_energy,
+                                        .power = plate_power,
+                                        .ratios = plate_ratios,
+                                        .bound = plate_bound,
                                         .ties = ties };

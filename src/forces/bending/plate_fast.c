@@ -13,7 +13,7 @@ typedef struct nearby {
     _Alignas(64) double x[RECORD * ROOM], sum[RECORD * ROOM];
 } nearby;
 
-INLINE record *at(double *of, size_t place)
+INLINE record *plate_fast_at(double *of, size_t place)
 {
     return (record *)(void *)(of + place);
 }
@@ -24,7 +24,7 @@ typedef struct block {
     size_t b, first, own, halo;
 } block;
 
-static block block_of(const weft__plate_matrix *of, size_t b)
+static block plate_fast_block_of(const weft__plate_matrix *of, size_t b)
 {
     const size_t first = b * WEFT__MESH_BLOCK, left = of->particles - first;
     return (block){ .of = of,
@@ -35,14 +35,15 @@ static block block_of(const weft__plate_matrix *of, size_t b)
 }
 
 /* What a term multiplies, of one particle. */
-INLINE void take(const double *x, size_t n, double tau, nearby *to, size_t place)
+INLINE void plate_fast_take(const double *x, size_t n, double tau, nearby *to,
+                            size_t place)
 {
     record value = { x[0], x[n], x[2 * n], 0.0 };
     if (tau != 0.0) {
         value += (record){ tau * x[3 * n], tau * x[4 * n], tau * x[5 * n], 0.0 };
     }
-    *at(to->x, place) = value;
-    *at(to->sum, place) = ALL(0.0);
+    *plate_fast_at(to->x, place) = value;
+    *plate_fast_at(to->sum, place) = ALL(0.0);
 }
 
 INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
@@ -50,10 +51,10 @@ INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
     const size_t n = p->of->particles;
     const uint32_t *halo = p->of->halo + p->of->reach[p->b];
     for (size_t j = 0; j < p->own; ++j) {
-        take(x + p->first + j, n, tau, to, RECORD * j);
+        plate_fast_take(x + p->first + j, n, tau, to, RECORD * j);
     }
     for (size_t j = 0; j < p->halo; ++j) {
-        take(x + halo[j], n, tau, to, RECORD * (p->own + j));
+        plate_fast_take(x + halo[j], n, tau, to, RECORD * (p->own + j));
     }
 }
 
@@ -61,16 +62,16 @@ INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
 INLINE void add_pair(double entry, const record *x, size_t other, nearby *near,
                      record *sum)
 {
-    const record pull = ALL(entry) * (*x - *at(near->x, other));
-    *at(near->sum, other) += pull;
+    const record pull = ALL(entry) * (*x - *plate_fast_at(near->x, other));
+    *plate_fast_at(near->sum, other) += pull;
     *sum += pull;
 }
 
 /* A row of a block: so many pairs of particle i. */
-INLINE void add_row(const double *entry, const uint32_t *column, size_t length,
-                    nearby *near, size_t i)
+INLINE void plate_fast_add_row(const double *entry, const uint32_t *column,
+                               size_t length, nearby *near, size_t i)
 {
-    const record x = *at(near->x, RECORD * i);
+    const record x = *plate_fast_at(near->x, RECORD * i);
     record even = ALL(0.0), odd = even;
     for (size_t j = 0; j < ROW; j += LINE) { /* of average length */
         __builtin_prefetch(entry + j + AHEAD);
@@ -80,11 +81,11 @@ INLINE void add_row(const double *entry, const uint32_t *column, size_t length,
         add_pair(entry[j], &x, column[j], near, &even);
         add_pair(entry[j + 1], &x, column[j + 1], near, &odd);
     }
-    *at(near->sum, RECORD * i) -= even + odd;
+    *plate_fast_at(near->sum, RECORD * i) -= even + odd;
 }
 
 /* The rows of a block, which lie one behind the other. */
-INLINE void add_rows(const block *p, const double *entry, nearby *near)
+INLINE void plate_fast_add_rows(const block *p, const double *entry, nearby *near)
 {
     const size_t begin = weft__plate_row_of(p->of, p->first).first;
     const uint32_t *column = p->of->column + begin;
@@ -95,13 +96,13 @@ INLINE void add_rows(const block *p, const double *entry, nearby *near)
             const weft__plate_row row = weft__plate_row_of(p->of, p->first + i);
             length = row.end - row.first;
         }
-        add_row(entry, column, length, near, i);
+        plate_fast_add_row(entry, column, length, near, i);
     }
 }
 
 /* Takes share times the sums from three planes; 0 or NaN. */
-INLINE double subtract(const block *p, const double *mass, const nearby *near,
-                       double *from)
+INLINE double plate_fast_subtract(const block *p, const double *mass,
+                                  const nearby *near, double *from)
 {
     const size_t n = p->of->particles;
     double bad = 0.0;
@@ -125,11 +126,11 @@ int NAME(plate, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
     const size_t count = weft__plate_terms(&plate->matrix, at->y, terms);
     double bad = 0.0;
     for (size_t b = first * count; b < end * count; ++b) {
-        const block p = block_of(&plate->matrix, b / count);
+        const block p = plate_fast_block_of(&plate->matrix, b / count);
         const weft__plate_term *term = &terms[b % count];
         take_all(&p, term->x, term->tau, &near);
-        add_rows(&p, term->matrix, &near);
-        bad += subtract(&p, mass, &near, to);
+        plate_fast_add_rows(&p, term->matrix, &near);
+        bad += plate_fast_subtract(&p, mass, &near, to);
     }
     return bad == 0.0 ? 0 : 1;
 }

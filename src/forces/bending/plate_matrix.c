@@ -29,8 +29,8 @@ typedef struct stencils {
 /* ---- a triangle ------------------------------------------------------------------ */
 
 /* Adds share times x of a particle to the row of the triangle. */
-static void add(stencils *of, size_t begin, uint32_t particle, double share,
-                const double row[3])
+static void plate_matrix_add(stencils *of, size_t begin, uint32_t particle,
+                             double share, const double row[3])
 {
     size_t at = of->slot[particle];
     if (at == 0) {
@@ -49,12 +49,14 @@ static void add_slope(stencils *of, size_t begin, size_t e, double share,
                       const double row[3])
 {
     for (size_t j = of->slopes.first[e]; j < of->slopes.first[e + 1]; ++j) {
-        add(of, begin, of->slopes.particle[j], share * of->slopes.share[j], row);
+        plate_matrix_add(of, begin, of->slopes.particle[j], share * of->slopes.share[j],
+                         row);
     }
 }
 
 /* The outward normal of an edge of a triangle by that of the edge's slope. */
-static double sign_of(const weft__triangles *mesh, uint32_t triangle, size_t e)
+static double plate_matrix_sign_of(const weft__triangles *mesh, uint32_t triangle,
+                                   size_t e)
 {
     const uint32_t *edges = mesh->edge[triangle];
     const size_t k = edges[0] == e ? 0 : edges[1] == e ? 1 : 2;
@@ -65,8 +67,8 @@ static double sign_of(const weft__triangles *mesh, uint32_t triangle, size_t e)
 /* Second derivatives Q11, Q22, 2 Q12 = (1/A) sum over edges, counterclockwise, of
  *     L [ g n n^T + sym(t n^T) (x_q - x_p) / L ],   n outward,
  * those of the slope g of a rim left out: its column is M. Returns how many are. */
-static size_t add_edge(stencils *of, size_t begin, uint32_t triangle, size_t k,
-                       double m[3])
+static size_t plate_matrix_add_edge(stencils *of, size_t begin, uint32_t triangle,
+                                    size_t k, double m[3])
 {
     const weft__triangles *mesh = of->mesh;
     const size_t e = mesh->edge[triangle][k];
@@ -79,9 +81,9 @@ static size_t add_edge(stencils *of, size_t begin, uint32_t triangle, size_t k,
     const double t[2] = { d[0] / length, d[1] / length }, n[2] = { t[1], -t[0] };
     const double along[3] = { t[0] * n[0], t[1] * n[1], t[0] * n[1] + t[1] * n[0] };
     const double across[3] = { n[0] * n[0], n[1] * n[1], 2.0 * (n[0] * n[1]) };
-    const double weight = length / area * sign_of(mesh, triangle, e);
-    add(of, begin, mesh->particle[p], -1.0 / area, along);
-    add(of, begin, mesh->particle[q], 1.0 / area, along);
+    const double weight = length / area * plate_matrix_sign_of(mesh, triangle, e);
+    plate_matrix_add(of, begin, mesh->particle[p], -1.0 / area, along);
+    plate_matrix_add(of, begin, mesh->particle[q], 1.0 / area, along);
     if (edge->triangle[1] != WEFT__NONE) {
         add_slope(of, begin, e, weight, across);
         return 0;
@@ -91,14 +93,15 @@ static size_t add_edge(stencils *of, size_t begin, uint32_t triangle, size_t k,
         return 1;
     }
     const uint32_t beyond = mesh->edge_list[edge->sewn].triangle[0];
-    const double facing = -length / area * sign_of(mesh, beyond, edge->sewn);
+    const double facing
+        = -length / area * plate_matrix_sign_of(mesh, beyond, edge->sewn);
     const double part = of->held[beyond] ? 0.0 : 0.5;
     add_slope(of, begin, e, part * weight, across);
     add_slope(of, begin, edge->sewn, (1.0 - part) * facing, across);
     return 0;
 }
 
-static void subtract(double from[3], const double unit[3])
+static void plate_matrix_subtract(double from[3], const double unit[3])
 {
     const double share = weft__dot(from, unit);
     for (size_t m = 0; m < 3; ++m) {
@@ -115,7 +118,7 @@ static size_t orthonormal(double columns[3][3], size_t count)
         double *unit = memmove(columns[rank], columns[i], sizeof columns[i]);
         const double before = sqrt(weft__dot(unit, unit));
         for (size_t j = 0; j < 2 * rank; ++j) { /* twice: what roundoff left */
-            subtract(unit, columns[j % rank]);
+            plate_matrix_subtract(unit, columns[j % rank]);
         }
         const double length = sqrt(weft__dot(unit, unit));
         for (size_t m = 0; m < 3; ++m) {
@@ -147,7 +150,7 @@ static void stiffen(stencils *of, size_t begin, size_t triangle, double m[3][3],
             r[k] = rank < 3 ? r[k] * d[k] : 0.0;
         }
         for (size_t i = 0; i < rank; ++i) {
-            subtract(r, m[i]);
+            plate_matrix_subtract(r, m[i]);
         }
         for (size_t k = 0; k < 3; ++k) {
             r[k] *= part;
@@ -156,7 +159,7 @@ static void stiffen(stencils *of, size_t begin, size_t triangle, double m[3][3],
 }
 
 /* Room for what a triangle may add. */
-static bool reserve(stencils *of, size_t triangle)
+static bool plate_matrix_reserve(stencils *of, size_t triangle)
 {
     size_t more = 3;
     for (size_t k = 0; k < 3; ++k) {
@@ -178,11 +181,11 @@ static bool stencil(stencils *of, uint32_t triangle)
     const size_t begin = of->count;
     double m[3][3];
     size_t rims = 0;
-    if (!reserve(of, triangle)) {
+    if (!plate_matrix_reserve(of, triangle)) {
         return false;
     }
     for (size_t k = 0; k < 3; ++k) {
-        rims += add_edge(of, begin, triangle, k, m[rims]);
+        rims += plate_matrix_add_edge(of, begin, triangle, k, m[rims]);
     }
     stiffen(of, begin, triangle, m, rims);
     for (size_t j = begin; j < of->count; ++j) {
@@ -209,7 +212,7 @@ static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
 }
 
 /* Lists the triangles of each particle. */
-static bool turn(stencils *of, size_t particles)
+static bool plate_matrix_turn(stencils *of, size_t particles)
 {
     of->begin = weft__zeroed(of->memory, particles + 2, sizeof *of->begin);
     of->item = weft__alloc(of->memory, of->count, sizeof *of->item);
@@ -307,7 +310,7 @@ static void add_item(const stencils *of, growth *to, size_t begin, size_t i, siz
     }
 }
 
-static bool add_row(const stencils *of, growth *to, size_t i)
+static bool plate_matrix_add_row(const stencils *of, growth *to, size_t i)
 {
     const size_t begin = to->count;
     size_t most = 0;
@@ -402,7 +405,7 @@ static bool add_block(const stencils *of, growth *to)
 }
 
 /* Every row, block by block. */
-static bool add_rows(const stencils *of, growth *to)
+static bool plate_matrix_add_rows(const stencils *of, growth *to)
 {
     weft__plate_matrix *out = to->out;
     const size_t n = out->particles;
@@ -411,7 +414,7 @@ static bool add_rows(const stencils *of, growth *to)
         to->own = n - first < WEFT__MESH_BLOCK ? n - first : WEFT__MESH_BLOCK;
         to->count = 0;
         for (size_t i = first; i < first + to->own; ++i) {
-            if (weft__stops(of->stop) || !add_row(of, to, i)) {
+            if (weft__stops(of->stop) || !plate_matrix_add_row(of, to, i)) {
                 return false;
             }
         }
@@ -458,8 +461,9 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
     out->reach = weft__zeroed(memory, blocks + 1, sizeof *out->reach);
     grown.seat = weft__zeroed(memory, particles, sizeof *grown.seat);
     const bool made = out->first != NULL && out->reach != NULL && grown.seat != NULL
-                      && stencils_create(&all, pin, particles) && turn(&all, particles)
-                      && add_rows(&all, &grown);
+                      && stencils_create(&all, pin, particles)
+                      && plate_matrix_turn(&all, particles)
+                      && plate_matrix_add_rows(&all, &grown);
     stencils_free(&all);
     WEFT__FREE_ALL(memory, grown.seat, grown.pairs);
     if (!made) {

@@ -44,8 +44,8 @@ static bool moved(const weft__shape *shape, double t, double piece,
 }
 
 /* Bodies that rest stay where they were put, and all do at the same time of a piece. */
-static const double *spread(const weft__bodies *own, const weft__state *at,
-                            weft__spread *to)
+static const double *bodies_spread(const weft__bodies *own, const weft__state *at,
+                                   weft__spread *to)
 {
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
     const double piece = weft__piece(at);
@@ -73,7 +73,7 @@ double *weft__bodies_spread(const weft__bodies *own, const weft__state *at)
 {
     weft__spread to
         = { .y = weft__alloc(&own->memory, 6 * own->pairs.points, sizeof *to.y) };
-    return to.y == NULL ? NULL : weft__unconst(spread(own, at, &to));
+    return to.y == NULL ? NULL : weft__unconst(bodies_spread(own, at, &to));
 }
 
 /* ---- forces ---------------------------------------------------------------------- */
@@ -83,7 +83,7 @@ static const double *points_at(const weft__bodies *own, weft__bodies_space *spac
                                const weft__state *at, double **once)
 {
     *once = space == NULL && at->y != NULL ? weft__bodies_spread(own, at) : NULL;
-    return space != NULL ? spread(own, at, &space->now) : *once;
+    return space != NULL ? bodies_spread(own, at, &space->now) : *once;
 }
 
 /* The list, which passes over bodies that rest: the last ones. */
@@ -108,7 +108,7 @@ static const double *points_of_twin(const weft__bodies *own, weft__bodies_space 
                                     const weft__state *at)
 {
     space->before.placed = false;
-    const double *y = spread(own, at, &space->before);
+    const double *y = bodies_spread(own, at, &space->before);
     space->before.placed = false;
     return y;
 }
@@ -130,8 +130,8 @@ int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
     return bad;
 }
 
-static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,
-                   double *to)
+static int bodies_add_all(const void *own, void *space, const weft__state *at,
+                          weft__unit unit, double *to)
 {
     const weft__bodies *of = own;
     const size_t n = of->pairs.mesh->particles;
@@ -140,8 +140,8 @@ static int add_all(const void *own, void *space, const weft__state *at, weft__un
     return weft__bodies_each(of, space, at, weft__self_sum, &sums, &y);
 }
 
-static int transposed_all(const void *own, void *space, const weft__state *at,
-                          double *out)
+static int bodies_transposed_all(const void *own, void *space, const weft__state *at,
+                                 double *out)
 {
     const weft__bodies *of = own;
     double *once;
@@ -192,8 +192,8 @@ static void measure_one(const touch_sums *of, const weft__pushes *from, size_t l
     }
 }
 
-static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
-                           size_t count)
+static void bodies_measure_pushes(void *ctx, weft__pair_kind kind,
+                                  const weft__pushes *pushes, size_t count)
 {
     const touch_sums *of = ctx;
     for (size_t i = 0; i < count; ++i) {
@@ -218,8 +218,8 @@ static size_t count_touching(const weft__bodies *own, const weft__state *at,
     return count;
 }
 
-static void measure_all(const void *own, void *space, const weft__state *at,
-                        weft_measures *sum)
+static void bodies_measure_all(const void *own, void *space, const weft__state *at,
+                               weft_measures *sum)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = space;
@@ -230,7 +230,7 @@ static void measure_all(const void *own, void *space, const weft__state *at,
             .marks = in != NULL ? in->marks : weft__alloc(&of->memory, n, 1) };
     if (all.marks != NULL) {
         memset(all.marks, 0, n);
-        (void)weft__bodies_each(of, in, at, measure_pushes, &all, &all.y);
+        (void)weft__bodies_each(of, in, at, bodies_measure_pushes, &all, &all.y);
         sum->touching += count_touching(of, at, all.marks);
     }
     if (in == NULL) {
@@ -328,8 +328,8 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
     const weft__state ends[] = { { .t = path->t0, .y = path->y0 },
                                  { .t = path->t1, .y = path->y1, .piece = &path->t0 } };
     const weft__stride stride
-        = { &own->pairs, spread(own, &ends[0], &space->before),
-            spread(own, &ends[1], &space->now), path->t1 - path->t0 };
+        = { &own->pairs, bodies_spread(own, &ends[0], &space->before),
+            bodies_spread(own, &ends[1], &space->now), path->t1 - path->t0 };
     weft_primitive pair[2];
     if (weft__self_list_clear(list_of(space), &stride, pair, &out->gap)) {
         const weft__spread end = space->now; /* where the next step starts */
@@ -347,9 +347,9 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 {
     const weft__bodies *own = space->own;
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
-    (void)spread(own, &(weft__state){ .t = t, .y = y }, &space->now);
+    (void)bodies_spread(own, &(weft__state){ .t = t, .y = y }, &space->now);
     const weft__state start = { .t = t, .y = from };
-    weft__self_list_hold(list_of(space), spread(own, &start, &space->before),
+    weft__self_list_hold(list_of(space), bodies_spread(own, &start, &space->before),
                          space->now.y);
     for (size_t k = 0; k < 6; ++k) {
         memcpy(y + k * n, space->now.y + k * points, n * sizeof *y);
@@ -372,8 +372,8 @@ static void grip(const void *own, void *space, const weft__state *at, size_t fir
     weft__free(&of->memory, once);
 }
 
-static void multiply(const void *own, const weft__state *at, double a, double b,
-                     const double *x, double *out)
+static void bodies_multiply(const void *own, const weft__state *at, double a, double b,
+                            const double *x, double *out)
 {
     const weft__bodies *of = own;
     double *once;
@@ -476,7 +476,8 @@ static bool find_friction(weft__bodies *of, const weft_allocator *memory)
     return of->friction != NULL;
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool bodies_init(void *own, const weft_cloth_def *def,
+                        const weft_allocator *memory)
 {
     weft__bodies *of = own;
     const size_t vertices = weft__bodies_vertices(of->contact);
@@ -488,12 +489,12 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return vertices == 0 || (find_friction(of, memory) && cover(of, def, memory));
 }
 
-static bool present(const void *own)
+static bool bodies_present(const void *own)
 {
     return ((const weft__bodies *)own)->pairs.law.self;
 }
 
-static void free_own(void *own, const weft_allocator *memory)
+static void bodies_free_own(void *own, const weft_allocator *memory)
 {
     weft__bodies *of = own;
     if (!of->pairs.shared) {
@@ -502,7 +503,7 @@ static void free_own(void *own, const weft_allocator *memory)
     }
 }
 
-static size_t bytes(const void *own)
+static size_t bodies_bytes(const void *own)
 {
     const weft__bodies *of = own;
     return of->pairs.skin != NULL ? weft__skin_bytes(of->pairs.skin) : 0;
@@ -539,15 +540,15 @@ void weft__bodies_space_destroy(weft__bodies_space *space)
 }
 
 const weft__force weft__bodies_force = { .name = "bodies",
-                                         .init = init,
+                                         .init = bodies_init,
                                          .choose = weft__self_choose,
                                          .copy = weft__self_copy,
-                                         .free = free_own,
-                                         .bytes = bytes,
-                                         .present = present,
+                                         .free = bodies_free_own,
+                                         .bytes = bodies_bytes,
+                                         .present = bodies_present,
                                          .grip = grip,
-                                         .multiply = multiply,
+                                         .multiply = bodies_multiply,
                                          .blocks = blocks,
-                                         .add_all = add_all,
-                                         .transposed_all = transposed_all,
-                                         .measure_all = measure_all };
+                                         .add_all = bodies_add_all,
+                                         .transposed_all = bodies_transposed_all,
+                                         .measure_all = bodies_measure_all };

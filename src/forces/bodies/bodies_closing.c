@@ -33,8 +33,8 @@ typedef struct closing_spots {
 } closing_spots;
 
 /* A point of a surface at another time. */
-static void move(const closing_spots *of, const closing_spot *from, double t,
-                 double x[3])
+static void bodies_closing_move(const closing_spots *of, const closing_spot *from,
+                                double t, double x[3])
 {
     const weft__shape *shape = &of->own->contact->shapes[from->shape];
     const weft__rigid_motion *motion = &shape->motion;
@@ -62,8 +62,8 @@ static double apart_at(const closing_spots *of, const closing_spot *a,
                        const closing_spot *b, double t)
 {
     double p[3], q[3];
-    move(of, a, t, p);
-    move(of, b, t, q);
+    bodies_closing_move(of, a, t, p);
+    bodies_closing_move(of, b, t, q);
     const double way[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
     return weft__dot(way, b->normal);
 }
@@ -95,7 +95,7 @@ static void compare(closing_spots *of, const closing_spot *a, const closing_spot
     }
 }
 
-static void look(closing_spots *of, const closing_spot *at)
+static void bodies_closing_look(closing_spots *of, const closing_spot *at)
 {
     const size_t slot = at->particle % SLOTS;
     if (!of->used[slot]) {
@@ -138,7 +138,7 @@ static void look_at_pair(closing_spots *of, const weft__pushes *from, size_t lan
         at.at[k] = of->y[k * points + point[0]] - at.gap * at.normal[k];
         at.velocity[k] = of->y[(3 + k) * points + point[1]];
     }
-    look(of, &at);
+    bodies_closing_look(of, &at);
 }
 
 static void look_at_pairs(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
@@ -164,7 +164,7 @@ static void look_at_touches(closing_spots *of, const weft__state *at)
             to.at[k] = at->y[k * n + all.i] - to.gap * to.normal[k];
         }
         if (!of->used[all.i % SLOTS]) {
-            look(of, &to);
+            bodies_closing_look(of, &to);
         }
     }
 }

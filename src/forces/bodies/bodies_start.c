@@ -54,7 +54,7 @@ typedef struct closed_body {
     double far[3]; /* [m] outside */
 } closed_body;
 
-static void place(const closed_body *of, size_t i, double x[3])
+static void bodies_start_place(const closed_body *of, size_t i, double x[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         x[k] = of->y[k * of->points + i];
@@ -69,7 +69,7 @@ static long pierces(const closed_body *of, const double x[3])
     for (size_t t = 0; t < of->body->triangles; ++t) {
         double c[3][3];
         for (size_t k = 0; k < 3; ++k) {
-            place(of, of->body->corners[3 * t + k], c[k]);
+            bodies_start_place(of, of->body->corners[3 * t + k], c[k]);
         }
         const weft__meeting how = weft__segment_triangle(x, of->far, c[0], c[1], c[2]);
         if (how == WEFT__TOUCH) {
@@ -86,7 +86,7 @@ static void find_far(closed_body *of, size_t try)
     double low[3] = { INFINITY, INFINITY, INFINITY }, x[3];
     double high[3] = { -INFINITY, -INFINITY, -INFINITY };
     for (size_t i = 0; i < of->body->vertices; ++i) {
-        place(of, i, x);
+        bodies_start_place(of, i, x);
         for (size_t k = 0; k < 3; ++k) {
             low[k] = fmin(low[k], x[k]);
             high[k] = fmax(high[k], x[k]);

@@ -11,12 +11,13 @@ const struct weft__body_numbers weft__body_numbers = {
     WEFT__FIELD(weft_cloth_def, damping, "kg/s", .least = 0.0),
 };
 
-static void check(const weft_cloth_def *def, const weft__faults *to)
+static void body_check(const weft_cloth_def *def, const weft__faults *to)
 {
     (void)WEFT__NUMBERS_CHECK(weft__body_numbers, def, to, "%s", "");
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool body_init(void *own, const weft_cloth_def *def,
+                      const weft_allocator *memory)
 {
     weft__body *of = own;
     (void)memory;
@@ -25,13 +26,14 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return true;
 }
 
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t body_hash_of(const void *own, uint64_t hash)
 {
     const weft__body *of = own;
     return weft__hash_real(weft__hash_reals(hash, of->gravity, 3), of->drag);
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void body_energy(const void *own, const weft__state *at, size_t b,
+                        weft_measures *sum)
 {
     const weft__body *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -44,7 +46,8 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
     }
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void body_power(const void *own, const weft__state *at, size_t b,
+                       weft_measures *sum)
 {
     const weft__body *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -58,8 +61,8 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void bound(const void *own, const weft__state *at, size_t i,
-                  const weft__sides *sides, double (*sums)[6])
+static void body_bound(const void *own, const weft__state *at, size_t i,
+                       const weft__sides *sides, double (*sums)[6])
 {
     const weft__body *of = own;
     (void)at;
@@ -70,9 +73,9 @@ static void bound(const void *own, const weft__state *at, size_t i,
 }
 
 const weft__force weft__body_force = { .name = "body",
-                                       .check = check,
-                                       .init = init,
-                                       .hash = hash_of,
-                                       .energy = energy,
-                                       .power = power,
-                                       .bound = bound };
+                                       .check = body_check,
+                                       .init = body_init,
+                                       .hash = body_hash_of,
+                                       .energy = body_energy,
+                                       .power = body_power,
+                                       .bound = body_bound };

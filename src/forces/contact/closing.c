@@ -75,8 +75,8 @@ static bool moves(const weft__shape *shape)
 }
 
 /* The particle at which both are nearest; false: there is none between them. */
-static bool find_nearest(const weft__closing_search *of, const sides *both, double x[3],
-                         between *out, size_t *particle)
+static bool closing_find_nearest(const weft__closing_search *of, const sides *both,
+                                 double x[3], between *out, size_t *particle)
 {
     between here;
     double at[3];
@@ -136,7 +136,7 @@ weft__closing weft__shapes_closing(const weft__closing_search *of)
             continue;
         }
         go_to(&both, of->t);
-        if (!find_nearest(of, &both, x, &now, &out.particle)) {
+        if (!closing_find_nearest(of, &both, x, &now, &out.particle)) {
             continue;
         }
         const double soon = of->t + SOON * now.apart / now.closing;

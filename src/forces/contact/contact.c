@@ -116,24 +116,26 @@ int weft__contact_loops(const void *own, const weft__state *at, weft__unit unit,
                               weft__block(of->mesh, end), 0, of->shape_count);
 }
 
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
+static int contact_add(const void *own, const weft__state *at, weft__unit unit,
+                       double *to, size_t first, size_t end)
 {
     const weft__contact *of = own;
     weft__add_fn *form = unit == WEFT__FORCE ? weft__contact_loops : of->fast;
     return form(own, at, unit, to, first, end);
 }
 
-static weft__touches of_block(const weft__contact *of, const weft__state *at, size_t b)
+static weft__touches contact_of_block(const weft__contact *of, const weft__state *at,
+                                      size_t b)
 {
     return weft__touches_of(of, at->t, at->y, weft__block(of->mesh, b),
                             weft__block(of->mesh, b + 1));
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void contact_power(const void *own, const weft__state *at, size_t b,
+                          weft_measures *sum)
 {
     const weft__contact *of = own;
-    for (weft__touches all = of_block(of, at, b); weft__each_touch(&all);) {
+    for (weft__touches all = contact_of_block(of, at, b); weft__each_touch(&all);) {
         const weft__touch *touch = &all.touch;
         const double m = of->mesh->mass[all.i];
         const double taken = touch->push * (1.0 - touch->factor) * touch->steepness;
@@ -148,12 +150,13 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void contact_energy(const void *own, const weft__state *at, size_t b,
+                           weft_measures *sum)
 {
     const weft__contact *of = own;
     const weft_contact_def *law = &of->law;
     const double e = 0.5 * law->stopping_speed * law->stopping_speed;
-    for (weft__touches all = of_block(of, at, b); weft__each_touch(&all);) {
+    for (weft__touches all = contact_of_block(of, at, b); weft__each_touch(&all);) {
         const double z = all.touch.gap * (1.0 / law->thickness), s = 1.0 - z;
         const double u = e * law_power(s, law->exponent) * s * s / z;
         sum->energy.contact += of->mesh->mass[all.i] * (z > 0.0 ? u : (double)INFINITY);
@@ -213,7 +216,7 @@ void weft__block_load(const weft__contact *own, const weft__state *at, size_t b,
                       size_t k, double sum[WEFT__LOAD])
 {
     const size_t n = own->mesh->particles;
-    weft__touches all = of_block(own, at, b);
+    weft__touches all = contact_of_block(own, at, b);
     memset(sum, 0, WEFT__LOAD * sizeof *sum);
     for (all.shapes = k, all.end_shape = k + 1; weft__each_touch(&all);) {
         double arm[3], f[3];
@@ -231,7 +234,8 @@ void weft__block_load(const weft__contact *own, const weft__state *at, size_t b,
 
 /* ---- its part of a cloth --------------------------------------------------------- */
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool contact_init(void *own, const weft_cloth_def *def,
+                         const weft_allocator *memory)
 {
     weft__contact *of = own;
     of->law = def->contact;
@@ -248,14 +252,14 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return weft__bodies_copy(of->shapes, of->shape_count, memory);
 }
 
-static void choose(void *own, weft__isa isa)
+static void contact_choose(void *own, weft__isa isa)
 {
     weft__contact *of = own;
     of->fast = WEFT_FORM(isa, contact);
     of->clear = WEFT_FORM(isa, clear);
 }
 
-static bool copy(void *own, const weft_allocator *memory)
+static bool contact_copy(void *own, const weft_allocator *memory)
 {
     weft__contact *of = own;
     const weft__shape *from = of->shapes;
@@ -310,7 +314,7 @@ uint64_t weft__contact_hash(const weft__contact *own)
 }
 
 /* Nothing without contact. The law is hashed once, after self-contact. */
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t contact_hash_of(const void *own, uint64_t hash)
 {
     const weft__contact *of = own;
     for (size_t k = 0; k < of->shape_count; ++k) {
@@ -322,24 +326,24 @@ static uint64_t hash_of(const void *own, uint64_t hash)
     return of->shape_count > 0 || of->law.self ? weft__law_hash(&of->law, hash) : hash;
 }
 
-static bool present(const void *own)
+static bool contact_present(const void *own)
 {
     return ((const weft__contact *)own)->shape_count > 0;
 }
 
 const weft__force weft__contact_force = { .name = "contact",
                                           .check = weft__contact_def_check,
-                                          .init = init,
-                                          .hash = hash_of,
-                                          .choose = choose,
-                                          .copy = copy,
+                                          .init = contact_init,
+                                          .hash = contact_hash_of,
+                                          .choose = contact_choose,
+                                          .copy = contact_copy,
                                           .free = free_shapes,
-                                          .present = present,
-                                          .add = add,
+                                          .present = contact_present,
+                                          .add = contact_add,
                                           .change = weft__contact_change,
                                           .transposed = weft__contact_transposed,
-                                          .energy = energy,
-                                          .power = power,
+                                          .energy = contact_energy,
+                                          .power = contact_power,
                                           .grip = weft__contact_grip,
                                           .multiply = weft__contact_multiply,
                                           .blocks = weft__contact_blocks };

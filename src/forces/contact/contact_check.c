@@ -80,7 +80,7 @@ void weft__contact_check(const weft_contact_def *law, const weft__faults *to)
 }
 
 /* Of spin along a direction, which is not 0: all of it. */
-static bool along(const double spin[3], const double way[3])
+static bool contact_check_along(const double spin[3], const double way[3])
 {
     const double cross[3]
         = { spin[1] * way[2] - spin[2] * way[1], spin[2] * way[0] - spin[0] * way[2],
@@ -114,9 +114,9 @@ static const char *shape_fault(const weft_shape *shape, size_t *field)
         { box && weft__length(shape->spin) != 0.0, SHAPE(spin), "a box cannot spin" },
         { mesh && weft__length(shape->spin) != 0.0, SHAPE(spin),
           "a mesh cannot spin: it turns" },
-        { capsule && !along(shape->spin, axis), SHAPE(spin),
+        { capsule && !contact_check_along(shape->spin, axis), SHAPE(spin),
           "a capsule spins about its axis only" },
-        { plane && !along(shape->spin, shape->normal), SHAPE(spin),
+        { plane && !contact_check_along(shape->spin, shape->normal), SHAPE(spin),
           "a plane spins about its normal only" },
         { !isfinite(shape->friction), SHAPE(friction), "its friction must be finite" },
         { !weft__motion_usable(&made.motion.motion), SHAPE(amplitude),

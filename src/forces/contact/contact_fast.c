@@ -57,8 +57,8 @@ INLINE void load_from(const weft__pose *pose, const double *y, size_t plane, vec
 }
 
 /* The touch of particles from i on; false if none is near. */
-INLINE bool find(touch *self, const slice *of, const weft__pose *pose,
-                 weft_shape_kind kind, double thickness, size_t i)
+INLINE bool contact_fast_find(touch *self, const slice *of, const weft__pose *pose,
+                              weft_shape_kind kind, double thickness, size_t i)
 {
     vec r[3];
     load_from(pose, of->y + i, of->n, r);
@@ -96,8 +96,8 @@ INLINE void press(touch *self, const slice *of, const weft__pose *pose,
 }
 
 /* Adds to v'; 0 or NaN. */
-INLINE vec add(const touch *self, const slice *of, const weft_contact_def *law,
-               double friction)
+INLINE vec contact_fast_add(const touch *self, const slice *of,
+                            const weft_contact_def *law, double friction)
 {
     const vec drag = law_drag(law, friction, self->most, self->under);
     vec sums = splat(0.0);
@@ -125,7 +125,7 @@ INLINE vec push_block(const slice *particles, size_t count, const weft__pose *sh
     vec bad = splat(0.0);
     law.exponent = exponent;
     for (size_t i = 0; i < count; i += LANES) {
-        if (find(next, &of, &pose, kind, law.thickness, i)) {
+        if (contact_fast_find(next, &of, &pose, kind, law.thickness, i)) {
             ++next;
         }
     }
@@ -137,7 +137,7 @@ INLINE vec push_block(const slice *particles, size_t count, const weft__pose *sh
         }
     }
     for (const touch *at = found; at < next; ++at) {
-        bad += add(at, &of, &law, pose.friction);
+        bad += contact_fast_add(at, &of, &law, pose.friction);
     }
     return bad;
 }
@@ -180,7 +180,8 @@ static vec push(const weft__contact *own, const weft__state *at, double *dvdt,
 /* Of particles [first, end), and of some before them where the last lanes are beyond.
  * A product with 0 is NaN for a number that is not finite; processors multiply beside
  * comparisons, but add instead of them. */
-INLINE extent bounds_of(const double *x, size_t n, size_t first, size_t end)
+INLINE extent contact_fast_bounds_of(const double *x, size_t n, size_t first,
+                                     size_t end)
 {
     const vec far = splat((double)INFINITY);
     vec3 low = { far, far, far }, high = { -far, -far, -far };
@@ -226,7 +227,7 @@ static target target_of(const weft__pose *pose, double thickness)
 #define SLACK 1e-12
 
 /* Along axis k, beyond the reach of a shape. */
-INLINE mask apart(const target *of, size_t k, vec low, vec high, vec slack)
+INLINE mask contact_fast_apart(const target *of, size_t k, vec low, vec high, vec slack)
 {
     return (low - of->high[k] > slack) | (of->low[k] - high > slack);
 }
@@ -239,8 +240,8 @@ INLINE vec ahead(const weft__pose *plane, size_t k, vec low, vec high)
 }
 
 /* Whether no particle in `box` can touch the shape; false where in doubt. */
-INLINE bool is_far(const target *of, const weft__pose *pose, double thickness,
-                   const extent *box)
+INLINE bool contact_fast_is_far(const target *of, const weft__pose *pose,
+                                double thickness, const extent *box)
 {
     const vec3 low = box->low, high = box->high;
     const vec slack = SLACK * (box->size + of->size);
@@ -248,9 +249,9 @@ INLINE bool is_far(const target *of, const weft__pose *pose, double thickness,
                          ? ahead(pose, 0, low.x, high.x) + ahead(pose, 1, low.y, high.y)
                                    + ahead(pose, 2, low.z, high.z) - thickness
                                > slack
-                         : apart(of, 0, low.x, high.x, slack)
-                               | apart(of, 1, low.y, high.y, slack)
-                               | apart(of, 2, low.z, high.z, slack);
+                         : contact_fast_apart(of, 0, low.x, high.x, slack)
+                               | contact_fast_apart(of, 1, low.y, high.y, slack)
+                               | contact_fast_apart(of, 2, low.z, high.z, slack);
     return !any(~far);
 }
 
@@ -273,9 +274,10 @@ int NAME(contact, LEVEL)(const void *contact, const weft__state *at, weft__unit 
         }
         for (size_t i = weft__block(own->mesh, first); i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
-            const extent box = bounds_of(at->y, own->mesh->particles, i, stop);
+            const extent box
+                = contact_fast_bounds_of(at->y, own->mesh->particles, i, stop);
             for (size_t k = 0; k < count; ++k) {
-                if (!is_far(&targets[k], &poses[k], thickness, &box)) {
+                if (!contact_fast_is_far(&targets[k], &poses[k], thickness, &box)) {
                     bad += push(own, at, to, &poses[k], shape + k, i, stop);
                 }
             }
@@ -328,8 +330,8 @@ static bool block_clear(const weft__contact *own, const weft__ccd *of,
 INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
                           vec *speed, vec *way)
 {
-    const extent a = bounds_of(path->y0, n, first, end);
-    const extent b = bounds_of(path->y1, n, first, end);
+    const extent a = contact_fast_bounds_of(path->y0, n, first, end);
+    const extent b = contact_fast_bounds_of(path->y1, n, first, end);
     vec square = splat(0.0), way2 = splat(0.0);
     for (size_t i = first; i < end && LANES <= end; i += LANES) {
         const size_t at = i + LANES <= end ? i : end - LANES, to = 3 * n + at;
@@ -357,8 +359,8 @@ INLINE bool passes_far(const weft__ccd *of, const target targets[2], double thic
     const extent around
         = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
     return !of->spins && !of->turns
-           && is_far(&targets[0], &of->pose[0], thickness, &around)
-           && is_far(&targets[1], &of->pose[1], thickness, &around);
+           && contact_fast_is_far(&targets[0], &of->pose[0], thickness, &around)
+           && contact_fast_is_far(&targets[1], &of->pose[1], thickness, &around);
 }
 
 bool NAME(clear, LEVEL)(const weft__contact *own, const weft__path *path, size_t first,

@@ -86,8 +86,9 @@ static turned turned_of(const weft__touches *at, const double dx[3], const doubl
 }
 
 /* [m/s^2] The change of a touch's F / m. */
-static void change_of(const weft__touches *at, const law_slopes *of, const double dx[3],
-                      const double dv[3], double change[3])
+static void contact_slopes_change_of(const weft__touches *at, const law_slopes *of,
+                                     const double dx[3], const double dv[3],
+                                     double change[3])
 {
     const weft__touch *touch = &at->touch;
     const turned by = turned_of(at, dx, dv);
@@ -122,7 +123,7 @@ int weft__contact_change(const void *own, const weft__state *at, weft__unit unit
         const double dx[3] = { d[0], d[n], d[2 * n] };
         const double dv[3] = { d[3 * n], d[4 * n], d[5 * n] };
         double change[3];
-        change_of(&all, &by, dx, dv, change);
+        contact_slopes_change_of(&all, &by, dx, dv, change);
         for (size_t k = 0; k < 3; ++k) {
             const double more = all.touch.gap > 0.0 ? change[k] : (double)NAN;
             to[k * n + all.i] += more;
@@ -141,8 +142,8 @@ static void matrices(const weft__touches *at, double stiffness[3][3],
     for (size_t c = 0; c < 3; ++c) {
         const double unit[3] = { c == 0, c == 1, c == 2 };
         double by_x[3], by_v[3];
-        change_of(at, &of, unit, none, by_x);
-        change_of(at, &of, none, unit, by_v);
+        contact_slopes_change_of(at, &of, unit, none, by_x);
+        contact_slopes_change_of(at, &of, none, unit, by_v);
         for (size_t r = 0; r < 3; ++r) {
             stiffness[r][c] = -by_x[r];
             damping[r][c] = -by_v[r];
@@ -226,7 +227,7 @@ typedef struct grip_slopes {
     double friction;
 } grip_slopes;
 
-static void add_slopes(const grip_slopes *of, weft__grip *grip)
+static void contact_slopes_add_slopes(const grip_slopes *of, weft__grip *grip)
 {
     const double mu = of->friction;
     const double damping = of->damping * (1.0 + mu) + of->drag;
@@ -269,7 +270,7 @@ static void add_touches(const weft__contact *own, const weft__state *at, size_t 
          weft__each_touch(&all);) {
         const grip_slopes of = grip_slopes_of(&own->law, &all.pose, &all.touch);
         weft__grip_add(grip, all.touch.normal, of.stiffness, of.damping, of.drag);
-        add_slopes(&of, grip);
+        contact_slopes_add_slopes(&of, grip);
     }
 }
 
@@ -336,7 +337,7 @@ void weft__grip_most(const weft_contact_def *law, const weft__pose *pose, double
         const grip_slopes of
             = most_between(law, pose, share, low, low + end / (double)PARTS);
         weft__grip grip = { .stiff = 0.0 };
-        add_slopes(&of, &grip);
+        contact_slopes_add_slopes(&of, &grip);
         for (size_t j = 0; j < 3; ++j) {
             const double damping = fmax(of.damping, of.drag) + grip.drag;
             most->press[j] = fmax(most->press[j], of.stiffness + grip.stiff);

@@ -126,7 +126,7 @@ static void renumber(weft_body *of, const weft_body *from, const coded *list,
 }
 
 /* Both arrays follow the struct. */
-static weft_body *copy(const weft_body *from, const weft_allocator *memory)
+static weft_body *mesh_shape_copy(const weft_body *from, const weft_allocator *memory)
 {
     const size_t places = 3 * from->vertices * from->keys * sizeof *from->positions;
     const size_t corners = 3 * from->triangles * sizeof *from->corners;
@@ -152,7 +152,8 @@ bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *
     bool has = true;
     for (size_t k = 0; k < count; ++k) {
         const bool body = shapes[k].def.kind == WEFT_MESH;
-        shapes[k].def.body = body && has ? copy(shapes[k].def.body, memory) : NULL;
+        shapes[k].def.body
+            = body && has ? mesh_shape_copy(shapes[k].def.body, memory) : NULL;
         has = has && (!body || shapes[k].def.body != NULL);
     }
     return has;

@@ -69,7 +69,7 @@ static void round_support(const double *n, size_t count, double *p)
     }
 }
 
-static double sign_of(double x)
+static double passage_sign_of(double x)
 {
     return (double)(x > 0.0) - (double)(x < 0.0);
 }
@@ -86,7 +86,7 @@ static void support_of(const weft__pose *pose, const double n[3], double p[3])
         const double across = weft__length(side);
         round_support((const double[2]){ across, along }, 2, q);
         const double reach
-            = sign_of(along) * (0.5 * pose->length + pose->radius * q[1]);
+            = passage_sign_of(along) * (0.5 * pose->length + pose->radius * q[1]);
         const double out = across > 0.0 ? pose->radius * q[0] / across : 0.0;
         for (size_t k = 0; k < 3; ++k) {
             p[k] = out * side[k] + reach * pose->axis[k];
@@ -96,7 +96,8 @@ static void support_of(const weft__pose *pose, const double n[3], double p[3])
         weft__rotate_back(&pose->frame, n, local);
         round_support(local, 3, q);
         for (size_t k = 0; k < 3; ++k) {
-            local[k] = sign_of(local[k]) * (pose->inner[k] + pose->radius * q[k]);
+            local[k]
+                = passage_sign_of(local[k]) * (pose->inner[k] + pose->radius * q[k]);
         }
         weft__rotate(&pose->frame, local, p);
     } else {
@@ -168,7 +169,7 @@ typedef struct passing {
     weft__passages *found;
 } passing;
 
-static void place(const passing *of, size_t i, double x[3])
+static void passage_place(const passing *of, size_t i, double x[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         x[k] = of->y[k * of->mesh->particles + i];
@@ -178,8 +179,8 @@ static void place(const passing *of, size_t i, double x[3])
 static bool edge_enters(const passing *of, size_t p, size_t q)
 {
     double a[3], b[3];
-    place(of, p, a);
-    place(of, q, b);
+    passage_place(of, p, a);
+    passage_place(of, q, b);
     return weft__edge_enters(of->pose, a, b);
 }
 
@@ -192,7 +193,7 @@ static bool enters(const passing *of, const weft_primitive *at)
         return edge_enters(of, p[0], p[1]);
     }
     for (size_t k = 0; k < 3; ++k) {
-        place(of, p[k], x[k]);
+        passage_place(of, p[k], x[k]);
     }
     return weft__face_enters(of->pose, x) && !edge_enters(of, p[0], p[1])
            && !edge_enters(of, p[1], p[2]) && !edge_enters(of, p[2], p[0]);
@@ -207,7 +208,7 @@ static bool is_held(const passing *of, const weft_primitive *at)
     for (size_t k = 0; k < at->count; ++k) {
         if (of->mesh->pin[at->particle[k]] != 0) {
             double x[3];
-            place(of, at->particle[k], x);
+            passage_place(of, at->particle[k], x);
             inside = inside || weft__gap_at(of->pose, x) <= 0.0;
             ++pinned;
         }
@@ -244,7 +245,7 @@ static vantage vantage_of(const passing *of, size_t i)
 {
     vantage out = { .reach2 = 0.0 };
     double r[3];
-    place(of, i, out.x);
+    passage_place(of, i, out.x);
     for (size_t k = 0; k < 3; ++k) {
         r[k] = out.x[k] - of->pose->at[k];
     }
@@ -256,14 +257,14 @@ static vantage vantage_of(const passing *of, size_t i)
 static void add_neighbour(const passing *of, vantage *to, size_t i)
 {
     double x[3];
-    place(of, i, x);
+    passage_place(of, i, x);
     const double way[3] = { x[0] - to->x[0], x[1] - to->x[1], x[2] - to->x[2] };
     to->reach2 = fmax(to->reach2, weft__dot(way, way));
     to->least = fmin(to->least, to->spot.gap + weft__dot(to->spot.gradient, way));
 }
 
 /* Whether something between a particle and its neighbours may enter. */
-static bool is_near(passing *of, const vantage *at, size_t i)
+static bool passage_is_near(passing *of, const vantage *at, size_t i)
 {
     const double gap = at->spot.gap;
     const weft__pose *pose = of->pose;
@@ -297,7 +298,7 @@ static void search_grid(passing *of, const weft__mesh *grid, size_t first, size_
             add_neighbour(of, &at, beside[k]);
         }
     }
-    if (!is_near(of, &at, i)) {
+    if (!passage_is_near(of, &at, i)) {
         return;
     }
     const size_t edges = weft__edges_of(grid, here, ends);
@@ -353,7 +354,7 @@ static void search_triangles(passing *of, size_t i)
             }
         }
     }
-    const bool near = is_near(of, &at, i);
+    const bool near = passage_is_near(of, &at, i);
     for (size_t j = first; j < end && near; ++j) {
         try_triangle(of, i, j);
     }

@@ -116,7 +116,7 @@ static double tangent(size_t i, size_t n)
     return i == n ? 1.0 : sine / cosine;
 }
 
-static double norm_of(weft_shape_kind kind, const double d[3])
+static double tessellate_norm_of(weft_shape_kind kind, const double d[3])
 {
     const double x = d[0] * d[0], y = d[1] * d[1], z = d[2] * d[2];
     return kind == WEFT_SPHERE    ? sqrt(x + y + z)
@@ -124,7 +124,7 @@ static double norm_of(weft_shape_kind kind, const double d[3])
                                   : sqrt(sqrt(x * x + y * y + z * z));
 }
 
-static void place(const weft__lattice *of, const size_t at[3], double x[3])
+static void tessellate_place(const weft__lattice *of, const size_t at[3], double x[3])
 {
     double d[3], flat[3];
     for (size_t k = 0; k < 3; ++k) {
@@ -138,7 +138,7 @@ static void place(const weft__lattice *of, const size_t at[3], double x[3])
                       ? of->inner[k]
                       : of->inner[k] * (2.0 * (double)(i - round) / cells - 1.0);
     }
-    const double scale = of->radius / norm_of(of->kind, d);
+    const double scale = of->radius / tessellate_norm_of(of->kind, d);
     memcpy(x, of->centre, 3 * sizeof *x);
     for (size_t k = 0; k < 3; ++k) {
         const double local = flat[k] + scale * d[k];
@@ -150,7 +150,7 @@ static void place(const weft__lattice *of, const size_t at[3], double x[3])
 
 /* ---- its triangles --------------------------------------------------------------- */
 
-static double apart(const double *places, uint32_t p, uint32_t q)
+static double tessellate_apart(const double *places, uint32_t p, uint32_t q)
 {
     const double *a = places + 3 * (size_t)p, *b = places + 3 * (size_t)q;
     const double way[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
@@ -160,8 +160,10 @@ static double apart(const double *places, uint32_t p, uint32_t q)
 /* A cell, counterclockwise, along its shorter diagonal. */
 static void divide(const double *places, const uint32_t cell[4], uint32_t *to)
 {
-    const size_t first
-        = apart(places, cell[0], cell[2]) <= apart(places, cell[1], cell[3]) ? 0 : 1;
+    const size_t first = tessellate_apart(places, cell[0], cell[2])
+                                 <= tessellate_apart(places, cell[1], cell[3])
+                             ? 0
+                             : 1;
     for (size_t k = 0; k < 3; ++k) {
         to[k] = cell[(first + k) % 4];
         to[3 + k] = cell[(first + (k == 0 ? 0 : k + 1)) % 4];
@@ -183,7 +185,7 @@ static uint32_t *add_side(const weft__lattice *of, size_t axis, bool high,
             at[a] = cell % n[a] + step[0];
             at[b] = cell / n[a] + step[1];
             corners[k] = number_of(n, at);
-            place(of, at, places + 3 * (size_t)corners[k]);
+            tessellate_place(of, at, places + 3 * (size_t)corners[k]);
         }
         divide(places, corners, to);
     }

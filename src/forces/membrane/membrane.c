@@ -3,13 +3,13 @@
 #include "base/hash.h"
 #include "forces/membrane/membrane_law.h"
 
-static bool present(const void *own)
+static bool membrane_present(const void *own)
 {
     return ((const weft__membrane *)own)->blocks != NULL;
 }
 
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
+static int membrane_add(const void *own, const weft__state *at, weft__unit unit,
+                        double *to, size_t first, size_t end)
 {
     const weft__membrane *of = own;
     const bool change = at->along != NULL;
@@ -23,7 +23,7 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     return failed;
 }
 
-static void choose(void *own, weft__isa isa)
+static void membrane_choose(void *own, weft__isa isa)
 {
     weft__membrane *of = own;
     of->fast = WEFT_FORM(isa, membrane);
@@ -32,7 +32,7 @@ static void choose(void *own, weft__isa isa)
 
 /* Of what determines the force: constants, and which particles have them, in the order
  * of addition. Nothing on a grid. */
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t membrane_hash_of(const void *own, uint64_t hash)
 {
     const weft__membrane *of = own;
     for (size_t b = 0; of->blocks != NULL && b < weft__blocks(of->mesh); ++b) {
@@ -86,7 +86,8 @@ static void triangle_energy(const weft__membrane *own, const weft__triangle *tri
     }
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void membrane_energy(const void *own, const weft__state *at, size_t b,
+                            weft_measures *sum)
 {
     const weft__membrane *of = own;
     weft__triangle tri;
@@ -111,7 +112,8 @@ static double heat_of(const weft__membrane *own, const weft__triangle *tri,
 }
 
 /* What the motion of pins does against the membrane. */
-static double pin_power(const weft__membrane *own, const weft__state *at, size_t b)
+static double membrane_pin_power(const weft__membrane *own, const weft__state *at,
+                                 size_t b)
 {
     const weft__mesh *mesh = own->mesh;
     double force[WEFT__MESH_BLOCK][3], rate[6], power = 0.0;
@@ -134,11 +136,12 @@ static double pin_power(const weft__membrane *own, const weft__state *at, size_t
     return power;
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void membrane_power(const void *own, const weft__state *at, size_t b,
+                           weft_measures *sum)
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    sum->power[WEFT_POWER_PINS] += pin_power(of, at, b);
+    sum->power[WEFT_POWER_PINS] += membrane_pin_power(of, at, b);
     for (size_t next = 0; of->damped && weft__membrane_each_own(of, b, &next, &tri);) {
         sum->power[WEFT_POWER_SPRINGS] += heat_of(of, &tri, at->y);
     }
@@ -147,8 +150,9 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
 /* ---- strain ---------------------------------------------------------------------- */
 
 /* Of edge i of a triangle. */
-static weft_spring strain_of(const weft__membrane *own, const weft__triangle *tri,
-                             const double *y, size_t i)
+static weft_spring membrane_strain_of(const weft__membrane *own,
+                                      const weft__triangle *tri, const double *y,
+                                      size_t i)
 {
     weft__sides3 now;
     weft__membrane_sides(own->mesh, tri->corner, y, &now);
@@ -161,26 +165,28 @@ static weft_spring strain_of(const weft__membrane *own, const weft__triangle *tr
                           = sqrt(weft__dot(now.d[i], now.d[i]) / square) - 1.0 };
 }
 
-static void worst(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void membrane_worst(const void *own, const weft__state *at, size_t b,
+                           weft_measures *sum)
 {
     const weft__membrane *of = own;
     weft__triangle tri;
     const bool wanted = at->families == NULL || at->families[WEFT_STRETCH];
     for (size_t next = 0; wanted && weft__membrane_each_own(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
-            const weft_spring edge = strain_of(of, &tri, at->y, i);
+            const weft_spring edge = membrane_strain_of(of, &tri, at->y, i);
             weft__keep_worst(&sum->worst, &edge);
         }
     }
 }
 
-static void strains(const void *own, const weft__state *at, size_t b, double *strain)
+static void membrane_strains(const void *own, const weft__state *at, size_t b,
+                             double *strain)
 {
     const weft__membrane *of = own;
     weft__triangle tri;
     for (size_t next = 0; weft__membrane_each(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
-            const weft_spring edge = strain_of(of, &tri, at->y, i);
+            const weft_spring edge = membrane_strain_of(of, &tri, at->y, i);
             const size_t p = weft__shown(of->mesh, edge.p);
             const size_t q = weft__shown(of->mesh, edge.q);
             strain[p] = fmax(strain[p], edge.strain);
@@ -189,7 +195,7 @@ static void strains(const void *own, const weft__state *at, size_t b, double *st
     }
 }
 
-static size_t bytes(const void *own)
+static size_t membrane_bytes(const void *own)
 {
     const weft__membrane *of = own;
     const size_t blocks = weft__blocks(of->mesh);
@@ -201,7 +207,7 @@ static size_t bytes(const void *own)
            + (blocks + 1) * sizeof *of->blocks;
 }
 
-static size_t halo(const void *own, size_t b, const uint32_t **particles)
+static size_t membrane_halo(const void *own, size_t b, const uint32_t **particles)
 {
     const weft__membrane *of = own;
     *particles = of->halo + of->blocks[b].halo;
@@ -211,21 +217,21 @@ static size_t halo(const void *own, size_t b, const uint32_t **particles)
 const weft__force weft__membrane_force = { .name = "membrane",
                                            .check = weft__membrane_check,
                                            .init = weft__membrane_init,
-                                           .hash = hash_of,
-                                           .choose = choose,
+                                           .hash = membrane_hash_of,
+                                           .choose = membrane_choose,
                                            .copy = weft__membrane_copy,
                                            .free = weft__membrane_free,
-                                           .bytes = bytes,
-                                           .halo = halo,
+                                           .bytes = membrane_bytes,
+                                           .halo = membrane_halo,
                                            .slice = weft__membrane_slice,
-                                           .present = present,
-                                           .add = add,
-                                           .change = add,
+                                           .present = membrane_present,
+                                           .add = membrane_add,
+                                           .change = membrane_add,
                                            .transposed = weft__membrane_transposed,
-                                           .energy = energy,
-                                           .power = power,
-                                           .worst = worst,
-                                           .strains = strains,
+                                           .energy = membrane_energy,
+                                           .power = membrane_power,
+                                           .worst = membrane_worst,
+                                           .strains = membrane_strains,
                                            .links = weft__membrane_links,
                                            .link_numbers = weft__membrane_link_numbers,
                                            .ratios = weft__membrane_ratios,

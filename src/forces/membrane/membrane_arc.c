@@ -70,7 +70,7 @@ static weft__bent bent_of(const bow *of)
                          weft__dot(of->h[0], of->h[0]), weft__dot(of->h[0], of->h[1]) };
 }
 
-static weft__bent change_of(const bow *of)
+static weft__bent membrane_arc_change_of(const bow *of)
 {
     return (weft__bent){ 2.0 * weft__dot(of->d[0], of->d[2]),
                          weft__dot(of->d[2], of->d[1]) + weft__dot(of->d[0], of->d[3]),
@@ -91,7 +91,7 @@ static void add_pull(const weft__membrane *own, const weft__state *at, size_t t,
     for (size_t i = 0; i < 3; ++i) {
         bow of;
         bow_of(own, at, edge[i], &of);
-        const weft__bent b = change ? change_of(&of) : bent_of(&of);
+        const weft__bent b = change ? membrane_arc_change_of(&of) : bent_of(&of);
         const double rest = change ? 0.0 : CONSTANT(c, WEFT__SQUARE + i);
         z[i] = b.arc + lag * b.arc_rate;
         q[i] = ((b.chord - rest) + lag * b.chord_rate) + z[i];

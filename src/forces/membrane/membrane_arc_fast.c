@@ -17,8 +17,8 @@ typedef struct arc_local {
 
 #define DOT(a, b) ((a)[0] * (b)[0] + (a)[1] * (b)[1] + (a)[2] * (b)[2])
 
-INLINE void copy(const double *from, size_t n, const uint32_t *near, size_t count,
-                 record *to)
+INLINE void membrane_arc_fast_copy(const double *from, size_t n, const uint32_t *near,
+                                   size_t count, record *to)
 {
     for (size_t j = 0; j < count; ++j) {
         const double *x = from + near[j];
@@ -64,7 +64,7 @@ INLINE void bend(const weft__arc *of, const weft__arc_group *group, bool damped,
     }
 }
 
-INLINE void pull(const weft__arc_triangle *of, arc_local *in)
+INLINE void membrane_arc_fast_pull(const weft__arc_triangle *of, arc_local *in)
 {
     double z[3], q[3], s[3];
     for (size_t i = 0; i < 3; ++i) {
@@ -84,8 +84,9 @@ INLINE void pull(const weft__arc_triangle *of, arc_local *in)
 }
 
 /* Adds to three planes; 0 or NaN. */
-INLINE double add(const weft__membrane *own, weft__unit unit,
-                  const weft__arc_group *group, const record *item, double *to)
+INLINE double membrane_arc_fast_add(const weft__membrane *own, weft__unit unit,
+                                    const weft__arc_group *group, const record *item,
+                                    double *to)
 {
     const size_t n = own->mesh->particles;
     double bad = 0.0;
@@ -128,20 +129,21 @@ int NAME(arc, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
                                        group[1].particle);
             continue;
         }
-        copy(at->y, n, arc->near + group->near, near, in.x);
+        membrane_arc_fast_copy(at->y, n, arc->near + group->near, near, in.x);
         if (of->damped) {
-            copy(at->y + 3 * n, n, arc->near + group->near, near, in.v);
+            membrane_arc_fast_copy(at->y + 3 * n, n, arc->near + group->near, near,
+                                   in.v);
         }
         bend(arc, group, of->damped, &in);
         memset(in.pull, 0, 2 * edges * sizeof *in.pull);
         for (size_t j = group[0].triangle; j < group[1].triangle; ++j) {
-            pull(&arc->triangle[j], &in);
+            membrane_arc_fast_pull(&arc->triangle[j], &in);
         }
         for (size_t j = 0; j < 2 * edges; ++j) {
             const double s = in.pull[j];
             in.item[j] *= (record){ s, s, s, s };
         }
-        bad += add(of, unit, group, in.item, to);
+        bad += membrane_arc_fast_add(of, unit, group, in.item, to);
     }
     return bad == 0.0 ? 0 : 1;
 }

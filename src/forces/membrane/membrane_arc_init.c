@@ -140,7 +140,8 @@ static bool take_edges(arc_maker *by, const weft__arc_group *from,
 
 /* The triangles about all edges that particles [first, end) are parts of, their edges,
  * and what these need. */
-static bool gather(arc_maker *by, const weft__arc_group *from, size_t first, size_t end)
+static bool membrane_arc_init_gather(arc_maker *by, const weft__arc_group *from,
+                                     size_t first, size_t end)
 {
     weft__arc *arc = &by->own->arc;
     bool made = reserve_edge(by);
@@ -174,7 +175,7 @@ static bool gather(arc_maker *by, const weft__arc_group *from, size_t first, siz
 
 /* A group of the particles from `first` on, at most to `end`, half as many as long as
  * it is too large; returns where the next begins, 0: no memory. */
-static size_t add_group(arc_maker *by, size_t first, size_t end)
+static size_t membrane_arc_init_add_group(arc_maker *by, size_t first, size_t end)
 {
     weft__arc *arc = &by->own->arc;
     const weft__arc_group from = { first, arc->nears, arc->edges, arc->triangles };
@@ -184,7 +185,7 @@ static size_t add_group(arc_maker *by, size_t first, size_t end)
         return 0;
     }
     arc->group[arc->groups] = from;
-    while (gather(by, &from, first, end)) {
+    while (membrane_arc_init_gather(by, &from, first, end)) {
         const bool fits = arc->edges - from.edge <= WEFT__ARC_EDGES
                           && arc->nears - from.near <= WEFT__ARC_NEAR;
         if (!fits) {
@@ -201,7 +202,7 @@ static size_t add_group(arc_maker *by, size_t first, size_t end)
     return 0;
 }
 
-static bool make_groups(arc_maker *by)
+static bool membrane_arc_init_make_groups(arc_maker *by)
 {
     weft__arc *arc = &by->own->arc;
     const weft__mesh *mesh = by->own->mesh;
@@ -211,7 +212,7 @@ static bool make_groups(arc_maker *by)
     for (size_t b = 0; made && b < blocks; ++b) {
         size_t first = weft__block(mesh, b);
         while (made && first < weft__block(mesh, b + 1)) {
-            first = add_group(by, first, weft__block(mesh, b + 1));
+            first = membrane_arc_init_add_group(by, first, weft__block(mesh, b + 1));
             made = first != 0;
         }
         arc->block[b + 1] = arc->groups;
@@ -221,7 +222,7 @@ static bool make_groups(arc_maker *by)
 
 /* ---- the whole ------------------------------------------------------------------- */
 
-static bool reach(arc_maker *by)
+static bool membrane_arc_init_reach(arc_maker *by)
 {
     weft__arc *arc = &by->own->arc;
     arc->reach = weft__zeroed(by->memory, by->of->edges, sizeof *arc->reach);
@@ -249,7 +250,8 @@ bool weft__arc_create(weft__membrane *own, weft__stop *stop,
     const bool made
         = held != NULL && by.edge != NULL && by.triangle != NULL && by.near != NULL
           && weft__slopes_create(&own->arc.rows, of, held, true, stop, memory)
-          && list_parts(&by) && reach(&by) && make_groups(&by);
+          && list_parts(&by) && membrane_arc_init_reach(&by)
+          && membrane_arc_init_make_groups(&by);
     WEFT__FREE_ALL(memory, held, by.edge, by.triangle, by.near);
     return made;
 }

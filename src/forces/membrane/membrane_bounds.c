@@ -31,7 +31,7 @@ weft__rest weft__rest_of(const weft__triangles *of, size_t t)
 }
 
 /* [1/m^2 N/m] The largest stretch of V_a^T C V_b. */
-static double norm_of(const weft__rest *of, size_t a, size_t b)
+static double membrane_bounds_norm_of(const weft__rest *of, size_t a, size_t b)
 {
     const weft_fabric *c = of->fabric;
     const double *g = of->grad[a], *h = of->grad[b];
@@ -160,8 +160,9 @@ typedef struct bound_parts {
 } bound_parts;
 
 /* Those of corner a of triangle t. */
-static bound_parts parts_of(const weft__membrane *own, const weft__state *at, size_t t,
-                            size_t a, const weft__rest *rest)
+static bound_parts membrane_bounds_parts_of(const weft__membrane *own,
+                                            const weft__state *at, size_t t, size_t a,
+                                            const weft__rest *rest)
 {
     const weft__mesh *mesh = own->mesh;
     const uint32_t *corner = mesh->triangles->corner[t];
@@ -181,7 +182,7 @@ static bound_parts parts_of(const weft__membrane *own, const weft__state *at, si
                              * mesh->inverse_mass[corner[a]] * (1.0 + WEFT__ROUNDOFF);
         const double area = share * rest->area;
         sum.stiff += (own->arc.begin != NULL ? 1.0 + SHARE : 1.0)
-                     * (area * now.square * norm_of(rest, a, b));
+                     * (area * now.square * membrane_bounds_norm_of(rest, a, b));
         if (at->y == NULL) { /* a bound of |g_a.S g_b| where S is one */
             const double *g = rest->grad[a], *h = rest->grad[b];
             sum.taut += area
@@ -246,7 +247,7 @@ void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
         const uint32_t t = tri->around[j], *corner = tri->corner[t];
         const size_t a = corner[0] == i ? 0 : corner[1] == i ? 1 : 2;
         const weft__rest rest = weft__rest_of(tri, t);
-        const bound_parts sum = parts_of(of, at, t, a, &rest);
+        const bound_parts sum = membrane_bounds_parts_of(of, at, t, a, &rest);
         add_parts(sides, rest.fabric->damping[0], &sum, sums);
     }
     const size_t *begin = of->arc.begin;
@@ -282,8 +283,8 @@ static double weigh(const weft__mesh *mesh, const double *d, double *to)
         const weft__rest rest = weft__rest_of(of, t);
         for (size_t a = 0; a < 3; ++a) {
             for (size_t b = 0; b < 3; ++b) {
-                to[of->corner[t][a]]
-                    += rest.area * norm_of(&rest, a, b) * d[of->corner[t][b]];
+                to[of->corner[t][a]] += rest.area * membrane_bounds_norm_of(&rest, a, b)
+                                        * d[of->corner[t][b]];
             }
         }
     }

@@ -99,7 +99,7 @@ INLINE vec dots(const edge_set *a, const edge_set *b)
 }
 
 /* Adds the lanes of a to the records at[0], at[1], ..., of which none is twice. */
-INLINE void spread(double *to, const uint16_t at[LANES], vec3 a)
+INLINE void membrane_fast_spread(double *to, const uint16_t at[LANES], vec3 a)
 {
     const vec none = { 0 };
     const vec xy = SHUFFLE(a.x, a.y, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -117,12 +117,13 @@ INLINE void spread(double *to, const uint16_t at[LANES], vec3 a)
 }
 
 /* Edge i pulls at its ends with s[i] d[i]. */
-INLINE void pull(double *to, const uint16_t *at, const vec s[3], const edge_set d[3])
+INLINE void membrane_fast_pull(double *to, const uint16_t *at, const vec s[3],
+                               const edge_set d[3])
 {
     const vec3 f[3] = { scaled(s[0], d[0]), scaled(s[1], d[1]), scaled(s[2], d[2]) };
-    spread(to, at, minus(f[2], f[1]));
-    spread(to, at + WEFT__WIDTH, minus(f[0], f[2]));
-    spread(to, at + 2 * WEFT__WIDTH, minus(f[1], f[0]));
+    membrane_fast_spread(to, at, minus(f[2], f[1]));
+    membrane_fast_spread(to, at + WEFT__WIDTH, minus(f[0], f[2]));
+    membrane_fast_spread(to, at + 2 * WEFT__WIDTH, minus(f[1], f[0]));
 }
 #else
 typedef struct edge_set {
@@ -148,7 +149,8 @@ INLINE vec dots(const edge_set *a, const edge_set *b)
     return parts.x + parts.y + parts.z;
 }
 
-INLINE void pull(double *to, const uint16_t *at, const vec s[3], const edge_set d[3])
+INLINE void membrane_fast_pull(double *to, const uint16_t *at, const vec s[3],
+                               const edge_set d[3])
 {
     for (size_t l = 0; l < LANES; ++l) {
         const record a = ALL(s[0][l]) * d[0].of[l], b = ALL(s[1][l]) * d[1].of[l],
@@ -177,7 +179,7 @@ INLINE void batch(const double *of, const uint16_t *at, local *in, bool damped)
         }
     }
     law_pull(of, square, q, s);
-    pull(in->force, at, s, d);
+    membrane_fast_pull(in->force, at, s, d);
 }
 
 INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
@@ -199,7 +201,8 @@ INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
 
 /* Three planes of the particles of a block and of its halo as records, and one of
  * zeros. */
-INLINE void copy(const weft__membrane *own, size_t b, const double *from, double *to)
+INLINE void membrane_fast_copy(const weft__membrane *own, size_t b, const double *from,
+                               double *to)
 {
     const weft__mesh *mesh = own->mesh;
     const size_t n = mesh->particles, first = weft__block(mesh, b);
@@ -246,10 +249,10 @@ int NAME(membrane, LEVEL)(const void *own, const weft__state *at, weft__unit uni
             failed |= weft__membrane_loops(own, at, unit, to, b, b + 1);
             continue;
         }
-        copy(of, b, at->y, in.x);
+        membrane_fast_copy(of, b, at->y, in.x);
         memset(in.force, 0, (count + LANES) * RECORD * sizeof *in.force);
         if (of->damped) {
-            copy(of, b, at->y + 3 * mesh->particles, in.v);
+            membrane_fast_copy(of, b, at->y + 3 * mesh->particles, in.v);
             batches(of, b, &in, true);
         } else {
             batches(of, b, &in, false);

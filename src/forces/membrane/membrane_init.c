@@ -138,7 +138,7 @@ static bool make_constants(maker *by)
     return true;
 }
 
-static bool make(maker *by)
+static bool membrane_init_make(maker *by)
 {
     const weft__mesh *mesh = by->own->mesh;
     const size_t blocks = weft__blocks(mesh);
@@ -176,7 +176,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     by.taken = weft__zeroed(memory, n, sizeof *by.taken);
     by.list = weft__alloc(memory, triangles->count, sizeof *by.list);
     by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
-    const bool made = make(&by) && weft__membrane_weigh(of, memory)
+    const bool made = membrane_init_make(&by) && weft__membrane_weigh(of, memory)
                       && weft__arc_create(of, def->stop_ctx, memory)
                       && weft__membrane_number_links(of, memory);
     WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);

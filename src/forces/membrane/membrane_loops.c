@@ -180,7 +180,7 @@ void weft__membrane_shape(const weft__triangles *of, size_t t, double shape[3][3
     }
 }
 
-static double rest_square(const weft__triangles *of, size_t t, size_t i)
+static double membrane_loops_rest_square(const weft__triangles *of, size_t t, size_t i)
 {
     const double *from = of->rest[of->place[t][(i + 1) % 3]];
     const double *to = of->rest[of->place[t][(i + 2) % 3]];
@@ -204,7 +204,7 @@ void weft__membrane_constants(const weft__triangles *of, size_t t, double *to)
               * (a[0] * stress[0] + a[1] * stress[1] + 2.0 * a[2] * stress[2]);
     }
     for (size_t i = 0; i < 3; ++i) {
-        to[(WEFT__SQUARE + i) * WEFT__WIDTH] = rest_square(of, t, i);
+        to[(WEFT__SQUARE + i) * WEFT__WIDTH] = membrane_loops_rest_square(of, t, i);
     }
     to[WEFT__LEAST * WEFT__WIDTH] = 0.36 * 16.0 * area * area;
     to[WEFT__LAG * WEFT__WIDTH] = 2.0 * fabric->damping[0];

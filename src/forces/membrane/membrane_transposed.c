@@ -3,8 +3,8 @@
 #include "forces/membrane/membrane_law.h"
 
 /* Adds x and v along the slope of an edge, whose share a particle pulls with. */
-static void add_row(const weft__membrane *own, size_t edge, const double by[6],
-                    double *out)
+static void membrane_transposed_add_row(const weft__membrane *own, size_t edge,
+                                        const double by[6], double *out)
 {
     const weft__slopes *rows = &own->arc.rows;
     const size_t n = own->mesh->particles, first = rows->first[edge];
@@ -18,8 +18,9 @@ static void add_row(const weft__membrane *own, size_t edge, const double by[6],
 }
 
 /* sigma (2 d + lag w) + s dl, then sigma lag d. */
-static void turn_back(const double d[3], const double w[3], const double dl[3],
-                      double sigma, double lag, double s, double by[6])
+static void membrane_transposed_turn_back(const double d[3], const double w[3],
+                                          const double dl[3], double sigma, double lag,
+                                          double s, double by[6])
 {
     for (size_t k = 0; k < 3; ++k) {
         by[k] = sigma * (2.0 * d[k] + lag * w[k]) + s * dl[k];
@@ -65,15 +66,17 @@ static void add_transposed(const weft__membrane *own, const weft__triangle *tri,
     law_stiff(tri->of, z, bent);
     weft__membrane_barrier_change(tri->of, square, more, barrier);
     for (size_t i = 0; i < 3; ++i) {
-        turn_back(now.d[i], now.w[i], dl[i], sigma[i], lag, s[i] + bent[i], by);
+        membrane_transposed_turn_back(now.d[i], now.w[i], dl[i], sigma[i], lag,
+                                      s[i] + bent[i], by);
         for (size_t k = 0; k < 6; ++k) {
             by[k] += k < 3 ? barrier[i] * now.d[i][k] : 0.0;
             out[k * n + tri->corner[(i + 1) % 3]] += by[k];
             out[k * n + tri->corner[(i + 2) % 3]] -= by[k];
         }
         if (arc) {
-            turn_back(h[i][0], h[i][1], h[i][2], sigma[i], lag, all[i], by);
-            add_row(own, edge[i], by, out);
+            membrane_transposed_turn_back(h[i][0], h[i][1], h[i][2], sigma[i], lag,
+                                          all[i], by);
+            membrane_transposed_add_row(own, edge[i], by, out);
         }
     }
 }

@@ -17,8 +17,8 @@ INLINE float extreme(float a, float b, bool high)
 /* ---- boxes and slopes ------------------------------------------------------------ */
 
 /* Of a[0] and b[0] and those to the right. */
-INLINE void put_box(const double *a, const double *b, size_t right, float *low,
-                    float *high)
+INLINE void boxes_fast_put_box(const double *a, const double *b, size_t right,
+                               float *low, float *high)
 {
     const double p = a[0] < b[0] ? a[0] : b[0], u = a[0] < b[0] ? b[0] : a[0];
     const double q = a[right] < b[right] ? a[right] : b[right];
@@ -39,7 +39,8 @@ INLINE void put_slopes(const double *from, const double *to, size_t beside, floa
 }
 
 /* Level 0 of a row of a grid: one coordinate. */
-INLINE void fill_row(const weft__boxes *to, const double *y, size_t r, size_t k)
+INLINE void boxes_fast_fill_row(const weft__boxes *to, const double *y, size_t r,
+                                size_t k)
 {
     const weft__primitives *of = &to->of;
     const weft__seek_level *at = &to->level[0];
@@ -51,9 +52,9 @@ INLINE void fill_row(const weft__boxes *to, const double *y, size_t r, size_t k)
     float *box = at->box + k * plane + r * at->stride;
     float *slope = at->slope + k * plane + r * at->stride, *across = slope + 6 * plane;
     for (size_t c = 0; c < last; ++c) {
-        put_box(a + c, b + c, 1, box + c, box + 3 * plane + c);
+        boxes_fast_put_box(a + c, b + c, 1, box + c, box + 3 * plane + c);
     }
-    put_box(a + last, b + last, 0, box + last, box + 3 * plane + last);
+    boxes_fast_put_box(a + last, b + last, 0, box + last, box + 3 * plane + last);
     for (size_t c = 0; c < last; ++c) {
         put_slopes(a + c, a + c + 1, down, by[1], across + c, across + 3 * plane + c);
     }
@@ -85,8 +86,8 @@ INLINE void fill_point(const weft__boxes *to, const double *y, size_t node)
 }
 
 /* Of `count` patches from four each, `by` and `others` apart. */
-INLINE void join(const float *from, size_t by, const size_t others[3], size_t count,
-                 bool high, float *to)
+INLINE void boxes_fast_join(const float *from, size_t by, const size_t others[3],
+                            size_t count, bool high, float *to)
 {
     for (size_t c = 0; c < count; ++c) {
         const float *a = from + by * c;
@@ -108,9 +109,9 @@ INLINE void join_planes(const weft__boxes *to, size_t level, size_t r, size_t fi
         const float *a = from + p * below->plane + 2 * r * below->stride + by * first;
         float *o = out + p * at->plane + r * at->stride + first;
         if (p % 6 < 3) {
-            join(a, by, others, end - first, false, o);
+            boxes_fast_join(a, by, others, end - first, false, o);
         } else {
-            join(a, by, others, end - first, true, o);
+            boxes_fast_join(a, by, others, end - first, true, o);
         }
     }
 }
@@ -121,7 +122,7 @@ INLINE void fill_grid(const weft__boxes *to, const double *y, size_t k, size_t f
     const weft__seek_level *at = &to->level[k];
     for (size_t r = first; r < end && k == 0; ++r) {
         for (size_t j = 0; j < 3; ++j) {
-            fill_row(to, y, r, j);
+            boxes_fast_fill_row(to, y, r, j);
         }
     }
     for (size_t r = first; r < end && k > 0; ++r) {
@@ -195,7 +196,7 @@ INLINE many dot_many(const many a[3], const many b[3])
 }
 
 /* The square of how far bounds reach from u, which is made a unit vector. */
-INLINE many beyond(const many bounds[6], many u[3])
+INLINE many boxes_fast_beyond(const many bounds[6], many u[3])
 {
     const many inverse = 1.0F / root_many(dot_many(u, u));
     many square = { 0 };
@@ -215,15 +216,17 @@ INLINE many bend_of(const many w[12])
         e[k] = 0.5F * (w[k] + w[3 + k]);
         f[k] = 0.5F * (w[6 + k] + w[9 + k]);
     }
-    const many down = beyond(w, e), along = dot_many(e, f), whole = dot_many(f, f);
+    const many down = boxes_fast_beyond(w, e), along = dot_many(e, f),
+               whole = dot_many(f, f);
     for (size_t k = 0; k < 3; ++k) {
         f[k] -= along * e[k];
     }
     const many_mask across = dot_many(f, f) > ACROSS * whole;
-    return choose_many(across, down + beyond(w + 6, f), (many){ 0 } + INFINITY);
+    return choose_many(across, down + boxes_fast_beyond(w + 6, f),
+                       (many){ 0 } + INFINITY);
 }
 
-INLINE void widen(size_t plane, const float *from, many *to)
+INLINE void boxes_fast_widen(size_t plane, const float *from, many *to)
 {
     const many x = *(const many_anywhere *)from;
     *to = choose_many(plane % 6 < 3 ? x < *to : x > *to, x, *to);
@@ -241,8 +244,8 @@ INLINE void bend_patches(const weft__seek_level *at, size_t r, size_t c)
                 w[p] = *(const many_anywhere *)a;
             }
             for (size_t j = 0; j <= by && by > 0; ++j) {
-                widen(p, a + j * at->stride + by, &w[p]);
-                widen(p, a + by * at->stride + j, &w[p]);
+                boxes_fast_widen(p, a + j * at->stride + by, &w[p]);
+                boxes_fast_widen(p, a + by * at->stride + j, &w[p]);
             }
         }
         *(many_anywhere *)(at->bent[by] + r * at->stride + c) = bend_of(w);

@@ -65,7 +65,7 @@ INLINE bool of_skin(const seeking *of)
 
 /* ---- nodes ----------------------------------------------------------------------- */
 
-INLINE four place_of(const seeking *of, size_t i)
+INLINE four seek_fast_place_of(const seeking *of, size_t i)
 {
     const double *x = of->y + i;
     const size_t n = of->in->of.points;
@@ -88,7 +88,7 @@ INLINE four extreme_of(four a, four b, float sign)
 }
 
 /* The box of primitive l, about three points, which may be the same. */
-INLINE void put_box(node_slice *to, size_t l, four a, four b, four c)
+INLINE void seek_fast_put_box(node_slice *to, size_t l, four a, four b, four c)
 {
     const four low = extreme_of(extreme_of(a, b, -1.0F), c, -1.0F);
     const four high = extreme_of(extreme_of(a, b, 1.0F), c, 1.0F);
@@ -110,14 +110,15 @@ static void fill_node(const seeking *of, seek_patch at, node_slice *to)
     const bool both = right != 0 && down != 0;
     four x[4];
     for (size_t j = 0; j < 4; ++j) {
-        x[j] = place_of(of, to->node + j % 2 * right + j / 2 * down * nodes->cols);
+        x[j] = seek_fast_place_of(of, to->node + j % 2 * right
+                                          + j / 2 * down * nodes->cols);
     }
-    put_box(to, 0, x[0], x[0], x[0]);
-    put_box(to, 1, x[0], x[1], x[1]);
-    put_box(to, 2, x[0], x[2], x[2]);
-    put_box(to, 3, x[1], x[2], x[2]);
-    put_box(to, 4, x[0], x[2], x[1]);
-    put_box(to, 5, x[3], x[1], x[2]);
+    seek_fast_put_box(to, 0, x[0], x[0], x[0]);
+    seek_fast_put_box(to, 1, x[0], x[1], x[1]);
+    seek_fast_put_box(to, 2, x[0], x[2], x[2]);
+    seek_fast_put_box(to, 3, x[1], x[2], x[2]);
+    seek_fast_put_box(to, 4, x[0], x[2], x[1]);
+    seek_fast_put_box(to, 5, x[3], x[1], x[2]);
     to->edges = (right ? 2U : 0U) | (down ? 4U : 0U) | (both ? 8U : 0U);
     to->triangles = both ? 0x30U : 0U;
     to->eights = 1, to->more = false;
@@ -128,7 +129,7 @@ typedef struct slice_range {
     bool more;
 } slice_range;
 
-INLINE slice_range range_of(const seeking *of, const node_slice *at)
+INLINE slice_range seek_fast_range_of(const seeking *of, const node_slice *at)
 {
     const weft__primitives *in = &of->in->of;
     const size_t i = in->order != NULL ? in->order[at->node] : at->node;
@@ -147,18 +148,18 @@ INLINE slice_range range_of(const seeking *of, const node_slice *at)
 static void fill_slice(const seeking *of, node_slice *to)
 {
     const weft__primitives *in = &of->in->of;
-    const slice_range range = range_of(of, to);
-    const four x = place_of(of, range.point);
+    const slice_range range = seek_fast_range_of(of, to);
+    const four x = seek_fast_place_of(of, range.point);
     size_t l = 0;
-    put_box(to, l++, x, x, x);
+    seek_fast_put_box(to, l++, x, x, x);
     for (size_t e = range.edge; e < range.edge_end; ++e) {
-        const four end = place_of(of, in->edge[e][1]);
-        put_box(to, l++, x, end, end);
+        const four end = seek_fast_place_of(of, in->edge[e][1]);
+        seek_fast_put_box(to, l++, x, end, end);
     }
     to->edges = (1U << l) - 2U;
     for (size_t t = range.triangle; t < range.triangle_end; ++t) {
-        put_box(to, l++, x, place_of(of, in->triangle[t][1]),
-                place_of(of, in->triangle[t][2]));
+        seek_fast_put_box(to, l++, x, seek_fast_place_of(of, in->triangle[t][1]),
+                          seek_fast_place_of(of, in->triangle[t][2]));
     }
     to->triangles = (1U << l) - 2U - to->edges;
     to->eights = (l + 7) / 8, to->more = range.more;
@@ -247,7 +248,7 @@ typedef struct joint {
 static const int32_t points_of[8]
     = { 1, 1 | 2, 1 | 16, 2 | 16, 1 | 2 | 16, 2 | 16 | 32, 0, 0 };
 
-INLINE void join(joint *to, seek_patch a, seek_patch b)
+INLINE void seek_fast_join(joint *to, seek_patch a, seek_patch b)
 {
     const uint32_t r = a.r < b.r ? a.r : b.r, c = a.c < b.c ? a.c : b.c;
     const bool beside = a.r + b.r - 2 * r < 2 && a.c + b.c - 2 * c < 2;
@@ -258,7 +259,7 @@ INLINE void join(joint *to, seek_patch a, seek_patch b)
 }
 
 /* Which primitives of b have no point in common with primitive p of a. */
-INLINE unsigned apart(const joint *at, size_t p)
+INLINE unsigned seek_fast_apart(const joint *at, size_t p)
 {
     const int32_t own = points_of[p] << at->first;
 #if defined __AVX512VL__
@@ -276,7 +277,7 @@ INLINE unsigned near_one(const node_slice *a, size_t p, const node_slice *b,
 {
     unsigned found = 0;
     if (at != NULL) {
-        return near_eight(a, p, b, 0, range, apart(at, p));
+        return near_eight(a, p, b, 0, range, seek_fast_apart(at, p));
     }
     for (size_t i = 0; i < b->eights; ++i) {
         found |= near_eight(a, p, b, i, range, 0xffU) << 8 * i;
@@ -327,7 +328,7 @@ INLINE uint32_t write_points(const seeking *of, const node_slice *at, size_t l,
         }
         return 0;
     }
-    const slice_range range = range_of(of, at);
+    const slice_range range = seek_fast_range_of(of, at);
     const size_t edges = range.edge_end - range.edge;
     const size_t item = count == 1   ? range.point
                         : count == 2 ? range.edge + l - 1
@@ -409,7 +410,7 @@ static bool visit_owned(const seeking *of, seek_patch i, seek_patch j)
 }
 
 /* All edges of one node of a grid have it in common but the diagonal. */
-static bool visit_nodes(const seeking *of, seek_patch i, seek_patch j)
+static bool seek_fast_visit_nodes(const seeking *of, seek_patch i, seek_patch j)
 {
     const bool same = i.r == j.r && i.c == j.c;
     joint ab, ba;
@@ -417,7 +418,7 @@ static bool visit_nodes(const seeking *of, seek_patch i, seek_patch j)
         return same || visit_owned(of, i, j);
     }
     const node_slice *a = slice_of(of, 0, i, 0);
-    join(&ab, i, j), join(&ba, j, i);
+    seek_fast_join(&ab, i, j), seek_fast_join(&ba, j, i);
     return same ? visit_vertex(of, a, a, near_one(a, 0, a, of->range, &ab))
                 : visit_slices(of, a, slice_of(of, 1, j, 0), &ab, &ba);
 }
@@ -426,7 +427,8 @@ static bool visit_nodes(const seeking *of, seek_patch i, seek_patch j)
 
 /* Whether a square of at most 3 x 3 patches that has both is flat, so that nothing in
  * it is near what is not beside it. */
-INLINE bool flat_about(const seeking *of, size_t level, seek_patch a, seek_patch b)
+INLINE bool seek_fast_flat_about(const seeking *of, size_t level, seek_patch a,
+                                 seek_patch b)
 {
     const weft__seek_level *at = &of->in->level[level];
     const size_t r = a.r < b.r ? a.r : b.r, c = a.c < b.c ? a.c : b.c;
@@ -473,11 +475,11 @@ INLINE bool seek_quarters(const seeking *of, size_t level, seek_patch a, seek_pa
 /* Of patches that are near each other. */
 static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_patch b)
 {
-    if (flat_about(of, level, a, b) || never_meet(of, level, a, b)) {
+    if (seek_fast_flat_about(of, level, a, b) || never_meet(of, level, a, b)) {
         return true;
     }
     if (level == 0) {
-        return visit_nodes(of, a, b);
+        return seek_fast_visit_nodes(of, a, b);
     }
     return seek_quarters(of, level, a, b, near_quarters(of, level, a, b));
 }
@@ -487,11 +489,11 @@ static bool seek_within(const seeking *of, size_t level, seek_patch a)
 {
     enum { AFTER = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 6 | 1 << 7 | 1 << 11 };
     bool goes_on = true;
-    if (flat_about(of, level, a, a) || never_meet(of, level, a, a)) {
+    if (seek_fast_flat_about(of, level, a, a) || never_meet(of, level, a, a)) {
         return true;
     }
     if (level == 0) {
-        return visit_nodes(of, a, a);
+        return seek_fast_visit_nodes(of, a, a);
     }
     const weft__seek_level *below = &of->in->level[level - 1];
     for (uint32_t j = 0; j < 4 && goes_on; ++j) {

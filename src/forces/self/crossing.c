@@ -50,8 +50,8 @@ static bool any_free(const counting *of, const element *primitive)
     return any;
 }
 
-static void keep(counting *of, const element *edge, const element *other,
-                 weft__meeting how)
+static void crossing_keep(counting *of, const element *edge, const element *other,
+                          weft__meeting how)
 {
     if (how != WEFT__APART && (any_free(of, edge) || any_free(of, other))) {
         const weft__crossing one
@@ -101,7 +101,7 @@ static weft__meeting elsewhere(const element *edge, const element *other, size_t
                                                                    : WEFT__APART;
 }
 
-static void meet(counting *of, const element *edge, const element *other)
+static void crossing_meet(counting *of, const element *edge, const element *other)
 {
     size_t i, j;
     if (boxes_apart(edge, other)) {
@@ -109,10 +109,10 @@ static void meet(counting *of, const element *edge, const element *other)
     }
     switch (common(edge, other, &i, &j)) {
     case 0:
-        keep(of, edge, other, segment_element(edge->x[0], edge->x[1], other));
+        crossing_keep(of, edge, other, segment_element(edge->x[0], edge->x[1], other));
         break;
     case 1:
-        keep(of, edge, other, elsewhere(edge, other, i, j));
+        crossing_keep(of, edge, other, elsewhere(edge, other, i, j));
         break;
     default: /* a side of the triangle */
         break;
@@ -157,7 +157,7 @@ static void compare_nodes(counting *of, size_t i, size_t j)
                                          others.at + others.size * o);
         if (own->skin == NULL || own->skin->lip_count == 0
             || !weft__at_lips(own->skin, edges.key + e, others.key + o)) {
-            meet(of, &edge, &other);
+            crossing_meet(of, &edge, &other);
         }
     }
 }
@@ -170,11 +170,11 @@ static void keep_points(counting *of, size_t i)
     for (size_t e = 0; e < edges.count; ++e) {
         const element a = element_of(of, edges.key + e, 1, edges.at + 2 * e);
         const element b = element_of(of, 0, 1, edges.at + 2 * e + 1);
-        keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
+        crossing_keep(of, &a, &b, boxes_apart(&a, &b) ? WEFT__APART : WEFT__TOUCH);
     }
 }
 
-static bool compare_all(void *ctx, size_t i, size_t j)
+static bool crossing_compare_all(void *ctx, size_t i, size_t j)
 {
     counting *of = ctx;
     compare_nodes(of, i, j);
@@ -191,7 +191,7 @@ bool weft__each_crossing(const weft__quadtree *tree, const weft__search *of,
 {
     const size_t loose = of->loose == 0 ? SIZE_MAX : of->loose - 1;
     counting all = { tree, loose, of->stop, visit, ctx };
-    return weft__tree_pairs(tree, 0.0, compare_all, &all);
+    return weft__tree_pairs(tree, 0.0, crossing_compare_all, &all);
 }
 
 static void count(void *ctx, const weft__crossing *one)

@@ -43,7 +43,7 @@ static double two_product(double a, double b, double *rest)
 }
 
 /* Adds one double (Shewchuk's Grow-Expansion, without zeros). */
-static void grow(expansion *sum, double value)
+static void orientation_grow(expansion *sum, double value)
 {
     size_t count = 0;
     for (size_t i = 0; i < sum->count; ++i) {
@@ -63,11 +63,11 @@ static void grow_product(expansion *sum, double sign, double x, double y, double
     const double high = two_product(sign * x, y, &low);
     if (high != 0.0 && z != 0.0) {
         const double of_low = two_product(low, z, &rest);
-        grow(sum, rest);
-        grow(sum, of_low);
+        orientation_grow(sum, rest);
+        orientation_grow(sum, of_low);
         const double of_high = two_product(high, z, &rest);
-        grow(sum, rest);
-        grow(sum, of_high);
+        orientation_grow(sum, rest);
+        orientation_grow(sum, of_high);
     }
 }
 
@@ -116,7 +116,8 @@ int weft__orientation(const double a[3], const double b[3], const double c[3],
 /* ---- in one plane, or on one line ------------------------------------------------ */
 
 /* The sign of the area of a, b, c as seen along axis k. */
-static int turn(size_t k, const double a[3], const double b[3], const double c[3])
+static int orientation_turn(size_t k, const double a[3], const double b[3],
+                            const double c[3])
 {
     double flat[4][3];
     const double *points[4] = { a, b, c, c };
@@ -135,7 +136,7 @@ static bool find_view(const double *const *points, size_t count, size_t *axis)
     for (size_t i = 2; i < count; ++i) {
         for (size_t j = 1; j < i; ++j) {
             for (size_t k = 0; k < 3; ++k) {
-                if (turn(k, points[0], points[j], points[i]) != 0) {
+                if (orientation_turn(k, points[0], points[j], points[i]) != 0) {
                     *axis = k;
                     return true;
                 }
@@ -146,7 +147,7 @@ static bool find_view(const double *const *points, size_t count, size_t *axis)
 }
 
 /* Whether c is between a and b, on whose line it is. */
-static bool between(const double a[3], const double b[3], const double c[3])
+static bool orientation_between(const double a[3], const double b[3], const double c[3])
 {
     bool is = true;
     for (size_t k = 0; k < 3; ++k) {
@@ -159,19 +160,24 @@ static bool between(const double a[3], const double b[3], const double c[3])
 static bool cross_in(size_t axis, const double p[3], const double q[3],
                      const double a[3], const double b[3])
 {
-    const int p_side = turn(axis, a, b, p), q_side = turn(axis, a, b, q);
-    const int a_side = turn(axis, p, q, a), b_side = turn(axis, p, q, b);
+    const int p_side = orientation_turn(axis, a, b, p),
+              q_side = orientation_turn(axis, a, b, q);
+    const int a_side = orientation_turn(axis, p, q, a),
+              b_side = orientation_turn(axis, p, q, b);
     return (p_side * q_side < 0 && a_side * b_side < 0)
-           || (p_side == 0 && between(a, b, p)) || (q_side == 0 && between(a, b, q))
-           || (a_side == 0 && between(p, q, a)) || (b_side == 0 && between(p, q, b));
+           || (p_side == 0 && orientation_between(a, b, p))
+           || (q_side == 0 && orientation_between(a, b, q))
+           || (a_side == 0 && orientation_between(p, q, a))
+           || (b_side == 0 && orientation_between(p, q, b));
 }
 
 static bool inside_in(size_t axis, const double p[3], const double a[3],
                       const double b[3], const double c[3])
 {
-    const int ab = turn(axis, a, b, p), bc = turn(axis, b, c, p),
-              ca = turn(axis, c, a, p);
-    return turn(axis, a, b, c) != 0
+    const int ab = orientation_turn(axis, a, b, p),
+              bc = orientation_turn(axis, b, c, p),
+              ca = orientation_turn(axis, c, a, p);
+    return orientation_turn(axis, a, b, c) != 0
            && ((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0));
 }
 
@@ -185,7 +191,8 @@ weft__meeting weft__segment_segment(const double p[3], const double q[3],
     }
     const bool meet = find_view(points, 4, &axis)
                           ? cross_in(axis, p, q, a, b)
-                          : between(a, b, p) || between(a, b, q) || between(p, q, a);
+                          : orientation_between(a, b, p) || orientation_between(a, b, q)
+                                || orientation_between(p, q, a);
     return meet ? WEFT__TOUCH : WEFT__APART;
 }
 

@@ -39,7 +39,7 @@ weft__self_law weft__self_law_of(const weft__self *own)
 /* ---- forces ---------------------------------------------------------------------- */
 
 /* [m^2] of an edge of a grid at rest */
-static double rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
+static double self_rest_square(const weft__self_law *law, uint32_t a, uint32_t b)
 {
     const uint32_t by = a < b ? b - a : a - b;
     return by == 1 && law->own->mesh->cols > 1 ? law->square[1]
@@ -56,7 +56,9 @@ double weft__pair_rest(const weft__self_law *law, const weft__pair *pair)
     }
     return skin != NULL
                ? 1.0 / (skin->square[pair->item[0]] * skin->square[pair->item[1]])
-               : 1.0 / (rest_square(law, i[0], i[1]) * rest_square(law, i[2], i[3]));
+               : 1.0
+                     / (self_rest_square(law, i[0], i[1])
+                        * self_rest_square(law, i[2], i[3]));
 }
 
 /* By reduced areas, and the smallest density of the free points. */
@@ -109,8 +111,8 @@ void weft__pair_windows(const weft__self_law *law, const weft__pair *pair,
     }
 }
 
-static inline void place(const double *planes, size_t n, const weft__pair *pair,
-                         double x[4][3])
+static inline void self_place(const double *planes, size_t n, const weft__pair *pair,
+                              double x[4][3])
 {
     for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
         for (size_t k = 0; k < 3; ++k) {
@@ -124,7 +126,7 @@ static bool is_pushing(const weft__self *own, const weft__pair *pair, const doub
 {
     const weft__pair_kind kind = (weft__pair_kind)pair->kind;
     double x[4][3] = { { 0.0 } };
-    place(y, own->points, pair, x);
+    self_place(y, own->points, pair, x);
     const law_gram of = law_gram_of(kind, x);
     return law_pushes(kind, &of, own->law.thickness);
 }
@@ -136,19 +138,19 @@ double weft__pair_pushes(const weft__self *own, const weft__pair *pair, const do
 
 /* The mass of a pair that pushes, its feet, weighed, and the velocities of its
  * particles; 0: it does not push. */
-static inline double meet(const weft__self_law *law, weft__pair_kind kind,
-                          const weft__pair *pair, const double *y, law_feet *at,
-                          double v[4][3])
+static inline double self_meet(const weft__self_law *law, weft__pair_kind kind,
+                               const weft__pair *pair, const double *y, law_feet *at,
+                               double v[4][3])
 {
     const size_t n = law->own->points;
     const double mass = weft__pair_mass(law->own, pair);
     double x[4][3], window[3];
-    place(y, n, pair, x);
+    self_place(y, n, pair, x);
     const law_gram of = law_gram_of(kind, x);
     if (mass == 0.0 || !law_pushes(kind, &of, law->own->law.thickness)) {
         return 0.0;
     }
-    place(y + 3 * n, n, pair, v);
+    self_place(y + 3 * n, n, pair, v);
     *at = law_feet_of(kind, &of);
     weft__pair_windows(law, pair, window);
     law_weigh(kind, law, weft__pair_rest(law, pair), window, at);
@@ -156,14 +158,14 @@ static inline double meet(const weft__self_law *law, weft__pair_kind kind,
 }
 
 /* One function for each kind, as it is a constant. */
-static inline bool push_kind(weft__pair_kind kind, const weft__self_law *law,
-                             const weft__pair *pair, const double *y, weft__pushes *out,
-                             size_t lane, double *bad)
+static inline bool self_push_kind(weft__pair_kind kind, const weft__self_law *law,
+                                  const weft__pair *pair, const double *y,
+                                  weft__pushes *out, size_t lane, double *bad)
 {
     double v[4][3];
     law_feet at;
     law_push push;
-    const double mass = meet(law, kind, pair, y, &at, v);
+    const double mass = self_meet(law, kind, pair, y, &at, v);
     if (mass == 0.0) {
         return false;
     }
@@ -185,7 +187,7 @@ static inline bool push_kind(weft__pair_kind kind, const weft__self_law *law,
 bool weft__pair_push(const weft__self_law *law, const weft__pair *pair, const double *y,
                      weft__pushes *out, size_t lane, double *bad)
 {
-    return BY_KIND(pair->kind, push_kind, law, pair, y, out, lane, bad);
+    return BY_KIND(pair->kind, self_push_kind, law, pair, y, out, lane, bad);
 }
 
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
@@ -195,7 +197,7 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     const weft__pair_kind kind = (weft__pair_kind)pair->kind;
     double v[4][3];
     law_feet at;
-    const double mass = meet(law, kind, pair, y, &at, v);
+    const double mass = self_meet(law, kind, pair, y, &at, v);
     if (mass == 0.0) {
         return false;
     }
@@ -244,7 +246,7 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
     for (size_t i = first; i < end; ++i) {
         const weft__pair pair = weft__near_pair(kind, near, i);
         double x[4][3] = { { 0.0 } };
-        place(y, own->points, &pair, x);
+        self_place(y, own->points, &pair, x);
         distances[i] = law_distance(kind, x);
         near->waits[i] = law_wait(kind, x, distances[i], own->law.thickness, most);
     }
@@ -290,8 +292,8 @@ typedef struct measuring {
     weft_measures *sum;
 } measuring;
 
-static void measure_pushes(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
-                           size_t count)
+static void self_measure_pushes(void *ctx, weft__pair_kind kind,
+                                const weft__pushes *pushes, size_t count)
 {
     const measuring *of = ctx;
     const size_t n = of->own->points;
@@ -373,7 +375,7 @@ void weft__self_measure(const void *own, void *list, const weft__state *at,
                         weft_measures *sum)
 {
     measuring of = { own, at->y, sum };
-    (void)each_pushed(own, list, at, measure_pushes, &of);
+    (void)each_pushed(own, list, at, self_measure_pushes, &of);
 }
 
 /* ---- its part of a cloth --------------------------------------------------------- */
@@ -404,8 +406,8 @@ static void check_heights(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static void check_spacing(const weft_cloth_def *grid, const weft_contact_def *law,
-                          const char *name, const weft__faults *to)
+static void self_check_spacing(const weft_cloth_def *grid, const weft_contact_def *law,
+                               const char *name, const weft__faults *to)
 {
     weft__mesh mesh = { .rows = 0 };
     weft__grid_init(&mesh, grid);
@@ -428,12 +430,13 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
         }
         for (size_t k = 0; def->mesh->grids != NULL && k < def->mesh->part_count; ++k) {
             if (def->mesh->grids[k] != NULL) {
-                check_spacing(def->mesh->grids[k], law, def->mesh->parts[k].name, to);
+                self_check_spacing(def->mesh->grids[k], law, def->mesh->parts[k].name,
+                                   to);
             }
         }
         return;
     }
-    check_spacing(def, law, NULL, to);
+    self_check_spacing(def, law, NULL, to);
 }
 
 weft_status weft__notch_error(const weft__self *own, weft_error *err)
@@ -495,7 +498,8 @@ bool weft__self_cover(weft__self *of, const weft_allocator *memory)
            && weft__find_lips(of->skin, of->mesh, of->law.thickness, memory);
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool self_init(void *own, const weft_cloth_def *def,
+                      const weft_allocator *memory)
 {
     weft__self *of = own;
     of->law = def->contact;
@@ -512,7 +516,7 @@ bool weft__self_copy(void *own, const weft_allocator *memory)
     return true;
 }
 
-static void free_own(void *own, const weft_allocator *memory)
+static void self_free_own(void *own, const weft_allocator *memory)
 {
     weft__self *of = own;
     if (!of->shared) {
@@ -520,7 +524,7 @@ static void free_own(void *own, const weft_allocator *memory)
     }
 }
 
-static size_t bytes(const void *own)
+static size_t self_bytes(const void *own)
 {
     const weft__self *of = own;
     return of->skin != NULL ? weft__skin_bytes(of->skin) : 0;
@@ -539,36 +543,36 @@ void weft__self_choose(void *own, weft__isa isa)
     of->seeker = weft__seeker_of(isa);
 }
 
-static int add_all(const void *own, void *space, const weft__state *at, weft__unit unit,
-                   double *to)
+static int self_add_all(const void *own, void *space, const weft__state *at,
+                        weft__unit unit, double *to)
 {
     const size_t n = ((const weft__self *)own)->mesh->particles;
     weft__self_sums sums = { own, unit, to, 0, n, n };
     return each_pushed(own, space, at, weft__self_sum, &sums);
 }
 
-static int transposed_all(const void *own, void *space, const weft__state *at,
-                          double *out)
+static int self_transposed_all(const void *own, void *space, const weft__state *at,
+                               double *out)
 {
     return weft__self_transposed(own, space, at->y, at->along, out);
 }
 
-static bool present(const void *own)
+static bool self_present(const void *own)
 {
     return ((const weft__self *)own)->law.self;
 }
 
 const weft__force weft__self_force = { .name = "self",
                                        .check = weft__self_check,
-                                       .init = init,
+                                       .init = self_init,
                                        .choose = weft__self_choose,
                                        .copy = weft__self_copy,
-                                       .free = free_own,
-                                       .bytes = bytes,
-                                       .present = present,
+                                       .free = self_free_own,
+                                       .bytes = self_bytes,
+                                       .present = self_present,
                                        .grip = weft__self_grip,
                                        .multiply = weft__self_multiply,
                                        .blocks = weft__self_blocks,
-                                       .add_all = add_all,
-                                       .transposed_all = transposed_all,
+                                       .add_all = self_add_all,
+                                       .transposed_all = self_transposed_all,
                                        .measure_all = weft__self_measure };

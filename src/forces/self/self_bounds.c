@@ -35,7 +35,7 @@ typedef struct pair_sums {
 } pair_sums;
 
 /* Whether one of its points is among those whose sums are taken. */
-static bool is_wanted(const pair_sums *self, const weft__pair *pair)
+static bool self_bounds_is_wanted(const pair_sums *self, const weft__pair *pair)
 {
     bool any = false;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
@@ -48,7 +48,7 @@ static bool is_wanted(const pair_sums *self, const weft__pair *pair)
 static bool visit(void *ctx, const weft__pair *pair)
 {
     pair_sums *self = ctx;
-    if (!is_wanted(self, pair)) {
+    if (!self_bounds_is_wanted(self, pair)) {
         return true;
     }
     const weft_contact_def *law = &self->own->law;
@@ -67,7 +67,7 @@ static bool visit(void *ctx, const weft__pair *pair)
 }
 
 /* Adds all pairs. */
-static bool seek(pair_sums *self)
+static bool self_bounds_seek(pair_sums *self)
 {
     self->law = weft__self_law_of(self->own);
     return self->own->law.self && self->y != NULL
@@ -125,7 +125,7 @@ void weft__self_grip(const void *own, void *list, const weft__state *at, size_t 
     if (of->law.self && at->y == NULL) {
         grip_any_pairs(of, count, grips);
     } else {
-        (void)seek(&self);
+        (void)self_bounds_seek(&self);
     }
 }
 
@@ -157,7 +157,7 @@ void weft__self_multiply(const void *own, const weft__state *at, double a, doubl
         .own = own, .add = multiply_pair, .y = at->y, .a = a, .b = b, .x = x, .out = out
     };
     self.end = SIZE_MAX;
-    (void)seek(&self);
+    (void)self_bounds_seek(&self);
 }
 
 /* The numbers of a symmetric matrix, row by row from the diagonal on. */
@@ -207,5 +207,5 @@ int weft__self_blocks(const void *own, void *space, const weft__state *at,
     const weft__self *of = own;
     pair_sums self = { .own = own, .add = block_pair, .y = at->y, .blocks = blocks };
     self.list = space, self.end = SIZE_MAX;
-    return !of->law.self || (seek(&self) && self.bad == 0.0) ? 0 : 1;
+    return !of->law.self || (self_bounds_seek(&self) && self.bad == 0.0) ? 0 : 1;
 }

@@ -21,7 +21,7 @@ static bool is_clear(const weft__stride *stride, const weft__pair *pair, double 
            || weft__pair_mass(stride->own, pair) == 0.0; /* all of it is held */
 }
 
-static bool look_at(void *ctx, const weft__pair *pair)
+static bool self_check_look_at(void *ctx, const weft__pair *pair)
 {
     stride_search *of = ctx;
     double gap;
@@ -58,7 +58,7 @@ static bool look_at_all(stride_search *of, weft__pair_kind kind, const weft__nea
     for (size_t i = 0; i < some && goes_on; ++i) {
         if (!(ends[i] > 0.0 && of->way < starts[i] + ends[i])) {
             const weft__pair pair = weft__near_pair(kind, near, left[i]);
-            goes_on = look_at(of, &pair);
+            goes_on = self_check_look_at(of, &pair);
         }
     }
     return goes_on;
@@ -76,7 +76,7 @@ static double way_of(const weft__stride *of, const double extent[EXTENTS])
 /* [m] As far as two primitives may have been apart that can have met: half of what they
  * move against each other in the step, and from the list to both its ends, of which the
  * start is no further than the end and the step. */
-static double reach(const weft__stride *of, const double extent[EXTENTS])
+static double self_check_reach(const weft__stride *of, const double extent[EXTENTS])
 {
     return 0.5 * (2.0 * extent[0] + extent[1] + way_of(of, extent))
            * (1.0 + WEFT__SELF_ROUNDOFF);
@@ -100,7 +100,8 @@ bool weft__self_list_far(const weft__self_list *list, const double *y0,
         extent[k] = weft__drift_extent(&all, &all);
     }
     return list->valid && list->rest == n
-           && reach(&stride, extent) + WEFT__SELF_ALLOWED * list->skin < list->least;
+           && self_check_reach(&stride, extent) + WEFT__SELF_ALLOWED * list->skin
+                  < list->least;
 }
 
 /* Whether the list has all pairs that can have met; then the reach of its groups is
@@ -116,7 +117,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
     for (size_t k = 0; list->valid && k < count; ++k) {
         extent[k] = weft__self_drift(list, from[k], to[k], k);
     }
-    bool has = list->valid && reach(of, extent) < weft__self_lasting(list);
+    bool has = list->valid && self_check_reach(of, extent) < weft__self_lasting(list);
     for (size_t i = 0; i < list->chunk_count && has; ++i) {
         weft__self_chunk *at = &list->chunks[i];
         for (size_t g = 0; g < at->now.count && has; ++g) {
@@ -125,7 +126,8 @@ static bool proves(weft__self_list *list, const weft__stride *of)
                 extent[k]
                     = weft__self_extent_between(list, k, list->between[group->tiles]);
             }
-            group->reach = reach(of, extent), group->way = way_of(of, extent);
+            group->reach = self_check_reach(of, extent),
+            group->way = way_of(of, extent);
             has = group->reach < list->clear[group->tiles];
         }
     }
@@ -216,7 +218,7 @@ static double reach_between(const weft__self_list *list, const uint32_t tiles[2]
     for (size_t k = 1; k < (of->stride->h > 0.0 ? EXTENTS : 2); ++k) {
         extent[k] = weft__self_extent_between(list, k, tiles);
     }
-    const double range = reach(of->stride, extent);
+    const double range = self_check_reach(of->stride, extent);
     of->way = way_of(of->stride, extent);
     return apart > range ? -1.0 : range;
 }
@@ -260,7 +262,7 @@ static bool look_by_tiles(weft__self_list *list, stride_search *of)
                     + WEFT__SELF_ALLOWED * list->skin;
     }
     extent[0] = 0.0; /* the boxes are of the start */
-    const double most = reach(stride, extent);
+    const double most = self_check_reach(stride, extent);
     if (!(most < LONGEST)) {
         return false;
     }
@@ -275,7 +277,7 @@ static bool look_by_tiles(weft__self_list *list, stride_search *of)
 }
 
 /* No pair that is further apart at first can have met. */
-static void look(weft__self_list *list, stride_search *of)
+static void self_check_look(weft__self_list *list, stride_search *of)
 {
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
@@ -298,14 +300,15 @@ static void look(weft__self_list *list, stride_search *of)
     }
     weft__quadtree tree = weft__tree_of(list->own, stride->y0);
     weft__tree_fill(&tree, list->knots);
-    (void)weft__each_pair(&tree, reach(stride, extent), look_at, of);
+    (void)weft__each_pair(&tree, self_check_reach(stride, extent), self_check_look_at,
+                          of);
 }
 
 bool weft__self_list_clear(weft__self_list *list, const weft__stride *stride,
                            weft_primitive pair[2], double *gap)
 {
     stride_search of = { .stride = stride };
-    look(list, &of);
+    self_check_look(list, &of);
     if (of.found) {
         weft__pair_primitives(&of.pair, pair);
         *gap = of.gap;
@@ -320,7 +323,7 @@ void weft__self_list_hold(weft__self_list *list, const double *y0, double *y1)
     for (int tries = 0; tries <= HALVINGS; ++tries) {
         stride_search of = { .stride = &stride, .marks = list->marks };
         memset(list->marks, 0, n);
-        look(list, &of);
+        self_check_look(list, &of);
         if (!of.found) {
             return;
         }

@@ -33,8 +33,8 @@ static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pai
     return true;
 }
 
-static bool make_groups(const weft_allocator *memory, size_t most,
-                        weft__self_groups *of)
+static bool self_chunk_make_groups(const weft_allocator *memory, size_t most,
+                                   weft__self_groups *of)
 {
     of->at = weft__alloc(memory, most, sizeof *of->at);
     of->spans = weft__alloc(memory, most, sizeof *of->spans);
@@ -63,8 +63,8 @@ bool weft__self_chunk_create(const weft_allocator *memory, size_t first, size_t 
                              weft__self_chunk *out)
 {
     *out = (weft__self_chunk){ .first = first, .end = end, .wanted = ROOM };
-    return make_groups(memory, end - first + 1, &out->now)
-           && make_groups(memory, end - first + 1, &out->before)
+    return self_chunk_make_groups(memory, end - first + 1, &out->now)
+           && self_chunk_make_groups(memory, end - first + 1, &out->before)
            && weft__self_chunk_grow(memory, out);
 }
 
@@ -81,8 +81,8 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
 
 /* Adds successive pairs of others, or of the same, which may have them there already.
  */
-static void add_run(const weft__self_pairs *from, size_t first, size_t count,
-                    weft__self_pairs *to)
+static void self_chunk_add_run(const weft__self_pairs *from, size_t first, size_t count,
+                               weft__self_pairs *to)
 {
     const size_t at = to->count;
     const bool stay = from == to && at == first;
@@ -122,7 +122,7 @@ void weft__self_pairs_add(const weft__self_pairs *from, size_t first, size_t end
         const size_t strip = end - first < WEFT__STRIP ? end - first : WEFT__STRIP;
         const size_t count = within(numbers, first, first + strip, most, which);
         if (count == strip) {
-            add_run(from, first, count, to);
+            self_chunk_add_run(from, first, count, to);
         } else {
             add_some(from, which, count, to);
         }
@@ -141,7 +141,7 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
             return;
         }
         const weft__self_pairs *from = of->stays ? &in->now : &in->before;
-        add_run(from, first, count, &in->now);
+        self_chunk_add_run(from, first, count, &in->now);
     }
 }
 

@@ -51,7 +51,7 @@ typedef struct work {
 } work;
 
 /* The last one fills the lanes. */
-INLINE void fill(queue *of)
+INLINE void self_fast_fill(queue *of)
 {
     for (size_t l = 0; l < LANES && of->count > 0; ++l) {
         of->at[of->count + l] = of->at[of->count - 1];
@@ -91,7 +91,7 @@ INLINE size_t write_set(uint32_t *to, size_t first, unsigned set)
 }
 
 /* Adds pairs first, first + 1, ... whose bits are set. */
-INLINE void add(queue *to, size_t first, unsigned set)
+INLINE void self_fast_add(queue *to, size_t first, unsigned set)
 {
     to->count += write_set(to->at + to->count, first, set);
 }
@@ -105,7 +105,7 @@ INLINE void end_at(queue *of, size_t end)
 }
 
 /* Of pairs close.at[i], ...: those that push wait no more. */
-INLINE void find(work *of, weft__pair_kind kind, size_t i)
+INLINE void self_fast_find(work *of, weft__pair_kind kind, size_t i)
 {
     const weft__self *own = of->law->own;
     const uint32_t *pairs = of->close.at + i;
@@ -215,7 +215,7 @@ static void drop(queue *of, size_t i, unsigned set, double *waits)
         kept += !drops;
     }
     of->count = kept;
-    fill(of);
+    self_fast_fill(of);
 }
 
 /* Those that are found are the next pushes, as far as they fill lanes; at last all. */
@@ -223,7 +223,7 @@ INLINE void push_found(work *of, weft__pair_kind kind, bool last)
 {
     queue *found = &of->found;
     size_t taken = 0;
-    fill(found);
+    self_fast_fill(found);
     while (taken + (last ? 1 : LANES) <= found->count) {
         const unsigned rests = push_pairs(of, kind, taken);
         if (rests != 0) {
@@ -247,24 +247,24 @@ INLINE void scan(work *of, size_t end, weft__pair_kind kind)
         const vec moved = splat(of->spans[of->span].moved);
         for (; of->next < to; of->next += LANES) {
             const vec wait = load(of->near->waits + of->next);
-            add(&of->close, of->next, bits(~(wait > moved) & ~(wait < 0.0)));
+            self_fast_add(&of->close, of->next, bits(~(wait > moved) & ~(wait < 0.0)));
         }
         end_at(&of->close, to);
         of->next = to, of->span += to == stop;
     }
-    fill(&of->close);
+    self_fast_fill(&of->close);
 }
 
-INLINE void push_kind(weft__pair_kind kind, work *of)
+INLINE void self_fast_push_kind(weft__pair_kind kind, work *of)
 {
     const size_t all = of->span_count > 0 ? of->spans[of->span_count - 1].end[kind] : 0;
     for (size_t first = 0; first < all; first = of->next) {
         scan(of, first + STRETCH < all ? first + STRETCH : all, kind);
         for (size_t i = 0; i < of->close.count; i += LANES) {
-            find(of, kind, i);
+            self_fast_find(of, kind, i);
         }
         for (size_t i = first; i < of->next; i += LANES) {
-            add(&of->found, i, bits(load(of->near->waits + i) < 0.0));
+            self_fast_add(&of->found, i, bits(load(of->near->waits + i) < 0.0));
         }
         end_at(&of->found, of->next);
         push_found(of, kind, of->next == all);
@@ -280,7 +280,7 @@ size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
     of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
     of.y = y, of.out = out, of.bad = splat(0.0);
     of.span = of.next = of.done = of.close.count = of.found.count = 0;
-    BY_KIND(kind, push_kind, &of);
+    BY_KIND(kind, self_fast_push_kind, &of);
     *bad += sum(of.bad);
     return of.done;
 }
@@ -409,8 +409,8 @@ typedef struct run_bounds {
 } run_bounds;
 
 /* Adds numbers, or some before them where the last lanes are beyond. */
-INLINE void add_run(const double *from, const double *to, size_t first, size_t end,
-                    run_bounds *sum, vec *trouble)
+INLINE void self_fast_add_run(const double *from, const double *to, size_t first,
+                              size_t end, run_bounds *sum, vec *trouble)
 {
     for (size_t i = first; i < end; i += LANES) {
         const size_t at = i + LANES <= end ? i : end - LANES;
@@ -446,7 +446,7 @@ void NAME(range, LEVEL)(const weft__range *range, weft__drift *patch)
         return;
     }
     for (size_t k = 0; k < 3; ++k, to += range->to_plane) {
-        add_run(from, to, first, end, &of[k], &trouble);
+        self_fast_add_run(from, to, first, end, &of[k], &trouble);
         for (size_t j = 0; j < range->count; j += LANES) {
             const vec there = gather(to, range->more + j);
             const vec d = from != NULL ? there - gather(from, range->more + j) : there;
@@ -485,7 +485,7 @@ void NAME(drift, LEVEL)(const weft__self *own, const double *from, const double 
             of[k] = (run_bounds){ splat((double)INFINITY), splat(-(double)INFINITY) };
             for (size_t r = 0; r < runs; ++r) {
                 const size_t at = k * n + (in[0] + r) * cols;
-                add_run(from, to, at + start, at + stop, &of[k], &trouble);
+                self_fast_add_run(from, to, at + start, at + stop, &of[k], &trouble);
             }
         }
         narrow(of, &patches[i]);

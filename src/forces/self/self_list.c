@@ -304,7 +304,7 @@ static void age_part(void *ctx, size_t part)
 }
 
 /* Of a list of a part: whether a pair has one of its points. */
-static bool is_wanted(const weft__self_list *list, const weft__pair *pair)
+static bool self_list_is_wanted(const weft__self_list *list, const weft__pair *pair)
 {
     bool any = false;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
@@ -330,8 +330,9 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
     for (size_t i = first; i < in->count; ++i) {
         if (new) {
             const weft__pair pair = weft__near_pair(kind, &in->near, i);
-            in->near.mass[i]
-                = is_wanted(list, &pair) ? weft__pair_mass(list->own, &pair) : 0.0;
+            in->near.mass[i] = self_list_is_wanted(list, &pair)
+                                   ? weft__pair_mass(list->own, &pair)
+                                   : 0.0;
             in->near.rest[i] = weft__pair_rest(&law, &pair);
         }
         if (in->near.mass[i] == 0.0) {
@@ -345,8 +346,8 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
 
 /* Of two tiles whose pairs are the last ones, after those of the group before; from:
  * another group that has had them, or NULL. */
-static void add_group(const weft__self_list *list, weft__self_chunk *in, size_t tiles,
-                      const weft__self_group *from)
+static void self_list_add_group(const weft__self_list *list, weft__self_chunk *in,
+                                size_t tiles, const weft__self_group *from)
 {
     weft__self_groups *now = &in->now;
     weft__self_group *to = &now->at[now->count];
@@ -389,7 +390,7 @@ static void list_pairs(weft__self_list *list, weft__self_chunk *in, size_t tiles
         weft__self_chunk_copy(in, (size_t)(old - in->before.at));
     }
     if (!weft__self_chunk_full(in)) {
-        add_group(list, in, tiles, seek || old == NULL ? NULL : &kept);
+        self_list_add_group(list, in, tiles, seek || old == NULL ? NULL : &kept);
     }
 }
 
@@ -466,7 +467,7 @@ static void end_making(weft__self_list *list)
 }
 
 /* Of a list that is valid tiles[0] has the displacements since. */
-static void make(weft__self_list *list, const double *y)
+static void self_list_make(weft__self_list *list, const double *y)
 {
     const weft__self *own = list->own;
     bool seek = false;
@@ -520,7 +521,7 @@ static bool any_full(const weft__self_list *list)
 /* The list, made anew if need be, has all pairs that push. */
 typedef enum readiness { READY, WITHOUT_LIST, NOT_FINITE } readiness;
 
-static readiness prepare(weft__self_list *list, const double *y)
+static readiness self_list_prepare(weft__self_list *list, const double *y)
 {
     list->valid = list->valid && list->pin_changes == list->own->mesh->pin_changes;
     const double extent = list->valid ? weft__self_drift(list, list->place, y, 0)
@@ -533,7 +534,7 @@ static readiness prepare(weft__self_list *list, const double *y)
         return READY;
     }
     if (!any_full(list)) {
-        make(list, y);
+        self_list_make(list, y);
     }
     return list->valid ? READY : WITHOUT_LIST;
 }
@@ -619,7 +620,7 @@ static weft__pushes *widest(const weft__self_list *list)
 int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass *pass)
 {
     const bool alone = weft__pool_threads(list->pool) == 1;
-    const readiness is = prepare(list, y);
+    const readiness is = self_list_prepare(list, y);
     evaluation all
         = { .list = list, .pass = pass, .room = alone ? widest(list) : NULL };
     if (pass->law.own != list->own) {
@@ -695,7 +696,7 @@ static bool visit_along(const visiting *of, const weft__self_chunk *in,
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
                           void *ctx)
 {
-    const readiness is = prepare(list, y);
+    const readiness is = self_list_prepare(list, y);
     const visiting of = { list->own, y, visit, ctx };
     bool goes_on = is == READY;
     if (is == WITHOUT_LIST) {

@@ -59,8 +59,8 @@ static inline void add_particle(uint32_t i, const double a[3], boxed *to)
     }
 }
 
-static void box_of(const weft__quadtree *tree, const uint32_t *points, size_t count,
-                   size_t item, boxed *to)
+static void self_pairs_box_of(const weft__quadtree *tree, const uint32_t *points,
+                              size_t count, size_t item, boxed *to)
 {
     const size_t n = tree->own->points;
     double x[3][3] = { { 0.0 } };
@@ -85,12 +85,12 @@ static void find_owned_of_skin(const weft__quadtree *tree, size_t node, size_t s
     out->more = weft__owned_slice(slice, &e, &edges);
     out->more = weft__owned_slice(slice, &t, &triangles) || out->more;
     out->edge_count = edges - e, out->triangle_count = triangles - t;
-    box_of(tree, &point, 1, node, &out->vertex);
+    self_pairs_box_of(tree, &point, 1, node, &out->vertex);
     for (size_t k = 0; k < out->edge_count; ++k) {
-        box_of(tree, skin->edge[e + k], 2, e + k, &out->edges[k]);
+        self_pairs_box_of(tree, skin->edge[e + k], 2, e + k, &out->edges[k]);
     }
     for (size_t k = 0; k < out->triangle_count; ++k) {
-        box_of(tree, skin->triangle[t + k], 3, t + k, &out->triangles[k]);
+        self_pairs_box_of(tree, skin->triangle[t + k], 3, t + k, &out->triangles[k]);
     }
 }
 
@@ -236,7 +236,7 @@ static const owned *owned_by(const pair_search *of, size_t node, size_t slice,
 
 /* Slice by slice; all edges of one node have it in common, and all that a point owns.
  */
-static bool visit_nodes(void *ctx, size_t i, size_t j)
+static bool self_pairs_visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
     const bool points = of->tree->own->skin != NULL;
@@ -258,14 +258,16 @@ static bool visit_nodes(void *ctx, size_t i, size_t j)
     return goes_on;
 }
 
-static bool seek(const weft__quadtree *tree, const uint32_t *tiles, double range,
-                 unsigned kinds, weft__pair_fn *visit, void *ctx)
+static bool self_pairs_seek(const weft__quadtree *tree, const uint32_t *tiles,
+                            double range, unsigned kinds, weft__pair_fn *visit,
+                            void *ctx)
 {
     const owned none = { .node = SIZE_MAX };
     pair_search of
         = { tree, range, visit, ctx, kinds, none, { { none, none }, { none, none } } };
-    return tiles == NULL ? weft__tree_pairs(tree, range, visit_nodes, &of)
-                         : weft__tree_between(tree, tiles, range, visit_nodes, &of);
+    return tiles == NULL
+               ? weft__tree_pairs(tree, range, self_pairs_visit_nodes, &of)
+               : weft__tree_between(tree, tiles, range, self_pairs_visit_nodes, &of);
 }
 
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
@@ -273,7 +275,7 @@ bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *vi
 {
     bool goes_on = true;
     for (unsigned kind = WEFT__VERTICES; kind <= WEFT__EDGES && goes_on; ++kind) {
-        goes_on = seek(tree, NULL, range, 1U << kind, visit, ctx);
+        goes_on = self_pairs_seek(tree, NULL, range, 1U << kind, visit, ctx);
     }
     return goes_on;
 }
@@ -281,13 +283,13 @@ bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *vi
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
                              double range, weft__pair_fn *visit, void *ctx)
 {
-    return seek(tree, tiles, range, 0xf, visit, ctx);
+    return self_pairs_seek(tree, tiles, range, 0xf, visit, ctx);
 }
 
 /* ---- steps ----------------------------------------------------------------------- */
 
 /* [m^2] The square of the longest way of two particles against each other. */
-static double difference(const weft__stride *of, size_t a, size_t b)
+static double self_pairs_difference(const weft__stride *of, size_t a, size_t b)
 {
     const size_t n = of->own->points;
     double squares[3] = { 0.0, 0.0, 0.0 };
@@ -310,7 +312,8 @@ bool weft__stride_clear(const weft__stride *of, const weft__pair *pair, double *
     double most = 0.0;
     for (size_t i = 0; i < first; ++i) {
         for (size_t j = first; j < 4; ++j) {
-            const double square = difference(of, pair->particle[i], pair->particle[j]);
+            const double square
+                = self_pairs_difference(of, pair->particle[i], pair->particle[j]);
             most = square > most ? square : most;
         }
     }

@@ -23,8 +23,8 @@ static double slope_at(num a)
 }
 
 /* Three planes of the points of a pair, along those of particles, or NULL. */
-static inline void place(const weft__self *own, const weft__pair *pair, const double *y,
-                         const double *along, num x[4][3])
+static inline void self_slope_place(const weft__self *own, const weft__pair *pair,
+                                    const double *y, const double *along, num x[4][3])
 {
     const size_t n = own->mesh->particles;
     for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
@@ -44,7 +44,7 @@ static inline law_feet feet_of(const weft__self_law *law, weft__pair_kind kind,
 {
     double windows[3];
     num x[4][3];
-    place(law->own, pair, y, along, x);
+    self_slope_place(law->own, pair, y, along, x);
     const law_gram of = law_gram_of(kind, x);
     law_feet at = law_feet_of(kind, &of);
     weft__pair_windows(law, pair, windows);
@@ -55,14 +55,15 @@ static inline law_feet feet_of(const weft__self_law *law, weft__pair_kind kind,
 
 /* ---- along a direction ----------------------------------------------------------- */
 
-static inline void push_kind(weft__pair_kind kind, const weft__self_law *law,
-                             const weft__pair *pair, const double *y, double mass,
-                             law_push *out)
+static inline void self_slope_push_kind(weft__pair_kind kind, const weft__self_law *law,
+                                        const weft__pair *pair, const double *y,
+                                        double mass, law_push *out)
 {
     const weft__self *own = law->own;
     const law_feet at = feet_of(law, kind, pair, y, law->along);
     num v[4][3];
-    place(own, pair, y + 3 * own->points, law->along + 3 * own->mesh->particles, v);
+    self_slope_place(own, pair, y + 3 * own->points,
+                     law->along + 3 * own->mesh->particles, v);
     law_push_of(kind, &own->law, weft__pair_share(law, mass),
                 weft__pair_friction(own, pair), own->rough, &at, fabs(mass), v, out);
 }
@@ -75,7 +76,7 @@ bool weft__pair_slope(const weft__self_law *law, const weft__pair *pair,
     if (mass == 0.0) {
         return false;
     }
-    BY_KIND(pair->kind, push_kind, law, pair, y, mass, &push);
+    BY_KIND(pair->kind, self_slope_push_kind, law, pair, y, mass, &push);
     for (size_t i = 0; i < weft__pair_particles(pair); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -128,8 +129,8 @@ static void push_feet(const weft__self_law *law, const transposing *of, double f
 }
 
 /* G, and the derivatives of way.G by its arguments. */
-static void differentiate(const transposing *of, num in[7], const num way[3],
-                          double g[3], double by[7])
+static void self_slope_differentiate(const transposing *of, num in[7], const num way[3],
+                                     double g[3], double by[7])
 {
     const double friction = weft__pair_friction(of->law.own, of->pair);
     law_push all, elastic;
@@ -164,7 +165,7 @@ static inline void add_loss(const transposing *of, weft__pair_kind kind,
         way[k] = sum_by(kind, arm, l, k);
     }
     in[6] = creal(at->weight);
-    differentiate(of, in, way, g, by);
+    self_slope_differentiate(of, in, way, g, by);
     for (size_t k = 0; k < 3; ++k) {
         by_u += by[3 + k] * sum_by(kind, arms[kind][0], v, k)
                 + g[k] * sum_by(kind, arms[kind][0], l, k) - sign * by[k] * at->of.e[k];
@@ -196,7 +197,7 @@ static inline void transpose_kind(weft__pair_kind kind, transposing *of)
     const law_feet at = feet_of(&of->law, kind, of->pair, of->y, of->l);
     num v[4][3], l[4][3], by_x[4][3], by_v[4][3] = { { 0.0 } };
     law_push push;
-    place(own, of->pair, of->y + 3 * own->points, NULL, v);
+    self_slope_place(own, of->pair, of->y + 3 * own->points, NULL, v);
     law_push_of(kind, &of->without.law, weft__pair_share(&of->law, of->mass), 0.0, 0.0,
                 &at, fabs(of->mass), v, &push);
     for (size_t j = 0; j < 3 * weft__kind_particles(kind); ++j) {

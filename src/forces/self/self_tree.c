@@ -58,7 +58,7 @@ size_t weft__tile_count(const weft__self *own)
     }
 static const weft__knot nothing = { NOTHING, { NOTHING, NOTHING } };
 
-static inline void join(const double from[2][3], double to[2][3])
+static inline void self_tree_join(const double from[2][3], double to[2][3])
 {
     for (size_t k = 0; k < 3; ++k) {
         to[0][k] = from[0][k] < to[0][k] ? from[0][k] : to[0][k];
@@ -122,22 +122,23 @@ static void bound_node(const weft__quadtree *tree, size_t r, size_t c, weft__kno
     }
 }
 
-static void add_slopes(const weft__knot *from, weft__knot *to)
+static void self_tree_add_slopes(const weft__knot *from, weft__knot *to)
 {
-    join(from->slope[0], to->slope[0]);
-    join(from->slope[1], to->slope[1]);
+    self_tree_join(from->slope[0], to->slope[0]);
+    self_tree_join(from->slope[1], to->slope[1]);
 }
 
 static inline void add_knot(const weft__quadtree *tree, const weft__knot *from,
                             weft__knot *to)
 {
-    join(from->place, to->place);
+    self_tree_join(from->place, to->place);
     if (tree->nodes.fold == 1) {
-        add_slopes(from, to);
+        self_tree_add_slopes(from, to);
     }
 }
 
-static inline void bound(const weft__quadtree *tree, size_t r, size_t c, weft__knot *to)
+static inline void self_tree_bound(const weft__quadtree *tree, size_t r, size_t c,
+                                   weft__knot *to)
 {
     if (tree->nodes.fold == 1) {
         bound_node(tree, r, c, to);
@@ -160,7 +161,7 @@ static void add_patch(const weft__quadtree *tree, size_t level, tree_patch at,
     for (size_t r = at.r << level; r < end_of(at.r, level, of->rows); ++r) {
         for (size_t c = at.c << shift; c < end_of(at.c, shift, of->cols); ++c) {
             weft__knot node;
-            bound(tree, r, c, &node);
+            self_tree_bound(tree, r, c, &node);
             add_knot(tree, &node, to);
         }
     }
@@ -189,7 +190,7 @@ static void fill_knot(weft__quadtree *tree, size_t level, tree_patch at)
     weft__knot *to = &tree->knots[tree->first[level]
                                   + at.r * weft__patches_across(of, level) + at.c];
     if (level == 0) {
-        bound(tree, at.r, at.c, to);
+        self_tree_bound(tree, at.r, at.c, to);
         return;
     }
     *to = nothing;
@@ -258,7 +259,7 @@ typedef struct tree_search {
 } tree_search;
 
 /* The square of how far a bound reaches from e. */
-static double beyond(const double bounds[2][3], const double e[3])
+static double self_tree_beyond(const double bounds[2][3], const double e[3])
 {
     double square = 0.0;
     for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
@@ -270,7 +271,7 @@ static double beyond(const double bounds[2][3], const double e[3])
 }
 
 /* The square of half the width of bounds: no vector is nearer to all of them. */
-static inline double spread(const double bounds[2][3])
+static inline double self_tree_spread(const double bounds[2][3])
 {
     double square = 0.0;
     for (size_t k = 0; k < 3 && bounds[0][k] <= bounds[1][k]; ++k) {
@@ -302,7 +303,8 @@ static bool direction(const double bounds[2][3], const double *e, double to[3])
 static inline bool may_be_flat(const tree_search *of, const weft__knot *knot)
 {
     return of->flat > 0.0
-           && spread(knot->slope[0]) + spread(knot->slope[1]) < of->flat * of->flat;
+           && self_tree_spread(knot->slope[0]) + self_tree_spread(knot->slope[1])
+                  < of->flat * of->flat;
 }
 
 /* A grid of a single row or column has slopes one way only. */
@@ -318,7 +320,7 @@ static bool flat(const tree_search *of, const weft__knot *knot)
         if (has[k]) {
             const double *across = k == 1 && has[0] ? e[0] : NULL;
             square += direction(knot->slope[k], across, e[k])
-                          ? beyond(knot->slope[k], e[k])
+                          ? self_tree_beyond(knot->slope[k], e[k])
                           : (double)INFINITY;
         }
     }
@@ -339,7 +341,8 @@ static const weft__knot *knot_of(const weft__quadtree *tree, size_t level,
 }
 
 /* Whether the rectangle of patches about both, at most 3 x 3 of them, is flat. */
-static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_patch b)
+static bool self_tree_flat_about(const tree_search *of, size_t level, tree_patch a,
+                                 tree_patch b)
 {
     enum { MOST = 3 };
     const tree_patch low = { a.r < b.r ? a.r : b.r, a.c < b.c ? a.c : b.c };
@@ -349,20 +352,21 @@ static bool flat_about(const tree_search *of, size_t level, tree_patch a, tree_p
         return false;
     }
     weft__knot room, hull = *knot_of(of->tree, level, a, &room);
-    add_slopes(knot_of(of->tree, level, b, &room), &hull);
+    self_tree_add_slopes(knot_of(of->tree, level, b, &room), &hull);
     if (!may_be_flat(of, &hull)) {
         return false;
     }
     for (size_t r = low.r; r <= high.r; ++r) {
         for (size_t c = low.c; c <= high.c; ++c) {
-            add_slopes(knot_of(of->tree, level, (tree_patch){ r, c }, &room), &hull);
+            self_tree_add_slopes(knot_of(of->tree, level, (tree_patch){ r, c }, &room),
+                                 &hull);
         }
     }
     return flat(of, &hull);
 }
 
-static inline bool apart(const tree_search *of, const weft__knot *a,
-                         const weft__knot *b)
+static inline bool self_tree_apart(const tree_search *of, const weft__knot *a,
+                                   const weft__knot *b)
 {
     return weft__boxes_apart(a->place, b->place, of->range);
 }
@@ -421,7 +425,7 @@ static inline bool of_cloth(const tree_search *of, size_t level, tree_patch at)
 static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
                           tree_patch b)
 {
-    if ((!of->all && flat_about(of, level, a, b))
+    if ((!of->all && self_tree_flat_about(of, level, a, b))
         || (of_bodies(of, level, a) && of_bodies(of, level, b))
         || (of_cloth(of, level, a) && of_cloth(of, level, b))) {
         return true;
@@ -435,7 +439,7 @@ static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
     find_quarters(of, level - 1, b, &in[1]);
     for (size_t i = 0; i < in[0].count; ++i) {
         for (size_t j = 0; j < in[1].count && goes_on; ++j) {
-            goes_on = (!of->all && apart(of, in[0].knots[i], in[1].knots[j]))
+            goes_on = (!of->all && self_tree_apart(of, in[0].knots[i], in[1].knots[j]))
                       || pairs_between(of, level - 1, in[0].at[i], in[1].at[j]);
         }
     }
@@ -460,7 +464,7 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
     }
     for (size_t i = 0; i < in.count; ++i) {
         for (size_t j = i + 1; j < in.count && goes_on; ++j) {
-            goes_on = (!of->all && apart(of, in.knots[i], in.knots[j]))
+            goes_on = (!of->all && self_tree_apart(of, in.knots[i], in.knots[j]))
                       || pairs_between(of, level - 1, in.at[i], in.at[j]);
         }
     }
@@ -507,8 +511,9 @@ bool weft__tree_between(const weft__quadtree *tree, const uint32_t tiles[2],
     const tree_patch a = patch_of(tree, level, tiles[0]);
     const tree_patch b = patch_of(tree, level, tiles[1]);
     weft__knot room[2];
-    return tiles[0] == tiles[1] ? pairs_within(&of, level, a)
-                                : apart(&of, knot_of(tree, level, a, &room[0]),
-                                        knot_of(tree, level, b, &room[1]))
-                                      || pairs_between(&of, level, a, b);
+    return tiles[0] == tiles[1]
+               ? pairs_within(&of, level, a)
+               : self_tree_apart(&of, knot_of(tree, level, a, &room[0]),
+                                 knot_of(tree, level, b, &room[1]))
+                     || pairs_between(&of, level, a, b);
 }

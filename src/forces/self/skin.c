@@ -127,7 +127,7 @@ static void sum_up(uint32_t *first, size_t points)
 }
 
 /* [m^2] of the triangle, by the squares of its sides. */
-static double area_of(const double q[3])
+static double skin_area_of(const double q[3])
 {
     const double a = q[0] + q[1] - q[2];
     return 0.25 * sqrt(4.0 * q[0] * q[1] - a * a);
@@ -151,7 +151,7 @@ static void add_triangles(const weft__skin_draft *of, uint32_t *at, weft__skin *
                 continue;
             }
             const size_t i = at[c[k]]++;
-            const double area = area_of(of->side[t]);
+            const double area = skin_area_of(of->side[t]);
             to->triangle_area[i] = 2.0 * area;
             for (size_t j = 0; j < 3; ++j) {
                 const size_t from = (k + j) % 3;
@@ -174,8 +174,8 @@ static size_t list_sides(const weft__skin_draft *of, side *to)
     for (size_t j = 0; j < 3 * of->triangles; ++j) {
         const uint32_t *c = of->corner[j / 3];
         const double *square = of->side[j / 3];
-        to[count++]
-            = side_of(c[(j + 1) % 3], c[(j + 2) % 3], square[j % 3], area_of(square));
+        to[count++] = side_of(c[(j + 1) % 3], c[(j + 2) % 3], square[j % 3],
+                              skin_area_of(square));
     }
     for (uint32_t i = 0; of->chain > 0.0 && i + 1 < of->particles; ++i) {
         to[count++] = side_of(i, i + 1, of->chain * of->chain, of->chain);
@@ -184,8 +184,8 @@ static size_t list_sides(const weft__skin_draft *of, side *to)
 }
 
 /* Of two sides that are sewn together the shorter one counts. */
-static void add_edges(const weft__skin_draft *of, side *sides, size_t count,
-                      weft__skin *to)
+static void skin_add_edges(const weft__skin_draft *of, side *sides, size_t count,
+                           weft__skin *to)
 {
     memset(to->edge_first, 0, (of->points + 1) * sizeof *to->edge_first);
     qsort(sides, count, sizeof *sides, by_ends);
@@ -321,7 +321,7 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
         to->grids = of->grids;
         memcpy(to->density, of->density, points * sizeof *to->density);
         add_triangles(of, work, to);
-        add_edges(of, list, list_sides(of, list), to);
+        skin_add_edges(of, list, list_sides(of, list), to);
         memset(work, 0, points * sizeof *work);
         if (to->order != NULL) {
             add_order(of, to->order);

@@ -51,7 +51,7 @@ static bool to_particles(const lip_search *of, const weft__pair *from, weft__pai
     return true;
 }
 
-static bool keep(void *ctx, const weft__pair *pair)
+static bool skin_lips_keep(void *ctx, const weft__pair *pair)
 {
     lip_search *of = ctx;
     near_pair found
@@ -152,7 +152,7 @@ static bool search(lip_search *by, const weft__self *flat)
         by->y = y;
         lay_out(by->of, by->range, y);
         weft__tree_fill(&tree, knots);
-        (void)weft__each_pair(&tree, by->range, keep, by);
+        (void)weft__each_pair(&tree, by->range, skin_lips_keep, by);
     }
     by->no_memory = by->no_memory || y == NULL || knots == NULL;
     WEFT__FREE_ALL(by->memory, y, knots);

@@ -17,8 +17,8 @@ static void shares(const weft__springs *own, size_t p, size_t q, double share[2]
     share[1] = held_q ? 0.0 : held_p ? 1.0 : m_p / (m_p + m_q);
 }
 
-static void shorten(const weft__springs *own, const weft__spring *at, double allowed,
-                    double *x)
+static void limit_springs_shorten(const weft__springs *own, const weft__spring *at,
+                                  double allowed, double *x)
 {
     if (!(at->square > allowed * allowed && at->square <= DBL_MAX)) {
         return;
@@ -44,7 +44,7 @@ static void sweep_groups(const weft__springs *own, double stretch,
                 if (r < group->end_row && from < group->end_col) {
                     const weft__spring at = weft__spring_from(
                         own->mesh, group, r * own->mesh->cols + from, x);
-                    shorten(own, &at, stretch * group->rest_length, x);
+                    limit_springs_shorten(own, &at, stretch * group->rest_length, x);
                 }
             }
         }

@@ -4,13 +4,14 @@
 #include "forces/springs/springs.h"
 
 /* Where particle p is in a plane whose rows are `down` apart. */
-static size_t spread(const weft__mesh *mesh, size_t down, size_t p)
+static size_t springs_spread(const weft__mesh *mesh, size_t down, size_t p)
 {
     return down == mesh->cols ? p : p / mesh->cols * down + p % mesh->cols;
 }
 
 /* Difference of the ends in planes n apart. */
-static void difference(const double *a, size_t n, size_t p, size_t q, double out[3])
+static void springs_difference(const double *a, size_t n, size_t p, size_t q,
+                               double out[3])
 {
     for (size_t k = 0; k < 3; ++k) {
         out[k] = a[k * n + q] - a[k * n + p];
@@ -23,11 +24,11 @@ static void spring_force(const weft__springs *own, weft__spring *at,
 {
     const weft__spring_slope *by = way != NULL ? way->by : NULL;
     const unsigned group = at->group->way;
-    const size_t n = in->stride, p = spread(own->mesh, in->down, at->p);
-    const size_t q = spread(own->mesh, in->down, at->q);
+    const size_t n = in->stride, p = springs_spread(own->mesh, in->down, at->p);
+    const size_t q = springs_spread(own->mesh, in->down, at->q);
     double w[3], dd[3], dw[3];
-    difference(in->y, n, p, q, at->d);
-    difference(in->y + 3 * n, n, p, q, w);
+    springs_difference(in->y, n, p, q, at->d);
+    springs_difference(in->y + 3 * n, n, p, q, w);
     at->square = weft__dot(at->d, at->d);
     if (way == NULL) {
         const double tension = weft__spring_tension(at, weft__dot(w, at->d));
@@ -36,16 +37,16 @@ static void spring_force(const weft__springs *own, weft__spring *at,
         }
         return;
     }
-    difference(way->along, n, p, q, dd);
-    difference(way->along + 3 * n, n, p, q, dw);
+    springs_difference(way->along, n, p, q, dd);
+    springs_difference(way->along + 3 * n, n, p, q, dw);
     weft__spring_change(
         at, w, dd, dw,
         by != NULL && (by->ways >> group & 1) != 0 ? &by->laws[group] : NULL, pull);
 }
 
 /* [N] of all springs on particle i, or the derivative in a direction (NULL: none). */
-static void pull_of(const weft__springs *own, size_t i, const weft__ways *in,
-                    const weft__way *way, double force[3])
+static void springs_pull_of(const weft__springs *own, size_t i, const weft__ways *in,
+                            const weft__way *way, double force[3])
 {
     double from[3][WEFT_GROUPS] = { 0 }, to[3][WEFT_GROUPS] = { 0 }, pull[3]; /* on p */
     weft__spring springs[WEFT__SPRINGS_MAX];
@@ -62,14 +63,14 @@ static void pull_of(const weft__springs *own, size_t i, const weft__ways *in,
 }
 
 /* A state as it is. */
-static weft__ways state_of(const weft__springs *own, const double *y)
+static weft__ways springs_state_of(const weft__springs *own, const double *y)
 {
     return (weft__ways){ .y = y, .stride = own->mesh->stride, .down = own->mesh->cols };
 }
 
 /* ---- for weft__force ------------------------------------------------------------- */
 
-static void choose(void *own, weft__isa isa)
+static void springs_choose(void *own, weft__isa isa)
 {
     weft__springs *of = own;
     of->fast = WEFT_FORM(isa, rows);
@@ -78,7 +79,7 @@ static void choose(void *own, weft__isa isa)
 }
 
 /* 0 where a particle's six numbers from z on are finite, else NaN. */
-static double trouble(const double *z, size_t n)
+static double springs_trouble(const double *z, size_t n)
 {
     return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
 }
@@ -88,12 +89,12 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
 {
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
-    const weft__ways in = state_of(of, at->y);
+    const weft__ways in = springs_state_of(of, at->y);
     const size_t n = mesh->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
         double springs[3];
-        pull_of(of, i, &in, NULL, springs);
+        springs_pull_of(of, i, &in, NULL, springs);
         for (size_t k = 0; k < 3; ++k) {
             const double v = at->y[(k + 3) * n + i];
             const double force = springs[k] - body->drag * v;
@@ -104,21 +105,21 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
             to[k * n + i] = v;
             to[(k + 3) * n + i] = body->gravity[k] + mesh->inverse_mass[i] * force;
         }
-        bad += unit == WEFT__FORCE ? 0.0 : trouble(to + i, n);
+        bad += unit == WEFT__FORCE ? 0.0 : springs_trouble(to + i, n);
     }
     return bad == 0.0 ? 0 : 1;
 }
 
 /* The product of a particle, which is at `place`, in a direction; net[3]: [N] of the
  * state itself. */
-static double product_of(const weft__springs *own, const weft__body *body,
-                         const weft__ways *in, const weft__way *way, size_t i,
-                         size_t place, const double net[3])
+static double springs_product_of(const weft__springs *own, const weft__body *body,
+                                 const weft__ways *in, const weft__way *way, size_t i,
+                                 size_t place, const double net[3])
 {
     const weft__spring_slope *by = way->by;
     const size_t n = in->stride;
     double springs[3];
-    pull_of(own, i, in, way, springs);
+    springs_pull_of(own, i, in, way, springs);
     for (size_t k = 0; k < 3; ++k) {
         const double v = way->along[(k + 3) * n + place];
         double force = springs[k] - body->drag * v;
@@ -133,7 +134,7 @@ static double product_of(const weft__springs *own, const weft__body *body,
         way->out[k * n + place] = v;
         way->out[(k + 3) * n + place] = rate;
     }
-    return trouble(way->out + place, n);
+    return springs_trouble(way->out + place, n);
 }
 
 int weft__products_loops(const weft__springs *own, const weft__body *body,
@@ -143,9 +144,9 @@ int weft__products_loops(const weft__springs *own, const weft__body *body,
     const size_t n = ways->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
-        const size_t place = spread(mesh, ways->down, i);
+        const size_t place = springs_spread(mesh, ways->down, i);
         double net[3];
-        pull_of(own, i, ways, NULL, net);
+        springs_pull_of(own, i, ways, NULL, net);
         for (size_t k = 0; k < 3; ++k) {
             const double v = ways->y[(k + 3) * n + place];
             net[k] -= body->drag * v;
@@ -155,20 +156,20 @@ int weft__products_loops(const weft__springs *own, const weft__body *body,
                     = body->gravity[k] + mesh->inverse_mass[i] * net[k];
             }
         }
-        bad += ways->base != NULL ? trouble(ways->base + place, n) : 0.0;
+        bad += ways->base != NULL ? springs_trouble(ways->base + place, n) : 0.0;
         for (size_t j = 0; j < ways->count; ++j) {
-            bad += product_of(own, body, ways, &ways->way[j], i, place, net);
+            bad += springs_product_of(own, body, ways, &ways->way[j], i, place, net);
         }
     }
     return bad == 0.0 ? 0 : 1;
 }
 
-static int start(const void *own, const weft__body *body, const weft__state *at,
-                 weft__unit unit, double *to, size_t first, size_t end)
+static int springs_start(const void *own, const weft__body *body, const weft__state *at,
+                         weft__unit unit, double *to, size_t first, size_t end)
 {
     const weft__springs *of = own;
     if (at->along != NULL) {
-        weft__ways one = state_of(of, at->y);
+        weft__ways one = springs_state_of(of, at->y);
         one.count = 1;
         one.way[0] = (weft__way){ at->along, to, NULL };
         return of->products(of, body, &one, first, end);
@@ -177,7 +178,8 @@ static int start(const void *own, const weft__body *body, const weft__state *at,
                                                                first, end);
 }
 
-static void energy(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void springs_energy(const void *own, const weft__state *at, size_t b,
+                           weft_measures *sum)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
          weft__each_spring(&walk);) {
@@ -189,7 +191,8 @@ static void energy(const void *own, const weft__state *at, size_t b, weft_measur
 }
 
 /* Heat, and what the motion of pins does against the springs. */
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void springs_power(const void *own, const weft__state *at, size_t b,
+                          weft_measures *sum)
 {
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -197,15 +200,16 @@ static void power(const void *own, const weft__state *at, size_t b, weft_measure
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (weft__pin_moves(mesh, i)) {
             double force[3], rate[6];
-            const weft__ways in = state_of(of, at->y);
-            pull_of(of, i, &in, NULL, force);
+            const weft__ways in = springs_state_of(of, at->y);
+            springs_pull_of(of, i, &in, NULL, force);
             weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
             sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
         }
     }
 }
 
-static void worst(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void springs_worst(const void *own, const weft__state *at, size_t b,
+                          weft_measures *sum)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
          weft__each_spring(&walk);) {
@@ -218,7 +222,8 @@ static void worst(const void *own, const weft__state *at, size_t b, weft_measure
     }
 }
 
-static void strains(const void *own, const weft__state *at, size_t b, double *strain)
+static void springs_strains(const void *own, const weft__state *at, size_t b,
+                            double *strain)
 {
     for (weft__walk walk = weft__row_springs(own, at->y, b);
          weft__each_spring(&walk);) {
@@ -232,12 +237,12 @@ const weft__force weft__springs_force = { .name = "springs",
                                           .check = weft__springs_check,
                                           .init = weft__springs_init,
                                           .hash = weft__springs_hash,
-                                          .choose = choose,
-                                          .start = start,
-                                          .energy = energy,
-                                          .power = power,
-                                          .worst = worst,
-                                          .strains = strains,
+                                          .choose = springs_choose,
+                                          .start = springs_start,
+                                          .energy = springs_energy,
+                                          .power = springs_power,
+                                          .worst = springs_worst,
+                                          .strains = springs_strains,
                                           .ratios = weft__springs_ratios,
                                           .bound = weft__springs_bound,
                                           .runs = weft__springs_runs,

@@ -80,7 +80,7 @@ void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
     }
 }
 
-static size_t at_most(size_t count, size_t most)
+static size_t springs_def_at_most(size_t count, size_t most)
 {
     return count < most ? count : most;
 }
@@ -92,7 +92,8 @@ size_t weft__springs_count(const weft__springs *own, weft_family family)
     for (size_t g = 0; g < own->group_count; ++g) {
         const weft__group *group = &own->groups[g];
         if (group->family == family) {
-            count += (at_most(end, group->end_row) - at_most(first, group->end_row))
+            count += (springs_def_at_most(end, group->end_row)
+                      - springs_def_at_most(first, group->end_row))
                      * (group->end_col - group->first_col);
         }
     }

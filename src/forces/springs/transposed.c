@@ -7,8 +7,9 @@ enum { PULL, BY_X, BY_V, PARTS }; /* each of three components */
 
 /* Of a spring, at its end p: its pull, and what p gets from A^T and C^T, where those
  * along dd and dw are weft__spring_change; l.dF by k, c and s to sums. */
-static void turn_back(const weft__springs *own, const weft__spring *at,
-                      const weft__state *of, double by[PARTS][3], double sums[3])
+static void transposed_turn_back(const weft__springs *own, const weft__spring *at,
+                                 const weft__state *of, double by[PARTS][3],
+                                 double sums[3])
 {
     double dl[3], w[3];
     weft__spring_difference(own->mesh, at, of->along, dl);
@@ -29,7 +30,7 @@ static void turn_back(const weft__springs *own, const weft__spring *at,
     sums[2] = k * longer;
 }
 
-static void add(weft__totals to, size_t total, size_t column, double number)
+static void transposed_add(weft__totals to, size_t total, size_t column, double number)
 {
     to[total][column % WEFT__EVERY] += number;
 }
@@ -45,13 +46,13 @@ static void turn_particle(const weft__springs *own, const weft__state *at, size_
     for (const weft__spring *of = springs; of < springs + count; ++of) {
         const size_t way = of->group->way;
         double by[PARTS][3], sums[3];
-        turn_back(own, of, at, by, sums);
+        transposed_turn_back(own, of, at, by, sums);
         for (size_t k = 0; k < 3 * PARTS; ++k) {
             (of->p == i ? from : to)[k / 3][k % 3][way] = by[k / 3][k % 3];
         }
         const bool left = (of->group->first_col > 0 ? of->q : of->p) == i;
         for (size_t k = 0; left && k < 3; ++k) {
-            add(totals, k * WEFT_GROUPS + way, column, sums[k]);
+            transposed_add(totals, k * WEFT_GROUPS + way, column, sums[k]);
         }
     }
     for (size_t k = 0; k < 3 * PARTS; ++k) {
@@ -66,10 +67,10 @@ static void add_body(const weft__mesh *mesh, const weft__state *at, const double
     const size_t n = mesh->particles;
     const double *l = at->along + i, *v = at->y + 3 * n + i;
     for (size_t k = 0; k < 3 && mesh->inverse_mass[i] != 0.0; ++k) {
-        add(to, 3 * WEFT_GROUPS + k, column, w[(3 + k) * n + i]);
+        transposed_add(to, 3 * WEFT_GROUPS + k, column, w[(3 + k) * n + i]);
     }
-    add(to, 3 * WEFT_GROUPS + 3, column,
-        v[0] * l[0] + v[n] * l[n] + v[2 * n] * l[2 * n]);
+    transposed_add(to, 3 * WEFT_GROUPS + 3, column,
+                   v[0] * l[0] + v[n] * l[n] + v[2 * n] * l[2 * n]);
 }
 
 void weft__totals_add(const weft__totals totals[2], weft__by_numbers *by)

@@ -12,7 +12,7 @@ const struct weft__wind_numbers weft__wind_numbers = {
     WEFT__FIELD(weft_cloth_def, wind_drag, "kg/(m^2 s)", .least = 0.0),
 };
 
-static void check(const weft_cloth_def *def, const weft__faults *to)
+static void wind_check(const weft_cloth_def *def, const weft__faults *to)
 {
     size_t row;
     const char *fault = weft__track_fault(&def->wind_table, &row);
@@ -24,7 +24,8 @@ static void check(const weft_cloth_def *def, const weft__faults *to)
     }
 }
 
-static bool init(void *own, const weft_cloth_def *def, const weft_allocator *memory)
+static bool wind_init(void *own, const weft_cloth_def *def,
+                      const weft_allocator *memory)
 {
     weft__wind *of = own;
     (void)memory;
@@ -33,7 +34,7 @@ static bool init(void *own, const weft_cloth_def *def, const weft_allocator *mem
     return true;
 }
 
-static uint64_t hash_of(const void *own, uint64_t hash)
+static uint64_t wind_hash_of(const void *own, uint64_t hash)
 {
     const weft__wind *of = own;
     hash = weft__hash_reals(hash, of->track.rows, WEFT__CURVE_WIDTH * of->track.count);
@@ -52,7 +53,7 @@ static weft__wind at_time(const weft__wind *of, const weft__state *at)
     return now;
 }
 
-static void choose(void *own, weft__isa isa)
+static void wind_choose(void *own, weft__isa isa)
 {
     ((weft__wind *)own)->fast = WEFT_FORM(isa, wind);
 }
@@ -66,27 +67,27 @@ static point at_particle(const double *x, size_t n, size_t i)
     return (point){ x[i], x[n + i], x[2 * n + i] };
 }
 
-static point minus(point a, point b)
+static point wind_minus(point a, point b)
 {
     return (point){ a.x - b.x, a.y - b.y, a.z - b.z };
 }
 
-static point plus(point a, point b)
+static point wind_plus(point a, point b)
 {
     return (point){ a.x + b.x, a.y + b.y, a.z + b.z };
 }
 
-static void add_point(point *to, point a)
+static void wind_add_point(point *to, point a)
 {
     to->x += a.x, to->y += a.y, to->z += a.z;
 }
 
-static point scaled(double share, point a)
+static point wind_scaled(double share, point a)
 {
     return (point){ share * a.x, share * a.y, share * a.z };
 }
 
-static double dot(point a, point b)
+static double wind_dot(point a, point b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -118,13 +119,13 @@ static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
 {
     const double *v = y + 3 * n;
     const point x = at_particle(y, n, corner[0]);
-    const point sum
-        = plus(plus(at_particle(v, n, corner[0]), at_particle(v, n, corner[1])),
-               at_particle(v, n, corner[2]));
-    sail to = { .a = minus(at_particle(y, n, corner[1]), x),
-                .b = minus(at_particle(y, n, corner[2]), x),
-                .flow
-                = minus((point){ 3.0 * wind[0], 3.0 * wind[1], 3.0 * wind[2] }, sum) };
+    const point sum = wind_plus(
+        wind_plus(at_particle(v, n, corner[0]), at_particle(v, n, corner[1])),
+        at_particle(v, n, corner[2]));
+    sail to = { .a = wind_minus(at_particle(y, n, corner[1]), x),
+                .b = wind_minus(at_particle(y, n, corner[2]), x),
+                .flow = wind_minus(
+                    (point){ 3.0 * wind[0], 3.0 * wind[1], 3.0 * wind[2] }, sum) };
     to.normal = cross(to.a, to.b);
     return to;
 }
@@ -134,8 +135,8 @@ static inline point sail_force(const weft__wind *of, const double *y,
                                const uint32_t corner[3])
 {
     const sail now = sail_of(of->mesh->stride, corner, y, of->velocity);
-    const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
-    return scaled(dot(now.normal, now.flow) * inverse, now.normal);
+    const double inverse = 1.0 / sqrt(wind_dot(now.normal, now.normal) + DBL_MIN);
+    return wind_scaled(wind_dot(now.normal, now.flow) * inverse, now.normal);
 }
 
 /* The change of that along at->along: n turns by (dN - N (N.dN) / |N|^2) / |N|. */
@@ -146,12 +147,13 @@ static point sail_slope(const weft__wind *of, const weft__state *at,
     const size_t n = of->mesh->stride;
     const sail now = sail_of(n, corner, at->y, of->velocity);
     const sail by = sail_of(n, corner, at->along, none);
-    const point turn = plus(cross(by.a, now.b), cross(now.a, by.b));
-    const double inverse = 1.0 / sqrt(dot(now.normal, now.normal) + DBL_MIN);
-    const double push = dot(now.normal, now.flow) * inverse;
-    const double rate = (dot(turn, now.flow) + dot(now.normal, by.flow)) * inverse
-                        - push * dot(now.normal, turn) * inverse * inverse;
-    return plus(scaled(rate, now.normal), scaled(push, turn));
+    const point turn = wind_plus(cross(by.a, now.b), cross(now.a, by.b));
+    const double inverse = 1.0 / sqrt(wind_dot(now.normal, now.normal) + DBL_MIN);
+    const double push = wind_dot(now.normal, now.flow) * inverse;
+    const double rate
+        = (wind_dot(turn, now.flow) + wind_dot(now.normal, by.flow)) * inverse
+          - push * wind_dot(now.normal, turn) * inverse * inverse;
+    return wind_plus(wind_scaled(rate, now.normal), wind_scaled(push, turn));
 }
 
 /* A third of drag A (n.flow) n, A n = N / 2, of each triangle of particle i, or its
@@ -163,10 +165,10 @@ static point sails_force(const weft__wind *of, const weft__state *at, size_t i,
     point sum = { 0.0, 0.0, 0.0 };
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t *corner = tri->corner[tri->around[j]];
-        sum = plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
-                                          : sail_slope(of, at, corner));
+        sum = wind_plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
+                                               : sail_slope(of, at, corner));
     }
-    return scaled(of->drag / 18.0 * share, sum);
+    return wind_scaled(of->drag / 18.0 * share, sum);
 }
 
 /* The first triangle whose lowest corner is particle i, or follows. */
@@ -200,7 +202,8 @@ static double add_sails(const weft__wind *of, const double *y, size_t b,
         sum[i - first] = (point){ 0.0, 0.0, 0.0 };
         for (size_t j = tri->around_first[i];
              j < tri->around_first[i + 1] && tri->around[j] < begin; ++j) {
-            add_point(&sum[i - first], sail_force(of, y, tri->corner[tri->around[j]]));
+            wind_add_point(&sum[i - first],
+                           sail_force(of, y, tri->corner[tri->around[j]]));
         }
     }
     for (size_t t = begin; t < tri->count && tri->corner[t][0] < end; ++t) {
@@ -208,13 +211,13 @@ static double add_sails(const weft__wind *of, const double *y, size_t b,
         const point force = sail_force(of, y, corner);
         for (size_t k = 0; k < 3; ++k) {
             if (corner[k] < end) {
-                add_point(&sum[corner[k] - first], force);
+                wind_add_point(&sum[corner[k] - first], force);
             }
         }
     }
     for (size_t i = first; i < end; ++i) {
         const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        bad += add_to(to, n, i, scaled(of->drag / 18.0 * share, sum[i - first]));
+        bad += add_to(to, n, i, wind_scaled(of->drag / 18.0 * share, sum[i - first]));
     }
     return bad;
 }
@@ -241,7 +244,7 @@ static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t *corner = tri->corner[tri->around[j]];
         const point normal = sail_of(mesh->stride, corner, y, none).normal;
-        sum += sqrt(dot(normal, normal)) / 6.0;
+        sum += sqrt(wind_dot(normal, normal)) / 6.0;
     }
     return sum;
 }
@@ -249,7 +252,7 @@ static double sails_area(const weft__mesh *mesh, const double *y, size_t i)
 /* ---- of a grid ------------------------------------------------------------------- */
 
 /* The neighbours of particle i: right, left, down, up; itself at a rim. */
-static void neighbours(const weft__mesh *mesh, size_t i, size_t to[4])
+static void wind_neighbours(const weft__mesh *mesh, size_t i, size_t to[4])
 {
     const size_t cols = mesh->cols, r = i / cols, c = i % cols;
     to[0] = c + 1 < cols ? i + 1 : i, to[1] = c > 0 ? i - 1 : i;
@@ -262,16 +265,16 @@ static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a
 {
     const size_t n = mesh->stride;
     size_t at[4];
-    neighbours(mesh, i, at);
-    *a = minus(at_particle(x, n, at[0]), at_particle(x, n, at[1]));
-    *b = minus(at_particle(x, n, at[2]), at_particle(x, n, at[3]));
+    wind_neighbours(mesh, i, at);
+    *a = wind_minus(at_particle(x, n, at[0]), at_particle(x, n, at[1]));
+    *b = wind_minus(at_particle(x, n, at[2]), at_particle(x, n, at[3]));
 }
 
 /* The wind against particle i. */
 static point flow_at(const weft__wind *of, const double *y, size_t i)
 {
     const size_t n = of->mesh->stride;
-    return minus(at_particle(of->velocity, 1, 0), at_particle(y + 3 * n, n, i));
+    return wind_minus(at_particle(of->velocity, 1, 0), at_particle(y + 3 * n, n, i));
 }
 
 static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
@@ -281,9 +284,9 @@ static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
     tangents(of->mesh, at->y, i, &a, &b);
     const point normal = cross(a, b);
     const double push = of->drag * weft__area(of->mesh, i) * share
-                        * dot(normal, flow_at(of, at->y, i))
-                        / (dot(normal, normal) + DBL_MIN);
-    return scaled(push, normal);
+                        * wind_dot(normal, flow_at(of, at->y, i))
+                        / (wind_dot(normal, normal) + DBL_MIN);
+    return wind_scaled(push, normal);
 }
 
 /* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
@@ -296,14 +299,15 @@ static point grid_slope(const weft__wind *of, const weft__state *at, size_t i)
     point a, b, da, db;
     tangents(mesh, at->y, i, &a, &b);
     tangents(mesh, at->along, i, &da, &db);
-    const point normal = cross(a, b), turn = plus(cross(da, b), cross(a, db));
+    const point normal = cross(a, b), turn = wind_plus(cross(da, b), cross(a, db));
     const point flow = flow_at(of, at->y, i), dv = at_particle(at->along + 3 * n, n, i);
     const double drag = of->drag * mesh->inverse_mass[i] * weft__area(mesh, i);
-    const double inverse = 1.0 / (dot(normal, normal) + DBL_MIN);
-    const double push = dot(normal, flow) * inverse;
-    const double rate = (dot(turn, flow) - dot(normal, dv)) * inverse
-                        - 2.0 * push * dot(normal, turn) * inverse;
-    return scaled(drag, plus(scaled(rate, normal), scaled(push, turn)));
+    const double inverse = 1.0 / (wind_dot(normal, normal) + DBL_MIN);
+    const double push = wind_dot(normal, flow) * inverse;
+    const double rate = (wind_dot(turn, flow) - wind_dot(normal, dv)) * inverse
+                        - 2.0 * push * wind_dot(normal, turn) * inverse;
+    return wind_scaled(drag,
+                       wind_plus(wind_scaled(rate, normal), wind_scaled(push, turn)));
 }
 
 static point wind_force(const weft__wind *of, const weft__state *at, size_t i,
@@ -328,8 +332,8 @@ int weft__wind_loops(const void *own, const weft__state *at, weft__unit unit,
     return bad == 0.0 ? 0 : 1;
 }
 
-static int add(const void *own, const weft__state *at, weft__unit unit, double *to,
-               size_t first, size_t end)
+static int wind_add(const void *own, const weft__state *at, weft__unit unit, double *to,
+                    size_t first, size_t end)
 {
     const weft__wind now = at_time(own, at);
     weft__add_fn *form = unit == WEFT__FORCE ? weft__wind_loops : now.fast;
@@ -339,8 +343,8 @@ static int add(const void *own, const weft__state *at, weft__unit unit, double *
     return form(&now, at, unit, to, first, end);
 }
 
-static int change(const void *own, const weft__state *at, weft__unit unit, double *to,
-                  size_t first, size_t end)
+static int wind_change(const void *own, const weft__state *at, weft__unit unit,
+                       double *to, size_t first, size_t end)
 {
     const weft__wind now = at_time(own, at), *of = &now;
     const size_t n = of->mesh->stride, last = weft__block(of->mesh, end);
@@ -357,23 +361,24 @@ static int change(const void *own, const weft__state *at, weft__unit unit, doubl
 static point by_normal(point normal, point flow, point m, double drag, int p,
                        point *by_flow)
 {
-    const double square = dot(normal, normal) + DBL_MIN;
+    const double square = wind_dot(normal, normal) + DBL_MIN;
     const double per = drag / (p == 1 ? sqrt(square) : square);
-    const double push = dot(normal, flow), along = dot(normal, m);
-    *by_flow = scaled(per * along, normal);
-    return scaled(per, minus(plus(scaled(along, flow), scaled(push, m)),
-                             scaled(p * push * along / square, normal)));
+    const double push = wind_dot(normal, flow), along = wind_dot(normal, m);
+    *by_flow = wind_scaled(per * along, normal);
+    return wind_scaled(
+        per, wind_minus(wind_plus(wind_scaled(along, flow), wind_scaled(push, m)),
+                        wind_scaled(p * push * along / square, normal)));
 }
 
 /* Adds what N = a x b has by them, a from at[1] to at[0] and b from at[3] to at[2]. */
-static void add_edges(double *out, size_t n, const size_t at[4], point a, point b,
-                      point normal)
+static void wind_add_edges(double *out, size_t n, const size_t at[4], point a, point b,
+                           point normal)
 {
     const point by_a = cross(b, normal), by_b = cross(normal, a);
     (void)add_to(out, n, at[0], by_a);
-    (void)add_to(out, n, at[1], scaled(-1.0, by_a));
+    (void)add_to(out, n, at[1], wind_scaled(-1.0, by_a));
     (void)add_to(out, n, at[2], by_b);
-    (void)add_to(out, n, at[3], scaled(-1.0, by_b));
+    (void)add_to(out, n, at[3], wind_scaled(-1.0, by_b));
 }
 
 static void transposed_sails(const weft__wind *of, const weft__state *at, double *out)
@@ -384,14 +389,14 @@ static void transposed_sails(const weft__wind *of, const weft__state *at, double
         const sail now = sail_of(n, corner, at->y, of->velocity);
         point m = { 0.0, 0.0, 0.0 }, flow;
         for (size_t k = 0; k < 3; ++k) {
-            add_point(&m, at_particle(at->along, n, corner[k]));
+            wind_add_point(&m, at_particle(at->along, n, corner[k]));
         }
         const point normal
             = by_normal(now.normal, now.flow, m, of->drag / 18.0, 1, &flow);
-        add_edges(out, n, (size_t[]){ corner[1], corner[0], corner[2], corner[0] },
-                  now.a, now.b, normal);
+        wind_add_edges(out, n, (size_t[]){ corner[1], corner[0], corner[2], corner[0] },
+                       now.a, now.b, normal);
         for (size_t k = 0; k < 3; ++k) {
-            (void)add_to(out + 3 * n, n, corner[k], scaled(-1.0, flow));
+            (void)add_to(out + 3 * n, n, corner[k], wind_scaled(-1.0, flow));
         }
     }
 }
@@ -408,32 +413,33 @@ static void transposed(const void *own, const weft__state *at, double *out)
     for (size_t i = 0; i < n; ++i) {
         point a, b, flow;
         size_t ends[4];
-        neighbours(mesh, i, ends);
+        wind_neighbours(mesh, i, ends);
         tangents(mesh, at->y, i, &a, &b);
         const point normal = by_normal(cross(a, b), flow_at(of, at->y, i),
                                        at_particle(at->along, n, i),
                                        of->drag * weft__area(mesh, i), 2, &flow);
-        add_edges(out, n, ends, a, b, normal);
-        (void)add_to(out + 3 * n, n, i, scaled(-1.0, flow));
+        wind_add_edges(out, n, ends, a, b, normal);
+        (void)add_to(out + 3 * n, n, i, wind_scaled(-1.0, flow));
     }
 }
 
-static void power(const void *own, const weft__state *at, size_t b, weft_measures *sum)
+static void wind_power(const void *own, const weft__state *at, size_t b,
+                       weft_measures *sum)
 {
     const weft__wind now = at_time(own, at), *of = &now;
     const size_t n = of->mesh->stride, end = weft__block(of->mesh, b + 1);
     for (size_t i = weft__block(of->mesh, b); i < end; ++i) {
         if (of->mesh->pin[i] == 0) {
-            sum->power[WEFT_POWER_WIND]
-                += dot(wind_force(of, at, i, 1.0), at_particle(at->y + 3 * n, n, i));
+            sum->power[WEFT_POWER_WIND] += wind_dot(wind_force(of, at, i, 1.0),
+                                                    at_particle(at->y + 3 * n, n, i));
         }
     }
 }
 
 /* No direction is damped more, on a grid whatever the state: of a triangle, C has the
  * blocks drag A n n^T / 9, and is at most three times those of its diagonal. */
-static void bound(const void *own, const weft__state *at, size_t i,
-                  const weft__sides *sides, double (*sums)[6])
+static void wind_bound(const void *own, const weft__state *at, size_t i,
+                       const weft__sides *sides, double (*sums)[6])
 {
     const weft__wind *of = own;
     const weft__mesh *mesh = of->mesh;
@@ -445,19 +451,19 @@ static void bound(const void *own, const weft__state *at, size_t i,
     }
 }
 
-static bool present(const void *own)
+static bool wind_present(const void *own)
 {
     return ((const weft__wind *)own)->drag != 0.0;
 }
 
 const weft__force weft__wind_force = { .name = "wind",
-                                       .check = check,
-                                       .init = init,
-                                       .hash = hash_of,
-                                       .choose = choose,
-                                       .present = present,
-                                       .add = add,
-                                       .change = change,
+                                       .check = wind_check,
+                                       .init = wind_init,
+                                       .hash = wind_hash_of,
+                                       .choose = wind_choose,
+                                       .present = wind_present,
+                                       .add = wind_add,
+                                       .change = wind_change,
                                        .transposed = transposed,
-                                       .power = power,
-                                       .bound = bound };
+                                       .power = wind_power,
+                                       .bound = wind_bound };

@@ -26,8 +26,8 @@ INLINE vec3 acceleration(const weft__wind *of, const patch *at)
 }
 
 /* Adds to v' of particle i and those that follow it; 0 or NaN. */
-INLINE vec add(const weft__wind *of, const patch *at, size_t i, size_t count,
-               double *dvdt)
+INLINE vec wind_fast_add(const weft__wind *of, const patch *at, size_t i, size_t count,
+                         double *dvdt)
 {
     const size_t n = of->mesh->stride;
     const vec3 more = acceleration(of, at);
@@ -65,10 +65,11 @@ static vec add_rim(const weft__wind *of, const double *y, size_t r, size_t c,
         at.inverse_mass[l] = mesh->inverse_mass[i];
         at.area[l] = column > 0 && column + 1 < cols ? inner : rim;
     }
-    return add(of, &at, r * cols + c, count, dvdt);
+    return wind_fast_add(of, &at, r * cols + c, count, dvdt);
 }
 
-static vec add_row(const weft__wind *of, const double *y, size_t r, double *dvdt)
+static vec wind_fast_add_row(const weft__wind *of, const double *y, size_t r,
+                             double *dvdt)
 {
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->stride, cols = mesh->cols;
@@ -89,7 +90,7 @@ static vec add_row(const weft__wind *of, const double *y, size_t r, double *dvdt
             .inverse_mass = load(mesh->inverse_mass + i),
             .area = area,
         };
-        bad += add(of, &at, i, LANES, dvdt);
+        bad += wind_fast_add(of, &at, i, LANES, dvdt);
     }
     if (c < cols) {
         bad += add_rim(of, y, r, c, cols - c, inner, dvdt);
@@ -104,7 +105,7 @@ int NAME(wind, LEVEL)(const void *own, const weft__state *at, weft__unit unit,
     vec bad = splat(0.0);
     (void)unit;
     for (size_t r = first; r < end; ++r) {
-        bad += add_row(of, at->y, r, to);
+        bad += wind_fast_add_row(of, at->y, r, to);
     }
     return sum(bad) == 0.0 ? 0 : 1;
 }
