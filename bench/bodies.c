@@ -117,8 +117,8 @@ static void bodies(void *ctx)
 {
     part *of = ctx;
     const weft__state at = { .t = 0.0, .y = of->y };
-    (void)weft__bodies_force.add_all(&of->cloth->bodies, of->forces->bodies, &at,
-                                     WEFT__ACCELERATION, of->out);
+    (void)weft__bodies_force.whole.add(&of->cloth->bodies, of->forces->bodies, &at,
+                                       WEFT__ACCELERATION, of->out);
 }
 
 static void drift(void *ctx)

@@ -884,8 +884,8 @@ static void push(const sample *of, const double *y, double *to)
 {
     const weft__state at = { .y = y };
     memset(to, 0, 3 * of->n * sizeof *to);
-    ck_assert_int_eq(weft__plate_force.add(&of->cloth->plate, &at, WEFT__FORCE, to, 0,
-                                           weft__blocks(&of->cloth->mesh)),
+    ck_assert_int_eq(weft__plate_force.law.add(&of->cloth->plate, &at, WEFT__FORCE, to,
+                                               0, weft__blocks(&of->cloth->mesh)),
                      0);
 }
 
@@ -894,8 +894,8 @@ static weft_measures measured(const sample *of, const double *y)
     const weft__state at = { .y = y };
     weft_measures sum = { .touching = 0 };
     for (size_t b = 0; b < weft__blocks(&of->cloth->mesh); ++b) {
-        weft__plate_force.energy(&of->cloth->plate, &at, b, &sum);
-        weft__plate_force.power(&of->cloth->plate, &at, b, &sum);
+        weft__plate_force.measures.energy(&of->cloth->plate, &at, b, &sum);
+        weft__plate_force.measures.power(&of->cloth->plate, &at, b, &sum);
     }
     return sum;
 }
@@ -1009,9 +1009,9 @@ START_TEST(ties_are_the_matrix)
     sample of;
     sample_init(&of, _i);
     const weft__plate *plate = &of.cloth->plate;
-    const size_t count = weft__plate_force.ties(plate, NULL);
+    const size_t count = weft__plate_force.couplings.ties(plate, NULL);
     weft_scalar_coupling *ties = malloc(count * sizeof *ties);
-    ck_assert_uint_eq(weft__plate_force.ties(plate, ties), count);
+    ck_assert_uint_eq(weft__plate_force.couplings.ties(plate, ties), count);
     push(&of, of.y, of.force);
     double apart = 0.0, size = 0.0;
     for (size_t j = 0; j < count; ++j) {

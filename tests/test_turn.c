@@ -200,7 +200,7 @@ START_TEST(hashes_tell_turns_apart)
         shapes[0].turn = turn_about(0.0, 0.0, i < 2 ? 0.0 : 1.0, i == 1 ? 2.0 : 3.0);
         shapes[0].turn.amplitude = i == 3 ? 0.1 : 0.0;
         start();
-        hash[i] = weft__contact_force.hash(&cloth->contact, 0);
+        hash[i] = weft__contact_force.tables.hash(&cloth->contact, 0);
     }
     ck_assert(hash[0] == hash[1] && hash[1] != hash[2] && hash[2] != hash[3]);
 }

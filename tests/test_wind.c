@@ -132,8 +132,8 @@ START_TEST(folded_triangle_of_no_area_feels_no_wind)
     }
     const weft__state at = { .y = m.y };
     memset(m.f, 0, sizeof m.f);
-    ck_assert_int_eq(weft__wind_force.add(&m.cloth->wind, &at, WEFT__FORCE, m.f, 0,
-                                          weft__blocks(&m.cloth->mesh)),
+    ck_assert_int_eq(weft__wind_force.law.add(&m.cloth->wind, &at, WEFT__FORCE, m.f, 0,
+                                              weft__blocks(&m.cloth->mesh)),
                      0);
     for (size_t j = 0; j < 3 * N; ++j) {
         ck_assert(m.f[j] == 0.0);

@@ -52,10 +52,10 @@ static weft__sides sides_of(const weft_cloth *cloth, const double *y)
     weft__sides sides
         = { .count = 3, .way = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
     if (y != NULL) {
-        WEFT__EACH_FORCE(cloth, ratios, &sides)
+        WEFT__EACH_FORCE(cloth, bounds.ratios, &sides)
     }
     for (size_t g = 0; y != NULL && g < cloth->grid_count; g += 2) {
-        WEFT__EACH_FORCE(&cloth->grids[g], ratios, &sides)
+        WEFT__EACH_FORCE(&cloth->grids[g], bounds.ratios, &sides)
     }
     return sides;
 }
@@ -112,8 +112,8 @@ static void bound_of(const weft_cloth *cloth, const weft__state *at, size_t i,
     memset(sums, 0, sides->count * sizeof *sums);
     for (size_t k = WEFT__FORCES; k-- > 0;) {
         const weft__force *force = weft__force_at(of, k);
-        if (force != NULL && force->bound != NULL) {
-            force->bound(weft__own(of, k), &own, i - first, sides, sums);
+        if (force != NULL && force->bounds.particle != NULL) {
+            force->bounds.particle(weft__own(of, k), &own, i - first, sides, sums);
         }
     }
 }
@@ -134,8 +134,8 @@ static void raise_sides(const raising *of, size_t first, size_t end, weft__grip 
     const weft__sides *sides = &of->sides;
     double sums[WEFT__SIDES][6];
     memset(grips, 0, (end - first) * sizeof *grips);
-    WEFT__EACH_FORCE(cloth, grip, of->spaces != NULL ? of->spaces[k_] : NULL, of->at,
-                     first, end - first, grips)
+    WEFT__EACH_FORCE(cloth, bounds.grip, of->spaces != NULL ? of->spaces[k_] : NULL,
+                     of->at, first, end - first, grips)
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
             bound_of(cloth, of->at, i, sides, sums);
@@ -319,7 +319,7 @@ static void bounds_multiply(const weft_cloth *cloth, const weft__state *at,
     }
     multiply_bonds(cloth, of, way[0], way[1], x, out);
     multiply_links(of, n, way[0], way[1], x, out);
-    WEFT__EACH_FORCE(cloth, multiply, at, way[0], way[1], x, out)
+    WEFT__EACH_FORCE(cloth, bounds.multiply, at, way[0], way[1], x, out)
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= cloth->mesh.inverse_mass[j % n];
     }

@@ -118,8 +118,8 @@ void weft__cloth_choose(weft_cloth *cloth, weft__isa isa)
 {
     cloth->isa = isa;
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->choose != NULL) {
-            weft__table[k].force->choose(weft__own_of(cloth, k), isa);
+        if (weft__table[k].force->tables.choose != NULL) {
+            weft__table[k].force->tables.choose(weft__own_of(cloth, k), isa);
         }
     }
     weft__grids_choose(cloth);
@@ -160,8 +160,8 @@ static weft_status cloth_fill(weft_cloth *cloth, const weft_cloth_def *def,
         = weft__curve_make(&def->wind_table, def->wind_table_natural, rows);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__stops(stop)
-            || !weft__table[k].force->init(weft__own_of(cloth, k), def,
-                                           &cloth->memory)) {
+            || !weft__table[k].force->tables.init(weft__own_of(cloth, k), def,
+                                                  &cloth->memory)) {
             return stop->came ? weft__stopped(err)
                               : weft_error_set(err, WEFT_NO_MEMORY, "no memory for %s",
                                                weft__table[k].force->name);
@@ -352,8 +352,8 @@ void weft_cloth_destroy(weft_cloth *cloth)
         WEFT__FREE_ALL(&memory, cloth->mesh.inverse_mass, cloth->mesh.pin,
                        cloth->mesh.pins, cloth->mesh.coast, cloth->grids);
         for (size_t k = 0; k < WEFT__FORCES; ++k) {
-            if (weft__table[k].force->free != NULL) {
-                weft__table[k].force->free(weft__own_of(cloth, k), &memory);
+            if (weft__table[k].force->tables.free != NULL) {
+                weft__table[k].force->tables.free(weft__own_of(cloth, k), &memory);
             }
         }
         weft__free(&memory, cloth);
@@ -383,8 +383,9 @@ weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memo
     made = weft__grids_copy(copy) && made;
     attach(copy);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->copy != NULL) {
-            made = weft__table[k].force->copy(weft__own_of(copy, k), memory) && made;
+        if (weft__table[k].force->tables.copy != NULL) {
+            made = weft__table[k].force->tables.copy(weft__own_of(copy, k), memory)
+                   && made;
         }
     }
     if (!made) {
@@ -485,8 +486,8 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
     }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        more += force != NULL && force->bytes != NULL
-                    ? force->bytes(weft__own(cloth, k))
+        more += force != NULL && force->tables.bytes != NULL
+                    ? force->tables.bytes(weft__own(cloth, k))
                     : 0;
     }
     more += cloth->whole != NULL ? weft_cloth_bytes(cloth->whole) : 0;

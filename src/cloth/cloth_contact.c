@@ -79,7 +79,7 @@ static weft_measures gap(const weft_cloth *cloth, double t, const double *y)
         weft__measures_add(&sum, &block);
     }
     if (cloth->bodies.pairs.law.self) {
-        weft__bodies_force.measure_all(&cloth->bodies, NULL, &at, &sum);
+        weft__bodies_force.whole.measure(&cloth->bodies, NULL, &at, &sum);
     }
     return sum;
 }

@@ -39,8 +39,8 @@ uint64_t weft__cloth_hash(const weft_cloth *cloth, const uint64_t *blocks)
         if (k == WEFT__FORCE_body) {
             hash = hash_blocks(cloth, blocks, hash);
         }
-        if (weft__table[k].force->hash != NULL) {
-            hash = weft__table[k].force->hash(weft__own(cloth, k), hash);
+        if (weft__table[k].force->tables.hash != NULL) {
+            hash = weft__table[k].force->tables.hash(weft__own(cloth, k), hash);
         }
     }
     hash = weft__grids_hash(cloth, hash);

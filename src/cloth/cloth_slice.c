@@ -53,8 +53,9 @@ static void mark_all(const weft_cloth *cloth, const weft__slice *slice)
         for (size_t k = 0; k < WEFT__FORCES; ++k) {
             const weft__force *force = weft__force_at(cloth, k);
             const uint32_t *particles;
-            if (force != NULL && force->halo != NULL) {
-                const size_t count = force->halo(weft__own(cloth, k), b, &particles);
+            if (force != NULL && force->tables.halo != NULL) {
+                const size_t count
+                    = force->tables.halo(weft__own(cloth, k), b, &particles);
                 mark(slice->here, particles, count);
             }
         }
@@ -91,8 +92,8 @@ static bool slice_all(weft_cloth *cloth, weft__slice *slice)
     bool made = weft__mesh_slice(mesh, slice);
     for (size_t k = 0; made && k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        made = force == NULL || force->slice == NULL
-               || force->slice(weft__own_of(cloth, k), slice);
+        made = force == NULL || force->tables.slice == NULL
+               || force->tables.slice(weft__own_of(cloth, k), slice);
     }
     return made;
 }

@@ -50,11 +50,11 @@ bool weft__grids_init(weft_cloth *whole, const weft_cloth_def *def)
             to->mesh.block = i % 2 == 0 ? part->grid.cols : 1;
             to->first = part->first;
             weft__grids_attach(whole);
-            (void)weft__body_force.init(&to->body, &own, &whole->memory);
+            (void)weft__body_force.tables.init(&to->body, &own, &whole->memory);
             for (size_t j = 0; j < OWN_FORCES; ++j) { /* which take no memory */
                 const size_t k = own_forces[j];
-                (void)weft__table[k].force->init(weft__own_of(to, k), &own,
-                                                 &whole->memory);
+                (void)weft__table[k].force->tables.init(weft__own_of(to, k), &own,
+                                                        &whole->memory);
             }
         }
     }
@@ -68,9 +68,9 @@ void weft__grids_choose(weft_cloth *whole)
 {
     for (size_t j = 0; j < whole->grid_count * WEFT__FORCES; ++j) {
         const size_t g = j / WEFT__FORCES, k = j % WEFT__FORCES;
-        if (weft__table[k].force->choose != NULL) {
-            weft__table[k].force->choose(weft__own_of(&whole->grids[g], k),
-                                         g % 2 == 0 ? whole->isa : WEFT__LOOPS);
+        if (weft__table[k].force->tables.choose != NULL) {
+            weft__table[k].force->tables.choose(weft__own_of(&whole->grids[g], k),
+                                                g % 2 == 0 ? whole->isa : WEFT__LOOPS);
         }
     }
 }
@@ -159,10 +159,11 @@ void weft__grids_measure(const weft_cloth *whole, const weft__state *at, size_t 
         weft_measures row = { .hash = 0 };
         for (size_t j = 0; j < OWN_FORCES; ++j) {
             const weft__force *force = weft__force_at(of.cloth, own_forces[j]);
-            weft__block_fn *measure = force == NULL               ? NULL
-                                      : what == WEFT__GRID_ENERGY ? force->energy
-                                      : what == WEFT__GRID_POWER  ? force->power
-                                                                  : force->worst;
+            weft__block_fn *measure
+                = force == NULL               ? NULL
+                  : what == WEFT__GRID_ENERGY ? force->measures.energy
+                  : what == WEFT__GRID_POWER  ? force->measures.power
+                                              : force->measures.worst;
             if (measure != NULL) {
                 measure(weft__own(of.cloth, own_forces[j]), &of.at, of.row,
                         what == WEFT__GRID_WORST ? &row : sum);
@@ -182,7 +183,7 @@ uint64_t weft__grids_hash(const weft_cloth *whole, uint64_t hash)
         const size_t k = own_forces[j % OWN_FORCES];
         hash = weft__hash_reals(hash, grid->mesh.spacing, 2);
         hash = weft__hash_word(hash, grid->mesh.cols);
-        hash = weft__table[k].force->hash(weft__own(grid, k), hash);
+        hash = weft__table[k].force->tables.hash(weft__own(grid, k), hash);
     }
     return hash;
 }

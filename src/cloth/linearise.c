@@ -32,11 +32,12 @@ static void list_runs(const weft_cloth *cloth, weft_spring_run *runs,
     }
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        const bool has = force != NULL && force->runs != NULL;
+        const bool has = force != NULL && force->couplings.runs != NULL;
         const size_t runs_before = of->run_count, bonds_before = of->pair_count;
         weft_spring_run some[WEFT_GROUPS];
         for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
-            add_runs(some, force->runs(weft__own(cloth, k), b, some), 0, runs, of);
+            add_runs(some, force->couplings.runs(weft__own(cloth, k), b, some), 0, runs,
+                     of);
         }
         if (k == WEFT__FORCE_bending) {
             of->bend_runs = of->run_count - runs_before;
@@ -88,12 +89,13 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__st
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const void *own = weft__own(cloth, k);
-        const bool has = force != NULL && force->bonds != NULL;
+        const bool has = force != NULL && force->couplings.bonds != NULL;
         for (size_t b = 0; has && b < weft__blocks(&cloth->mesh); ++b) {
-            planes = force->bonds(own, at, b, planes, bonds, &bad);
+            planes = force->couplings.bonds(own, at, b, planes, bonds, &bad);
         }
-        if (force != NULL && force->blocks != NULL && blocks != NULL) {
-            failed |= force->blocks(own, spaces != NULL ? spaces[k] : NULL, at, blocks);
+        if (force != NULL && force->couplings.blocks != NULL && blocks != NULL) {
+            failed |= force->couplings.blocks(own, spaces != NULL ? spaces[k] : NULL,
+                                              at, blocks);
         }
     }
     return bad == 0.0 ? failed : 1;
@@ -102,14 +104,16 @@ int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__st
 size_t weft__list_links(const weft_cloth *cloth, weft_block_coupling *links)
 {
     size_t count = 0;
-    WEFT__FROM_EACH_FORCE(count +=, cloth, links, links != NULL ? links + count : NULL)
+    WEFT__FROM_EACH_FORCE(count +=, cloth, couplings.links,
+                          links != NULL ? links + count : NULL)
     return count;
 }
 
 size_t weft__list_ties(const weft_cloth *cloth, weft_scalar_coupling *ties)
 {
     size_t count = 0;
-    WEFT__FROM_EACH_FORCE(count +=, cloth, ties, ties != NULL ? ties + count : NULL)
+    WEFT__FROM_EACH_FORCE(count +=, cloth, couplings.ties,
+                          ties != NULL ? ties + count : NULL)
     for (size_t g = 0; g < cloth->grid_count; g += 2) {
         count += weft__bending_ties(&cloth->grids[g].bending, cloth->grids[g].first,
                                     ties != NULL ? ties + count : NULL);
@@ -122,6 +126,6 @@ int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
 {
     const weft__state at = { .t = t, .y = y };
     int failed = 0; /* links are of one force alone */
-    WEFT__FROM_EACH_FORCE(failed |=, cloth, link_numbers, &at, numbers)
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, couplings.link_numbers, &at, numbers)
     return failed;
 }

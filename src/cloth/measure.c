@@ -21,14 +21,14 @@ void weft__block_energy(const weft_cloth *cloth, const weft__state *at, size_t b
             sum->energy.kinetic += 0.5 * mesh->mass[i] * weft__dot(v, v);
         }
     }
-    WEFT__EACH_FORCE(cloth, energy, at, b, sum)
+    WEFT__EACH_FORCE(cloth, measures.energy, at, b, sum)
     weft__grids_measure(cloth, at, b, WEFT__GRID_ENERGY, sum);
 }
 
 void weft__block_power(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
-    WEFT__EACH_FORCE(cloth, power, at, b, sum)
+    WEFT__EACH_FORCE(cloth, measures.power, at, b, sum)
     weft__grids_measure(cloth, at, b, WEFT__GRID_POWER, sum);
 }
 
@@ -50,7 +50,7 @@ static void block_momentum(const weft_cloth *cloth, const weft__state *at, size_
 void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
 {
-    WEFT__EACH_FORCE(cloth, worst, at, b, sum)
+    WEFT__EACH_FORCE(cloth, measures.worst, at, b, sum)
     weft__grids_measure(cloth, at, b, WEFT__GRID_WORST, sum);
 }
 
@@ -118,11 +118,11 @@ void weft__measures_add(weft_measures *sum, const weft_measures *block)
 void weft__measure_all(const weft_cloth *cloth, void *const *spaces,
                        const weft__state *at, weft_measures *sum)
 {
-    WEFT__EACH_FORCE(cloth, measure_all, spaces != NULL ? spaces[k_] : NULL, at, sum)
+    WEFT__EACH_FORCE(cloth, whole.measure, spaces != NULL ? spaces[k_] : NULL, at, sum)
 }
 
-static weft_measures measure_measure_it(const weft_cloth *cloth, double t,
-                                        const double *y, weft__measure_fn *of)
+static weft_measures measure_blocks(const weft_cloth *cloth, double t, const double *y,
+                                    weft__measure_fn *of)
 {
     const weft__state at = { .t = t, .y = y };
     const size_t first = cloth->mesh.band.above, end = first + cloth->mesh.band.own;
@@ -136,18 +136,18 @@ static weft_measures measure_measure_it(const weft_cloth *cloth, double t,
 }
 
 /* With the energy and powers of self-contact. */
-static weft_measures measure_measure_all_it(const weft_cloth *cloth, double t,
-                                            const double *y, weft__measure_fn *of)
+static weft_measures measure_with_pairs(const weft_cloth *cloth, double t,
+                                        const double *y, weft__measure_fn *of)
 {
     const weft__state at = { .t = t, .y = y };
-    weft_measures sum = measure_measure_it(cloth, t, y, of);
+    weft_measures sum = measure_blocks(cloth, t, y, of);
     weft__measure_all(cloth, NULL, &at, &sum);
     return sum;
 }
 
 weft_energy weft_cloth_energy(const weft_cloth *cloth, double t, const double *y)
 {
-    return measure_measure_all_it(cloth, t, y, weft__block_energy).energy;
+    return measure_with_pairs(cloth, t, y, weft__block_energy).energy;
 }
 
 double weft_energy_total(weft_energy energy)
@@ -162,32 +162,31 @@ double weft_energy_total(weft_energy energy)
 void weft_cloth_power(const weft_cloth *cloth, double t, const double *y,
                       double power[WEFT_POWERS])
 {
-    memcpy(power, measure_measure_all_it(cloth, t, y, weft__block_power).power,
+    memcpy(power, measure_with_pairs(cloth, t, y, weft__block_power).power,
            WEFT_POWERS * sizeof *power);
 }
 
 double weft_cloth_dissipation(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft_measures sum = measure_measure_all_it(cloth, t, y, weft__block_power);
+    const weft_measures sum = measure_with_pairs(cloth, t, y, weft__block_power);
     return sum.power[WEFT_POWER_SPRINGS] + sum.power[WEFT_POWER_DRAG]
            + sum.power[WEFT_POWER_CONTACT] + sum.power[WEFT_POWER_FRICTION];
 }
 
 void weft_cloth_momentum(const weft_cloth *cloth, const double *y, double p[3])
 {
-    memcpy(p, measure_measure_it(cloth, 0.0, y, block_momentum).momentum,
-           3 * sizeof *p);
+    memcpy(p, measure_blocks(cloth, 0.0, y, block_momentum).momentum, 3 * sizeof *p);
 }
 
 void weft_cloth_angular_momentum(const weft_cloth *cloth, const double *y, double l[3])
 {
-    memcpy(l, measure_measure_it(cloth, 0.0, y, block_momentum).angular_momentum,
+    memcpy(l, measure_blocks(cloth, 0.0, y, block_momentum).angular_momentum,
            3 * sizeof *l);
 }
 
 weft_spring weft_cloth_worst_spring(const weft_cloth *cloth, const double *y)
 {
-    weft_spring worst = measure_measure_it(cloth, 0.0, y, weft__block_worst).worst;
+    weft_spring worst = measure_blocks(cloth, 0.0, y, weft__block_worst).worst;
     worst.p = weft__shown(&cloth->mesh, worst.p);
     worst.q = weft__shown(&cloth->mesh, worst.q);
     return worst;
@@ -223,9 +222,9 @@ void weft_cloth_strains(const weft_cloth *cloth, const double *y, double *strain
     }
     for (size_t b = 0; b < weft__blocks(&cloth->mesh); ++b) {
         weft__grid_row row = { 0 };
-        WEFT__EACH_FORCE(cloth, strains, &at, b, strain)
+        WEFT__EACH_FORCE(cloth, measures.strains, &at, b, strain)
         while (weft__grids_next(cloth, &at, b, &row)) {
-            WEFT__EACH_FORCE(row.cloth, strains, &row.at, row.row,
+            WEFT__EACH_FORCE(row.cloth, measures.strains, &row.at, row.row,
                              strain + row.cloth->first)
         }
     }

@@ -73,11 +73,11 @@ static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
 #define WEFT__EACH_FORCE(cloth, member, ...)                                           \
     WEFT__FROM_EACH_FORCE((void), cloth, member, __VA_ARGS__)
 
-/* rhs.c: all forces but add_all of blocks [first, end), in three planes; with
+/* rhs.c: all forces but whole.add of blocks [first, end), in three planes; with
  * WEFT__ACCELERATION x' are before them. */
 weft__sum_fn weft__sum_blocks;
 
-/* All of dy/dt of blocks [first, end) but what add_all adds. Returns 0, or 1 if
+/* All of dy/dt of blocks [first, end) but what whole.add adds. Returns 0, or 1 if
  * a number is not finite. The bits do not depend on how blocks are divided among calls.
  */
 int weft__rhs_blocks(const weft_cloth *cloth, const weft__state *at, double *dydt,

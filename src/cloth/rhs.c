@@ -18,8 +18,8 @@ int weft__sum_blocks(const weft_cloth *cloth, const weft__state *at, weft__unit 
 {
     double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.stride;
     weft__sum_fn *grids = cloth->sum_grids;
-    int failed = weft__table[0].force->start(weft__own(cloth, 0), &cloth->body, at,
-                                             unit, to, first, end);
+    int failed = weft__table[0].force->law.start(weft__own(cloth, 0), &cloth->body, at,
+                                                 unit, to, first, end);
     failed |= grids != NULL ? grids(cloth, at, unit, to, first, end) : 0;
     return failed | weft__rhs_others(cloth, at, unit, planes, first, end);
 }
@@ -31,8 +31,10 @@ int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit 
     int failed = 0;
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        const bool change = at->along != NULL && force != NULL && !force->linear;
-        weft__add_fn *add = force == NULL ? NULL : change ? force->change : force->add;
+        const bool change = at->along != NULL && force != NULL && !force->law.linear;
+        weft__add_fn *add = force == NULL ? NULL
+                            : change      ? force->law.change
+                                          : force->law.add;
         const weft__state *of = at->along != NULL && !change ? &along : at;
         if (add != NULL) {
             failed |= add(weft__own(cloth, k), of, unit, planes, first, end);
@@ -58,8 +60,8 @@ int weft__rhs_all(const weft_cloth *cloth, void *const *spaces, const weft__stat
                   weft__unit unit, double *dvdt)
 {
     int failed = 0;
-    WEFT__FROM_EACH_FORCE(failed |=, cloth, add_all, spaces != NULL ? spaces[k_] : NULL,
-                          at, unit, dvdt)
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, whole.add,
+                          spaces != NULL ? spaces[k_] : NULL, at, unit, dvdt)
     return failed;
 }
 

@@ -33,8 +33,8 @@ static void add_linear(const weft__force *force, const void *own, size_t n, doub
     const weft__state by_x = { .y = l }, by_v = { .y = l + 3 * n };
     memset(l + 3 * n, 0, 3 * n * sizeof *l); /* l, 0, l */
     memcpy(l + 6 * n, l, 3 * n * sizeof *l);
-    (void)force->add(own, &by_x, WEFT__FORCE, out, 0, end);
-    (void)force->add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
+    (void)force->law.add(own, &by_x, WEFT__FORCE, out, 0, end);
+    (void)force->law.add(own, &by_v, WEFT__FORCE, out + 3 * n, 0, end);
 }
 
 int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces,
@@ -59,16 +59,17 @@ int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces,
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
         const void *own = weft__own(cloth, k);
-        if (force != NULL && force->linear) {
+        if (force != NULL && force->law.linear) {
             add_linear(force, own, n, room, out, weft__blocks(mesh));
-        } else if (force != NULL && force->transposed != NULL) {
-            force->transposed(own, &at, out);
+        } else if (force != NULL && force->law.transposed != NULL) {
+            force->law.transposed(own, &at, out);
         }
         others = others
                  || (force != NULL
-                     && (force->linear || force->transposed || force->transposed_all));
+                     && (force->law.linear || force->law.transposed
+                         || force->whole.transposed));
     }
-    WEFT__FROM_EACH_FORCE(failed |=, cloth, transposed_all,
+    WEFT__FROM_EACH_FORCE(failed |=, cloth, whole.transposed,
                           spaces != NULL ? spaces[k_] : NULL, &at, out)
     return failed | (others && !weft__all_finite(out, 6 * n));
 }
@@ -172,8 +173,9 @@ static bool find_masses(weft__slope *of, const weft_allocator *memory)
 
 static uint64_t slope_hash_of(const weft_cloth *cloth, size_t k)
 {
-    return weft__table[k].force->hash != NULL
-               ? weft__table[k].force->hash(weft__own(cloth, k), WEFT__HASH_START)
+    return weft__table[k].force->tables.hash != NULL
+               ? weft__table[k].force->tables.hash(weft__own(cloth, k),
+                                                   WEFT__HASH_START)
                : 0;
 }
 
@@ -219,7 +221,7 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                                        ? weft__force_at(less, k)
                                    : of->differs[k] ? weft__force_at(more, k)
                                                     : NULL;
-        of->others = of->others || (force != NULL && force->add != NULL);
+        of->others = of->others || (force != NULL && force->law.add != NULL);
     }
     of->whole = of->differs[WEFT__FORCE_contact]
                 && (more->self.law.self || more->bodies.pairs.law.self);
@@ -246,9 +248,9 @@ static int slope_evaluate(const weft__slope *of, const weft_cloth *cloth,
     }
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        if (force != NULL && force->add != NULL && of->differs[k]) {
-            failed |= force->add(weft__own(cloth, k), at, WEFT__ACCELERATION,
-                                 out + 3 * n, first, end);
+        if (force != NULL && force->law.add != NULL && of->differs[k]) {
+            failed |= force->law.add(weft__own(cloth, k), at, WEFT__ACCELERATION,
+                                     out + 3 * n, first, end);
         }
     }
     return failed;

@@ -35,7 +35,7 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
                              weft_error *err);
 void weft__slope_free(const weft__slope *of, const weft_allocator *memory);
 
-/* Adds that of the other forces in blocks [first, end), but what add_all adds, to the
+/* Adds that of the other forces in blocks [first, end), but what whole.add adds, to the
  * accelerations in out[6 N]. room: 6 N, twice. Returns as weft__rhs_blocks. */
 int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
                        double *const room[2], size_t first, size_t end);

@@ -105,8 +105,8 @@ static bool validate_check_arrays(const weft_cloth_def *def, const weft__faults 
 static void check_forces(const weft_cloth_def *def, const weft__faults *to)
 {
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (weft__table[k].force->check != NULL) {
-            weft__table[k].force->check(def, to);
+        if (weft__table[k].force->tables.check != NULL) {
+            weft__table[k].force->tables.check(def, to);
         }
     }
 }

@@ -68,10 +68,8 @@ typedef void weft__transposed_fn(const void *own, const weft__state *at, double 
 struct weft__sides; /* bounds.h: what bounds the modes of a particle */
 struct weft__grip;
 
-typedef struct weft__force {
-    const char *name;
-
-    /* Its numbers. */
+/* What a cloth has of a force: its numbers and tables. */
+typedef struct weft__force_tables {
     void (*check)(const weft_cloth_def *def, const weft__faults *to);
     bool (*init)(void *own, const weft_cloth_def *def, const weft_allocator *memory);
     uint64_t (*hash)(const void *own, uint64_t hash);
@@ -85,60 +83,81 @@ typedef struct weft__force {
      * False: no memory. */
     size_t (*halo)(const void *own, size_t b, const uint32_t **particles);
     bool (*slice)(void *own, const weft__slice *slice);
+} weft__force_tables;
 
-    /* Whether a cloth has it, else all below is left out; NULL: always. */
-    bool (*present)(const void *own);
-
-    /* Its law. The first of the table starts a sum, the others add to it. `change`: the
-     * derivative of add along at->along, which of a linear force is add itself;
-     * `transposed`: its transpose, of the whole cloth, which of a linear force is add
-     * by x and by v apart, and of springs, weight and air weft__springs.transposed. */
+/* The force itself. The first of the table starts a sum, the others add to it.
+ * `change`: the derivative of add along at->along, which of a linear force is add
+ * itself; `transposed`: its transpose, of the whole cloth, which of a linear force is
+ * add by x and by v apart, and of springs, weight and air that of the springs. */
+typedef struct weft__force_law {
     bool linear;
     weft__start_fn *start;
     weft__add_fn *add, *change;
     weft__transposed_fn *transposed;
+} weft__force_law;
+
+/* What it tells of a state. */
+typedef struct weft__force_measures {
     weft__block_fn *energy, *power; /* [J]; [W] */
     weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
 
     /* Raises strain[v], v = weft__shown(mesh, i), to the largest strain at each
      * particle i that block b has. */
     void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
+} weft__force_measures;
 
-    /* Stiffness and damping: the ratios of the two that it has; what it adds for each
-     * side to the bound of free particle i, at->y NULL: in any state
-     * (of a membrane: see membrane_bounds.c); of contact to
-     * those of particles [first, first + count), and to (a K + b C) x, for the power
-     * method, which has the others from their linearisation. */
+/* Its stiffness and damping: the ratios of the two that it has; what it adds for each
+ * side to the bound of free particle i, at->y NULL: in any state (of a membrane: see
+ * membrane_bounds.c); of contact to those of particles [first, first + count), and to
+ * (a K + b C) x, for the power method, which has the others from their linearisation.
+ */
+typedef struct weft__force_bounds {
     void (*ratios)(const void *own, struct weft__sides *to);
-    void (*bound)(const void *own, const weft__state *at, size_t i,
-                  const struct weft__sides *sides, double (*sums)[6]);
+    void (*particle)(const void *own, const weft__state *at, size_t i,
+                     const struct weft__sides *sides, double (*sums)[6]);
     void (*grip)(const void *own, void *space, const weft__state *at, size_t first,
                  size_t count, struct weft__grip *grips);
     void (*multiply)(const void *own, const weft__state *at, double a, double b,
                      const double *x, double *out);
+} weft__force_bounds;
 
-    /* Linearisation, for weft_structure: its bonds that begin in block b, and what they
-     * are in a state; or 3 x 3 blocks of particles, with a workspace or NULL. */
+/* Its linearisation, for weft_structure: its bonds that begin in block b, and what they
+ * are in a state; or 3 x 3 blocks of particles, with a workspace or NULL. On triangles:
+ * its links, which must be its alone, and their numbers; its ties. NULL as `to`: only
+ * how many there are. */
+typedef struct weft__force_couplings {
     size_t (*runs)(const void *own, size_t b, weft_spring_run *runs);
     double *(*bonds)(const void *own, const weft__state *at, size_t b, double *planes,
                      size_t bonds, double *bad);
     int (*blocks)(const void *own, void *space, const weft__state *at, double *blocks);
-
-    /* The same on triangles: its links, which must be its alone, and their numbers; its
-     * ties. NULL as `to`: only how many there are. */
     size_t (*links)(const void *own, weft_block_coupling *to);
     int (*link_numbers)(const void *own, const weft__state *at, double *numbers);
     size_t (*ties)(const void *own, weft_scalar_coupling *to);
+} weft__force_couplings;
 
-    /* Of a whole cloth, after all blocks, for forces between particles of any blocks:
-     * with a workspace of a simulation (NULL: the same without one, slower), which may
-     * be that of a twin: of a cloth with other numbers, whose pairs are near enough. */
-    int (*add_all)(const void *own, void *space, const weft__state *at, weft__unit unit,
-                   double *to);
-    int (*transposed_all)(const void *own, void *space, const weft__state *at,
-                          double *out);
-    void (*measure_all)(const void *own, void *space, const weft__state *at,
-                        weft_measures *sum);
+/* Of a whole cloth, after all blocks, for forces between particles of any blocks: with
+ * a workspace of a simulation (NULL: the same without one, slower), which may be that
+ * of a twin: of a cloth with other numbers, whose pairs are near enough. */
+typedef struct weft__force_whole {
+    int (*add)(const void *own, void *space, const weft__state *at, weft__unit unit,
+               double *to);
+    int (*transposed)(const void *own, void *space, const weft__state *at, double *out);
+    void (*measure)(const void *own, void *space, const weft__state *at,
+                    weft_measures *sum);
+} weft__force_whole;
+
+typedef struct weft__force {
+    const char *name;
+    weft__force_tables tables;
+
+    /* Whether a cloth has it, else all below is left out; NULL: always. */
+    bool (*present)(const void *own);
+
+    weft__force_law law;
+    weft__force_measures measures;
+    weft__force_bounds bounds;
+    weft__force_couplings couplings;
+    weft__force_whole whole;
 } weft__force;
 
 /* Adds a force [N] on particle i, in the unit, to three planes; returns 0 or NaN. */

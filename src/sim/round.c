@@ -92,7 +92,7 @@ bool weft__round_can(const weft__forces *forces)
     bool whole = cloth->mesh.triangles != NULL || forces->comm != NULL;
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force *force = weft__force_at(cloth, k);
-        whole = whole || (force != NULL && force->add_all != NULL);
+        whole = whole || (force != NULL && force->whole.add != NULL);
     }
     return !whole;
 }

@@ -540,15 +540,15 @@ void weft__bodies_space_destroy(weft__bodies_space *space)
 }
 
 const weft__force weft__bodies_force = { .name = "bodies",
-                                         .init = bodies_init,
-                                         .choose = weft__self_choose,
-                                         .copy = weft__self_copy,
-                                         .free = bodies_free_own,
-                                         .bytes = bodies_bytes,
+                                         .tables.init = bodies_init,
+                                         .tables.choose = weft__self_choose,
+                                         .tables.copy = weft__self_copy,
+                                         .tables.free = bodies_free_own,
+                                         .tables.bytes = bodies_bytes,
                                          .present = bodies_present,
-                                         .grip = grip,
-                                         .multiply = bodies_multiply,
-                                         .blocks = blocks,
-                                         .add_all = bodies_add_all,
-                                         .transposed_all = bodies_transposed_all,
-                                         .measure_all = bodies_measure_all };
+                                         .bounds.grip = grip,
+                                         .bounds.multiply = bodies_multiply,
+                                         .couplings.blocks = blocks,
+                                         .whole.add = bodies_add_all,
+                                         .whole.transposed = bodies_transposed_all,
+                                         .whole.measure = bodies_measure_all };

@@ -73,9 +73,9 @@ static void body_bound(const void *own, const weft__state *at, size_t i,
 }
 
 const weft__force weft__body_force = { .name = "body",
-                                       .check = body_check,
-                                       .init = body_init,
-                                       .hash = body_hash_of,
-                                       .energy = body_energy,
-                                       .power = body_power,
-                                       .bound = body_bound };
+                                       .tables.check = body_check,
+                                       .tables.init = body_init,
+                                       .tables.hash = body_hash_of,
+                                       .measures.energy = body_energy,
+                                       .measures.power = body_power,
+                                       .bounds.particle = body_bound };

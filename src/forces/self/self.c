@@ -563,16 +563,16 @@ static bool self_present(const void *own)
 }
 
 const weft__force weft__self_force = { .name = "self",
-                                       .check = weft__self_check,
-                                       .init = self_init,
-                                       .choose = weft__self_choose,
-                                       .copy = weft__self_copy,
-                                       .free = self_free_own,
-                                       .bytes = self_bytes,
+                                       .tables.check = weft__self_check,
+                                       .tables.init = self_init,
+                                       .tables.choose = weft__self_choose,
+                                       .tables.copy = weft__self_copy,
+                                       .tables.free = self_free_own,
+                                       .tables.bytes = self_bytes,
                                        .present = self_present,
-                                       .grip = weft__self_grip,
-                                       .multiply = weft__self_multiply,
-                                       .blocks = weft__self_blocks,
-                                       .add_all = self_add_all,
-                                       .transposed_all = self_transposed_all,
-                                       .measure_all = weft__self_measure };
+                                       .bounds.grip = weft__self_grip,
+                                       .bounds.multiply = weft__self_multiply,
+                                       .couplings.blocks = weft__self_blocks,
+                                       .whole.add = self_add_all,
+                                       .whole.transposed = self_transposed_all,
+                                       .whole.measure = weft__self_measure };

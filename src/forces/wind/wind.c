@@ -457,13 +457,13 @@ static bool wind_present(const void *own)
 }
 
 const weft__force weft__wind_force = { .name = "wind",
-                                       .check = wind_check,
-                                       .init = wind_init,
-                                       .hash = wind_hash_of,
-                                       .choose = wind_choose,
+                                       .tables.check = wind_check,
+                                       .tables.init = wind_init,
+                                       .tables.hash = wind_hash_of,
+                                       .tables.choose = wind_choose,
                                        .present = wind_present,
-                                       .add = wind_add,
-                                       .change = wind_change,
-                                       .transposed = transposed,
-                                       .power = wind_power,
-                                       .bound = wind_bound };
+                                       .law.add = wind_add,
+                                       .law.change = wind_change,
+                                       .law.transposed = transposed,
+                                       .measures.power = wind_power,
+                                       .bounds.particle = wind_bound };
