@@ -458,7 +458,7 @@ static void destroy(relaxation *of)
 }
 
 /* How far it is, once in a while. */
-static void tell(relaxation *of, size_t crosses)
+static void untangle_tell(relaxation *of, size_t crosses)
 {
     const double now = weft__wall_clock();
     if (now - of->told >= PERIOD) {
@@ -510,7 +510,7 @@ static weft_status untangle_relax(relaxation *of, size_t crosses, weft_error *er
         if (able && !of->stop.came) {   /* else not all pairs were found */
             of->idle += of->fewest > 0; /* once nothing crosses, it becomes wider */
             untangle_keep_better(of, crosses);
-            tell(of, crosses);
+            untangle_tell(of, crosses);
             of->ended = of->idle < PATIENCE
                             ? ""
                             : ", as the number of crossings did not fall any more";

@@ -51,9 +51,9 @@ INLINE given_back turn(const spring *springs, unsigned has, int group, const dou
 
 /* Writes what the particles from i on have, and adds what they have by gravity and by
  * drag. */
-INLINE void write(sweep *self, const turning *of, size_t i, given_back sums, vec3 l,
-                  vec3 v, vec3 net, const edge *rim, size_t count, size_t column,
-                  weft__totals to)
+INLINE void transposed_write(sweep *self, const turning *of, size_t i, given_back sums,
+                             vec3 l, vec3 v, vec3 net, const edge *rim, size_t count,
+                             size_t column, weft__totals to)
 {
     const mask *inside = rim != NULL ? &rim->inside : NULL;
     const size_t n = self->n;
@@ -98,8 +98,8 @@ INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_
                               land(self, BY_V, at, right.by_v, fall.by_v, anti.by_v,
                                    cross.by_v, right2.by_v, fall2.by_v, left) };
     if (emits) {
-        write(self, all, r * self->cols + c, sums, load3(p, n),
-              load3(of->p + 3 * of->n, of->n), net, rim, count, c, to);
+        transposed_write(self, all, r * self->cols + c, sums, load3(p, n),
+                         load3(of->p + 3 * of->n, of->n), net, rim, count, c, to);
     }
 }
 
