@@ -12,9 +12,11 @@ typedef struct resume_options {
     const char *until;
 } resume_options;
 
+/* Empty if another verb resumes. */
 static const resume_options *resume_own(const arguments *given)
 {
-    return given->own;
+    static const resume_options none = { NULL };
+    return given->verb == &verb_resume ? given->own : &none;
 }
 
 /* The checkpoint, if it is one of this scene and this program. */
