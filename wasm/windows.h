@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <locale.h>
 #include <string.h>
+#include <time.h>
 
 #define O_NONBLOCK  _O_BINARY
 #define O_CLOEXEC   _O_NOINHERIT
@@ -37,6 +38,19 @@ static inline void freelocale(locale_t name)
 {
     (void)name;
 }
+
+/* [ms] since the machine was started: Kernel32, which every program is linked with. */
+__declspec(dllimport) unsigned long long __stdcall GetTickCount64(void);
+
+/* In place of that of winpthreads, which a program need not be linked with. */
+static inline int weft__windows_clock(int clock, struct timespec *out)
+{
+    const unsigned long long now = GetTickCount64();
+    (void)clock;
+    out->tv_sec = (time_t)(now / 1000), out->tv_nsec = (long)(now % 1000) * 1000000;
+    return 0;
+}
+#define clock_gettime weft__windows_clock
 
 static inline char *stpcpy(char *to, const char *from)
 {
