@@ -48,8 +48,8 @@ static bool is_near(const line_maker *self, const double a[2], const double b[2]
 }
 
 /* [m] from a point to a part, and where that is nearest, from 0 to 1. */
-static double distance(const line_maker *self, const path_part *to, const double x[2],
-                       double *s)
+static double cut_lines_distance(const line_maker *self, const path_part *to,
+                                 const double x[2], double *s)
 {
     const double *a = at(self, to->a), *b = at(self, to->b),
                  length = sqrt(weft__squared(a, b));
@@ -92,7 +92,7 @@ static void report_touch(const line_maker *self, const path_part *one,
 }
 
 /* [degrees] of a tangent below SHARP. */
-static double angle_of(double x)
+static double cut_lines_angle_of(double x)
 {
     const double q = x * x;
     return 57.29577951308232 * x
@@ -115,7 +115,7 @@ static void check_corner(const line_maker *self, const weft__cut_path *path,
                && dot > 0.0 && sine < SHARP * dot) {
         weft__report_warning(self->reader->report, mark_of(path, i),
                              "a corner of %.1f degrees: triangles there are no wider",
-                             angle_of(sine / dot));
+                             cut_lines_angle_of(sine / dot));
     }
 }
 
@@ -175,7 +175,7 @@ static void add_node(line_maker *self, const path_part *on, uint32_t point,
     }
 }
 
-static uint32_t root(const line_maker *self, uint32_t point)
+static uint32_t cut_lines_root(const line_maker *self, uint32_t point)
 {
     while (self->same[point] != point) {
         point = self->same[point];
@@ -189,12 +189,13 @@ static bool meets(line_maker *self, uint32_t end, const path_part *on)
 {
     double s;
     const double *x = at(self, end);
-    if (distance(self, on, x, &s) > self->near) {
+    if (cut_lines_distance(self, on, x, &s) > self->near) {
         return false;
     }
     const bool a = is_near(self, x, at(self, on->a));
     if (a || is_near(self, x, at(self, on->b))) {
-        const uint32_t p = root(self, end), q = root(self, a ? on->a : on->b);
+        const uint32_t p = cut_lines_root(self, end),
+                       q = cut_lines_root(self, a ? on->a : on->b);
         self->same[p > q ? p : q] = p > q ? q : p;
     } else {
         add_node(self, on, end, s);
@@ -235,8 +236,8 @@ static uint32_t point_at(line_maker *self, const double x[2])
 static bool folds(const line_maker *self, const path_part *one, const path_part *two)
 {
     double s;
-    return distance(self, two, at(self, one->a), &s) <= self->near
-           || distance(self, one, at(self, two->b), &s) <= self->near;
+    return cut_lines_distance(self, two, at(self, one->a), &s) <= self->near
+           || cut_lines_distance(self, one, at(self, two->b), &s) <= self->near;
 }
 
 static void compare_pair(line_maker *self, const path_part *one, const path_part *two)
@@ -250,10 +251,11 @@ static void compare_pair(line_maker *self, const path_part *one, const path_part
     }
     const double where = crossing(self, one, two);
     if (two->number <= self->cut->holes.count) { /* both bound the piece */
-        if (!isnan(where) || distance(self, two, at(self, one->a), &s) <= self->near
-            || distance(self, two, at(self, one->b), &s) <= self->near
-            || distance(self, one, at(self, two->a), &s) <= self->near
-            || distance(self, one, at(self, two->b), &s) <= self->near) {
+        if (!isnan(where)
+            || cut_lines_distance(self, two, at(self, one->a), &s) <= self->near
+            || cut_lines_distance(self, two, at(self, one->b), &s) <= self->near
+            || cut_lines_distance(self, one, at(self, two->a), &s) <= self->near
+            || cut_lines_distance(self, one, at(self, two->b), &s) <= self->near) {
             report_touch(self, one, two);
         }
         return;
@@ -267,7 +269,7 @@ static void compare_pair(line_maker *self, const path_part *one, const path_part
         const double x[]
             = { a[0] + where * (b[0] - a[0]), a[1] + where * (b[1] - a[1]) };
         const uint32_t point = point_at(self, x);
-        (void)distance(self, two, x, &s);
+        (void)cut_lines_distance(self, two, x, &s);
         add_node(self, one, point, where);
         add_node(self, two, point, s);
     }
@@ -349,8 +351,8 @@ static int by_part(const void *a, const void *b)
 static void add_line(line_maker *self, uint32_t from, uint32_t to, uint32_t path)
 {
     weft__cut_lines *out = self->out;
-    from = root(self, from);
-    to = root(self, to);
+    from = cut_lines_root(self, from);
+    to = cut_lines_root(self, to);
     if (from != to) {
         out->lines[2 * out->line_count] = from;
         out->lines[2 * out->line_count + 1] = to;

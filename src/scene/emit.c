@@ -27,7 +27,7 @@ static int append(void *ctx, unsigned char *text, size_t size)
 }
 
 /* `made`: whether the event could be initialized. */
-static bool emit(yaml_emitter_t *to, yaml_event_t *event, int made)
+static bool emit_event(yaml_emitter_t *to, yaml_event_t *event, int made)
 {
     return made && yaml_emitter_emit(to, event);
 }
@@ -37,18 +37,19 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
     const bool is_map = node->type == WEFT__MAP;
     yaml_event_t event;
     if (node->type == WEFT__SCALAR) {
-        return emit(to, &event,
-                    yaml_scalar_event_initialize(
-                        &event, NULL, NULL, (yaml_char_t *)node->text, (int)node->count,
-                        1, 1, (yaml_scalar_style_t)node->style));
+        return emit_event(
+            to, &event,
+            yaml_scalar_event_initialize(&event, NULL, NULL, (yaml_char_t *)node->text,
+                                         (int)node->count, 1, 1,
+                                         (yaml_scalar_style_t)node->style));
     }
-    bool good = emit(to, &event,
-                     is_map ? yaml_mapping_start_event_initialize(
-                         &event, NULL, NULL, 1, YAML_BLOCK_MAPPING_STYLE)
-                            : yaml_sequence_start_event_initialize(
-                                &event, NULL, NULL, 1,
-                                node->height > 1 ? YAML_BLOCK_SEQUENCE_STYLE
-                                                 : YAML_FLOW_SEQUENCE_STYLE));
+    bool good = emit_event(to, &event,
+                           is_map ? yaml_mapping_start_event_initialize(
+                               &event, NULL, NULL, 1, YAML_BLOCK_MAPPING_STYLE)
+                                  : yaml_sequence_start_event_initialize(
+                                      &event, NULL, NULL, 1,
+                                      node->height > 1 ? YAML_BLOCK_SEQUENCE_STYLE
+                                                       : YAML_FLOW_SEQUENCE_STYLE));
     for (size_t i = 0; i < node->count && good; ++i) {
         const weft__entry *entry = &node->entries[i];
         good = entry->value == NULL
@@ -56,9 +57,9 @@ static bool emit_node(yaml_emitter_t *to, const weft__node *node)
                    && emit_node(to, entry->value));
     }
     return good
-           && emit(to, &event,
-                   is_map ? yaml_mapping_end_event_initialize(&event)
-                          : yaml_sequence_end_event_initialize(&event));
+           && emit_event(to, &event,
+                         is_map ? yaml_mapping_end_event_initialize(&event)
+                                : yaml_sequence_end_event_initialize(&event));
 }
 
 static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
@@ -67,10 +68,11 @@ static bool emit_tree(yaml_emitter_t *to, const weft__node *root)
     yaml_emitter_set_unicode(to, 1);
     yaml_emitter_set_width(to, -1);
     return yaml_emitter_open(to)
-           && emit(to, &event,
-                   yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
+           && emit_event(
+               to, &event,
+               yaml_document_start_event_initialize(&event, NULL, NULL, NULL, 1))
            && emit_node(to, root)
-           && emit(to, &event, yaml_document_end_event_initialize(&event, 1))
+           && emit_event(to, &event, yaml_document_end_event_initialize(&event, 1))
            && yaml_emitter_close(to) && yaml_emitter_flush(to);
 }
 

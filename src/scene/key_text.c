@@ -6,7 +6,7 @@
 #include "base/suggest.h"
 #include "scene/keys.h"
 
-static size_t put(char *out, size_t used, size_t size, const char *text)
+static size_t key_text_put(char *out, size_t used, size_t size, const char *text)
 {
     const int added = used < size ? snprintf(out + used, size - used, "%s", text) : 0;
     return used + (size_t)added;
@@ -19,8 +19,8 @@ static void names_text(const weft__key *key, const char *before_last, char *out,
     size_t used = 0;
     for (size_t i = 0; key->names[i] != NULL; ++i) {
         const char *join = i == 0 ? "" : key->names[i + 1] == NULL ? before_last : ", ";
-        used = put(out, used, size, join);
-        used = put(out, used, size, key->names[i]);
+        used = key_text_put(out, used, size, join);
+        used = key_text_put(out, used, size, key->names[i]);
     }
 }
 
@@ -28,8 +28,8 @@ const char *weft__key_names(const weft__section *section, char *out, size_t size
 {
     size_t used = 0;
     for (size_t i = 0; i < section->count; ++i) {
-        used = put(out, used, size, i == 0 ? "" : ", ");
-        used = put(out, used, size, section->keys[i].name);
+        used = key_text_put(out, used, size, i == 0 ? "" : ", ");
+        used = key_text_put(out, used, size, section->keys[i].name);
     }
     return out;
 }
@@ -75,7 +75,7 @@ const char *weft__wanted(const weft__key *key, bool unit, bool bare, char *out,
     if (key->kind == WEFT__NAMES) {
         names_text(key, ", ", names, sizeof names);
     } else if (key->kind == WEFT__ITEMS) {
-        (void)put(names, 0, sizeof names, key->name);
+        (void)key_text_put(names, 0, sizeof names, key->name);
     }
     const char *text = texts[key->kind];
     text += bare && strncmp(text, "a ", 2) == 0 ? 2 : 0;

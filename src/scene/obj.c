@@ -244,7 +244,7 @@ static void take_vertices(weft__obj *obj, bool whole)
     }
 }
 
-static bool make_room(obj_builder *self)
+static bool obj_make_room(obj_builder *self)
 {
     weft__obj *obj = self->obj;
     weft__report *report = obj->report;
@@ -287,7 +287,7 @@ static bool build(weft__obj *obj, bool whole)
     obj_builder self = { .obj = obj };
     const size_t before = obj->report->mistakes;
     obj->def = weft_mesh_def_default();
-    if (make_room(&self)) {
+    if (obj_make_room(&self)) {
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
         take_vertices(obj, whole);
         for (size_t f = 0; f < obj->faces && !obj->report->no_memory; ++f) {

@@ -291,7 +291,7 @@ static void read_face(cursor *self)
 
 /* ---- the other statements ----------------------------------------------------- */
 
-static void read_vertex(cursor *self)
+static void obj_parse_read_vertex(cursor *self)
 {
     weft__obj *obj = self->obj;
     obj->vertex_byte[self->vertices] = byte_of(self, self->word);
@@ -351,7 +351,7 @@ static const struct {
     const char *word;
     void (*read)(cursor *self), (*read_of_body)(cursor *self); /* NULL: no effect */
 } statements[] = {
-    { "v", read_vertex, read_vertex },
+    { "v", obj_parse_read_vertex, obj_parse_read_vertex },
     { "vt", read_texture, NULL },
     { "f", read_face, read_body_face },
     { "p", read_points, NULL },
@@ -396,7 +396,7 @@ static size_t next_statement(cursor *self)
 }
 
 /* At the beginning of the text, behind its byte order mark. */
-static cursor begin(weft__obj *obj)
+static cursor obj_parse_begin(weft__obj *obj)
 {
     const char *text = obj->file.text;
     return (cursor){ .obj = obj,
@@ -404,10 +404,10 @@ static cursor begin(weft__obj *obj)
                      .end = text + obj->file.length };
 }
 
-static bool make_room(weft__obj *obj)
+static bool obj_parse_make_room(weft__obj *obj)
 {
     size_t count[NONE + 1] = { 0 };
-    for (cursor self = begin(obj); self.at < self.end; skip_line(&self)) {
+    for (cursor self = obj_parse_begin(obj); self.at < self.end; skip_line(&self)) {
         ++count[next_statement(&self)];
     }
     obj->vertices = count[V];
@@ -482,10 +482,10 @@ static void warn_of_unknown(cursor *self)
 bool weft__obj_parse(weft__obj *obj)
 {
     const size_t before = obj->report->mistakes;
-    if (!is_text(obj) || !make_room(obj)) {
+    if (!is_text(obj) || !obj_parse_make_room(obj)) {
         return false;
     }
-    cursor self = begin(obj);
+    cursor self = obj_parse_begin(obj);
     read_statements(&self);
     obj->faces = self.faces;
     if (self.unknowns > 0) {

@@ -70,7 +70,7 @@ typedef struct split {
     uint32_t (*vertex_ends)[2], (*place_ends)[2];
 } split;
 
-static bool make_room(weft__obj *obj, const split *at)
+static bool obj_split_make_room(weft__obj *obj, const split *at)
 {
     const weft_allocator *memory = obj->report->memory;
     const size_t n = obj->def.vertices + at->vertices,
@@ -127,7 +127,7 @@ static void split_once(weft__obj *obj)
     if (!report->no_memory) {
         at.vertices = number_sides(obj, obj->corner, at.vertex, at.vertex_ends);
         at.places = number_sides(obj, obj->corner_place, at.place, at.place_ends);
-        report->no_memory = report->no_memory || !make_room(obj, &at);
+        report->no_memory = report->no_memory || !obj_split_make_room(obj, &at);
     }
     if (!report->no_memory) {
         apply_split(obj, &at);

@@ -23,7 +23,7 @@ typedef struct segment {
 } segment;
 
 /* The place of a byte of the path, which is in ASCII up to there. */
-static weft__mark place(const graft *self, const char *at)
+static weft__mark override_place(const graft *self, const char *at)
 {
     weft__mark mark = self->at;
     mark.column += (size_t)(at - self->path);
@@ -54,14 +54,14 @@ static bool next_segment(const graft *self, const char *from, segment *part)
     while (past(part) < self->end
            && (*past(part) == '\0' || strchr(".[]", *past(part)) == NULL)) {
         if (*past(part) <= ' ' || *past(part) > '~') {
-            weft__report_error(self->tree->report, place(self, past(part)),
+            weft__report_error(self->tree->report, override_place(self, past(part)),
                                "no key has such a character");
             return false;
         }
         ++part->length;
     }
     if (part->length == 0) {
-        weft__report_error(self->tree->report, place(self, from),
+        weft__report_error(self->tree->report, override_place(self, from),
                            "a key is missing here: write key.path=value");
     }
     return part->length > 0;
@@ -93,7 +93,7 @@ static bool find_slot(const graft *self, const weft__node *node, const segment *
         (void)snprintf(free_one, sizeof free_one, ", the next free one %zu",
                        node->count);
     }
-    weft__report_error(self->tree->report, place(self, part->name),
+    weft__report_error(self->tree->report, override_place(self, part->name),
                        "'%.*s' is no element of this list of %zu; the first is 0%s",
                        shown_length(part), part->name, node->count, free_one);
     return false;
@@ -108,10 +108,10 @@ static const weft__node *enter(const graft *self, const weft__node *there,
     if (there == NULL || weft__is_null(there)) {
         return weft__node_new(
             self->tree, (weft__node){ .type = is_index(part) ? WEFT__LIST : WEFT__MAP,
-                                      .at = place(self, led->name) });
+                                      .at = override_place(self, led->name) });
     }
     if (there->type == WEFT__SCALAR) {
-        weft__report_error(self->tree->report, place(self, part->name),
+        weft__report_error(self->tree->report, override_place(self, part->name),
                            "'%.*s' is a single value: nothing can be set inside",
                            shown_length(led), led->name);
         return NULL;
@@ -122,8 +122,8 @@ static const weft__node *enter(const graft *self, const weft__node *there,
 /* A copy of the node that the part `led` of the path leads to (NULL: nothing is there),
  * with the value put at the rest of the path; the node itself where the path is wrong,
  * which is reported. NULL: there is no node, or no memory. */
-static const weft__node *put(const graft *self, const weft__node *there, segment led,
-                             const char *rest, size_t depth)
+static const weft__node *override_put(const graft *self, const weft__node *there,
+                                      segment led, const char *rest, size_t depth)
 {
     segment part;
     size_t slot;
@@ -143,10 +143,12 @@ static const weft__node *put(const graft *self, const weft__node *there, segment
                  "nested more than 32 deep");
         return node;
     }
-    entry.value = is_last ? self->value : put(self, entry.value, part, next, depth + 1);
+    entry.value = is_last ? self->value
+                          : override_put(self, entry.value, part, next, depth + 1);
     if (node->type == WEFT__MAP) {
         entry.key = weft__scalar_new(self->tree, part.name, part.length,
-                                     YAML_PLAIN_SCALAR_STYLE, place(self, part.name));
+                                     YAML_PLAIN_SCALAR_STYLE,
+                                     override_place(self, part.name));
     }
     const bool lacks = (entry.value == NULL && !is_last)
                        || (entry.key == NULL && node->type == WEFT__MAP);
@@ -158,7 +160,8 @@ void weft__tree_put(weft__tree *tree, const char *path, size_t length, weft__mar
 {
     const graft self
         = { tree, path, path + length, at, weft__is_null(value) ? NULL : value };
-    const weft__node *root = put(&self, tree->root, (segment){ .name = path }, path, 1);
+    const weft__node *root
+        = override_put(&self, tree->root, (segment){ .name = path }, path, 1);
     tree->root = root == NULL ? tree->root : root;
 }
 

@@ -16,7 +16,7 @@ typedef struct tree_builder {
     weft__entry entries[WEFT__MAX_ANCHORS];
 } tree_builder;
 
-static weft__mark place(const tree_builder *self, yaml_mark_t mark)
+static weft__mark parse_place(const tree_builder *self, yaml_mark_t mark)
 {
     if (self->source->number > 0) {
         return (weft__mark){ .source = self->source->number,
@@ -32,7 +32,7 @@ static const char *explain(const tree_builder *self)
 {
     const char *problem = self->parser.problem;
     char line[256];
-    const weft__mark at = place(self, self->parser.problem_mark);
+    const weft__mark at = parse_place(self, self->parser.problem_mark);
     const int caret = weft__source_excerpt(self->source, at, line, sizeof line);
     if (strcmp(problem, "mapping values are not allowed in this context") == 0) {
         return "': ' is not allowed here: is a line indented by accident, or a text "
@@ -63,8 +63,8 @@ static void report_syntax(const tree_builder *self)
 {
     weft__report *report = self->tree->report;
     const char *problem = explain(self), *context = self->parser.context;
-    const weft__mark at = place(self, self->parser.problem_mark);
-    const weft__mark from = place(self, self->parser.context_mark);
+    const weft__mark at = parse_place(self, self->parser.problem_mark);
+    const weft__mark from = parse_place(self, self->parser.context_mark);
     if (context == NULL || !weft__mark_before(from, at)) {
         weft__report_error(report, at, "%s", problem);
     } else if (!weft__mark_before(
@@ -144,7 +144,7 @@ static const weft__node *follow_alias(tree_builder *self, const yaml_event_t *ev
         return found;
     }
     self->refused = true;
-    (void)fail(self, found == NULL ? place(self, event->start_mark) : found->at,
+    (void)fail(self, found == NULL ? parse_place(self, event->start_mark) : found->at,
                found == NULL ? "found undefined alias"
                : found->open ? "this contains itself by an alias"
                              : "nested more than 32 deep");
@@ -205,7 +205,7 @@ static const weft__node *build_scalar(tree_builder *self, const yaml_event_t *ev
         self->tree, (const char *)event->data.scalar.value, event->data.scalar.length,
         is_text && style == YAML_PLAIN_SCALAR_STYLE ? YAML_SINGLE_QUOTED_SCALAR_STYLE
                                                     : (int)style,
-        place(self, event->start_mark));
+        parse_place(self, event->start_mark));
 }
 
 static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
@@ -241,7 +241,7 @@ static weft__node *begin_parent(const tree_builder *self, const yaml_event_t *ev
                                 size_t depth)
 {
     const bool is_map = event->type == YAML_MAPPING_START_EVENT;
-    const weft__mark at = place(self, event->start_mark);
+    const weft__mark at = parse_place(self, event->start_mark);
     if (depth > WEFT__MAX_DEPTH) {
         (void)fail(self, at, "nested more than 32 deep");
         return NULL;
@@ -262,7 +262,8 @@ static const weft__node *build_node(tree_builder *self, yaml_event_t *event,
     weft__node *parent = NULL;
     const yaml_char_t *anchor = NULL, *tag = NULL;
     if (++self->nodes > WEFT__MAX_NODES) {
-        (void)fail(self, place(self, event->start_mark), "more than 1000000 nodes");
+        (void)fail(self, parse_place(self, event->start_mark),
+                   "more than 1000000 nodes");
     } else if (event->type == YAML_ALIAS_EVENT) {
         node = follow_alias(self, event, depth);
     } else if (event->type == YAML_SCALAR_EVENT) {
@@ -301,7 +302,7 @@ static bool build_document(tree_builder *self, const weft__node **root)
         }
         const bool second = type == YAML_DOCUMENT_START_EVENT && ++self->documents == 2;
         if (second) {
-            (void)fail(self, place(self, event.start_mark),
+            (void)fail(self, parse_place(self, event.start_mark),
                        "a second document begins here; a scene is a single one");
         }
         yaml_event_delete(&event);

@@ -328,7 +328,7 @@ const weft__node *weft__fallback_node(weft__tree *tree, const char *text,
 /* ---- mappings --------------------------------------------------------------- */
 
 /* What was found of a key; NULL: it is no key of the section. */
-static weft__found *find(weft__match *match, const char *name)
+static weft__found *read_find(weft__match *match, const char *name)
 {
     const weft__key *key = name == NULL ? NULL : weft__key_named(match->section, name);
     return key == NULL ? NULL : &match->found[key - match->section->keys];
@@ -378,7 +378,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
         ERROR_AT(reader, node, "unknown key %s in %s%s", shown.text, match->title,
                  hint);
     }
-    weft__found *found = find(match, meant);
+    weft__found *found = read_find(match, meant);
     if (found != NULL) {
         found->explained = true;
     }
@@ -387,7 +387,7 @@ static void report_unknown(weft__reader *reader, weft__match *match,
 static void match_pair(weft__reader *reader, weft__match *match, weft__entry pair)
 {
     const char *name = weft__text_of(pair.key);
-    weft__found *found = find(match, name);
+    weft__found *found = read_find(match, name);
     if (name == NULL) {
         ERROR_AT(reader, pair.key, "%s where %s must have a key",
                  pair.key->type == WEFT__SCALAR ? "nothing"

@@ -17,7 +17,7 @@ void weft_scene_def_init(weft_scene_def *def, size_t size)
 
 /* ---- text ------------------------------------------------------------------- */
 
-static weft_status no_memory(weft_error *err)
+static weft_status scene_no_memory(weft_error *err)
 {
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a scene");
 }
@@ -36,7 +36,7 @@ static weft_status read_file(weft__base *base, weft_error *err)
                                                                    : (size_t)size;
     rewind(stream);
     base->text = weft__tree_take(&base->tree, most + 1, 1);
-    weft_status status = base->text == NULL ? no_memory(err) : WEFT_OK;
+    weft_status status = base->text == NULL ? scene_no_memory(err) : WEFT_OK;
     if (status == WEFT_OK) {
         base->length = fread(base->text, 1, most, stream);
         if (ferror(stream)) {
@@ -55,7 +55,7 @@ static weft_status take_text(weft__base *base, weft_error *err)
     }
     base->length = base->def.length;
     base->text = weft__tree_text(&base->tree, base->def.text, base->length);
-    return base->text == NULL ? no_memory(err) : WEFT_OK;
+    return base->text == NULL ? scene_no_memory(err) : WEFT_OK;
 }
 
 /* ---- the tree --------------------------------------------------------------- */
@@ -73,7 +73,7 @@ static weft_status make_sources(weft__base *base, weft_error *err)
     base->sources
         = weft__tree_take(&base->tree, def->set_count + 1, sizeof *base->sources);
     if (base->sources == NULL) {
-        return no_memory(err);
+        return scene_no_memory(err);
     }
     base->sources[0] = (weft__source){ .file = name_in_messages(def),
                                        .text = base->text + mark,
@@ -137,7 +137,7 @@ weft_status weft__base_open(const weft_scene_def *given, weft__base *out,
     if (status == WEFT_OK) {
         report->sources = out->sources;
         load_tree(out);
-        status = report->no_memory ? no_memory(err) : WEFT_OK;
+        status = report->no_memory ? scene_no_memory(err) : WEFT_OK;
     }
     return status;
 }
@@ -182,7 +182,7 @@ static weft_status complete(const weft__base *base, bool changed, weft_scene *sc
 {
     scene->config.threads = scene->run.threads;
     if (scene->name == NULL && !keep_name(base, changed, scene)) {
-        return no_memory(err);
+        return scene_no_memory(err);
     }
     if (scene->text == NULL) {
         scene->text = changed ? weft__tree_emit(&scene->tree)
@@ -190,7 +190,7 @@ static weft_status complete(const weft__base *base, bool changed, weft_scene *sc
     }
     const char *file = name_in_messages(&base->def);
     scene->file = weft__tree_text(&scene->tree, file, strlen(file));
-    return scene->tree.report->no_memory || scene->text == NULL ? no_memory(err)
+    return scene->tree.report->no_memory || scene->text == NULL ? scene_no_memory(err)
                                                                 : WEFT_OK;
 }
 
@@ -207,7 +207,7 @@ static weft_status read_scene(const weft__base *base, size_t run, weft__report *
     const bool changed = weft__take_tables(&reader) || base->changed;
     weft__read_section(&reader, &weft__root, weft__root.title, tree->root, scene);
     weft__obj_forget(&scene->obj);
-    return report->no_memory            ? no_memory(err)
+    return report->no_memory            ? scene_no_memory(err)
            : report->stopped            ? weft__stopped(err)
            : report->found->errors == 0 ? complete(base, changed, scene, err)
                                         : WEFT_BAD_SCENE;
@@ -220,7 +220,7 @@ static weft_status read_in_c_locale(const weft__base *base, size_t run,
 {
     const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) {
-        return no_memory(err);
+        return scene_no_memory(err);
     }
     const locale_t before = uselocale(plain);
     const weft_status status = read_scene(base, run, report, scene, err);
@@ -237,7 +237,7 @@ weft_status weft__base_read(const weft__base *base, size_t run, weft__report *re
     }
     weft_scene *scene = weft__zeroed(&base->memory, 1, sizeof *scene);
     if (scene == NULL) {
-        return no_memory(err);
+        return scene_no_memory(err);
     }
     scene->memory = base->memory;
     scene->config.struct_size = sizeof scene->config;

@@ -186,8 +186,8 @@ static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabr
 }
 
 /* Room for all. false: they are too many, or no memory. */
-static bool make_room(weft__reader *reader, const weft__node *node,
-                      weft_fabric **fabrics, weft_cloth_part **parts)
+static bool scene_cloths_make_room(weft__reader *reader, const weft__node *node,
+                                   weft_fabric **fabrics, weft_cloth_part **parts)
 {
     weft_scene *scene = reader->scene;
     weft__obj *obj = &scene->obj;
@@ -229,7 +229,7 @@ static void join(weft__reader *reader, const weft__node *node)
     const weft_cloth_def **grids
         = weft__tree_take(reader->tree, scene->part_count, sizeof *grids);
     const weft_scene *mesh = first_mesh(scene);
-    if (!make_room(reader, node, &fabrics, &parts) || grids == NULL) {
+    if (!scene_cloths_make_room(reader, node, &fabrics, &parts) || grids == NULL) {
         return;
     }
     obj->def = weft_mesh_def_default();

@@ -138,7 +138,7 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
 /* ---- warnings ---------------------------------------------------------------- */
 
 /* [m] The longest edge of a grid or of triangles, at rest. */
-static double longest_edge(const weft_cloth_def *def)
+static double scene_contact_longest_edge(const weft_cloth_def *def)
 {
     const weft_mesh_def *mesh = def->mesh;
     if (mesh == NULL) {
@@ -147,7 +147,9 @@ static double longest_edge(const weft_cloth_def *def)
     }
     double most = 0.0, square = 0.0;
     for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
-        most = fmax(most, mesh->grids[k] != NULL ? longest_edge(mesh->grids[k]) : 0.0);
+        most = fmax(most, mesh->grids[k] != NULL
+                              ? scene_contact_longest_edge(mesh->grids[k])
+                              : 0.0);
     }
     const uint32_t *place = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
@@ -375,7 +377,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
                          weft__value_of(contact, "self")->at);
         warn_of_cells(reader, weft__value_of(contact, "self")->at);
     }
-    const double longest = longest_edge(def);
+    const double longest = scene_contact_longest_edge(def);
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;
         char name[32];

@@ -32,7 +32,7 @@ typedef struct setting {
     const char *text;              /* of the value; NULL: it is no text */
 } setting;
 
-static setting find(const resolver *self, const char *name)
+static setting scene_method_find(const resolver *self, const char *name)
 {
     setting found = { .slot = weft__find_key(self->map, name, strlen(name)) };
     char path[64];
@@ -49,8 +49,8 @@ static setting find(const resolver *self, const char *name)
 }
 
 /* Replaces a pair of stepper, or adds one; value NULL removes it. */
-static void put(resolver *self, size_t slot, const weft__node *key,
-                const weft__node *value)
+static void scene_method_put(resolver *self, size_t slot, const weft__node *key,
+                             const weft__node *value)
 {
     const weft__node *changed = weft__node_with(self->reader->tree, self->map, slot,
                                                 (weft__entry){ key, value });
@@ -71,7 +71,8 @@ static const weft__node *part_of(const resolver *self, const weft__node *node,
 
 static void split_method(resolver *self)
 {
-    const setting method = find(self, "method"), plugin = find(self, "plugin");
+    const setting method = scene_method_find(self, "method"),
+                  plugin = scene_method_find(self, "plugin");
     const char *text = method.text;
     const char *slash = text == NULL ? NULL : strchr(text, '/');
     if (slash == NULL || slash == text || slash[1] == '\0') {
@@ -95,8 +96,9 @@ static void split_method(resolver *self)
               : weft__scalar_new(self->reader->tree, "plugin", 6,
                                  YAML_PLAIN_SCALAR_STYLE, method.key->at);
     if (id != NULL && name != NULL && key != NULL) {
-        put(self, method.slot, method.key, name);
-        put(self, plugin.key == NULL ? self->map->count : plugin.slot, key, id);
+        scene_method_put(self, method.slot, method.key, name);
+        scene_method_put(self, plugin.key == NULL ? self->map->count : plugin.slot, key,
+                         id);
     }
 }
 
@@ -118,9 +120,9 @@ static void drop_earlier(resolver *self, const char *const *keys, size_t count,
 {
     char list[340] = "";
     for (size_t i = 0; i < count; ++i) {
-        const setting it = find(self, keys[i]);
+        const setting it = scene_method_find(self, keys[i]);
         if (it.key != NULL && it.rank < later.rank) {
-            put(self, it.slot, it.key, NULL);
+            scene_method_put(self, it.slot, it.key, NULL);
             append_place(self->reader->report, list, sizeof list, it.key);
         }
     }
@@ -133,13 +135,14 @@ static void drop_earlier(resolver *self, const char *const *keys, size_t count,
 static void refuse_unused(resolver *self, const char *const *keys, size_t count,
                           const char *why)
 {
-    const setting plugin = find(self, "plugin"), method = find(self, "method");
+    const setting plugin = scene_method_find(self, "plugin"),
+                  method = scene_method_find(self, "method");
     char reason[80];
     (void)snprintf(reason, sizeof reason, "the method %s", why);
     drop_earlier(self, keys, count, plugin.rank > method.rank ? plugin : method,
                  reason);
     for (size_t i = 0; i < count; ++i) {
-        const weft__node *key = find(self, keys[i]).key;
+        const weft__node *key = scene_method_find(self, keys[i]).key;
         if (key != NULL) {
             ERROR_AT(
                 self->reader, key,
@@ -173,11 +176,11 @@ static void check_use(resolver *self, uint32_t flags)
 /* Reported at the later key of each pair: at fixed_step once for all before it. */
 static void check_exclusive(const resolver *self)
 {
-    const weft__node *fixed = find(self, "fixed_step").key;
+    const weft__node *fixed = scene_method_find(self, "fixed_step").key;
     weft__report *report = self->reader->report;
     char before[320] = "";
     for (size_t i = 0; fixed != NULL && i < ADAPTIVE; ++i) {
-        const weft__node *key = find(self, adaptive_keys[i]).key;
+        const weft__node *key = scene_method_find(self, adaptive_keys[i]).key;
         if (key != NULL && weft__mark_before(fixed->at, key->at)) {
             weft__report_exclusive(report, fixed, key);
         } else if (key != NULL) {
@@ -192,10 +195,10 @@ static void check_exclusive(const resolver *self)
 /* Fixed steps exclude the keys of adaptive ones: the latest choice holds. */
 static void choose_steps(resolver *self)
 {
-    const setting fixed = find(self, fixed_step[0]);
+    const setting fixed = scene_method_find(self, fixed_step[0]);
     setting last = { .key = NULL };
     for (size_t i = 0; i < ADAPTIVE; ++i) {
-        const setting one = find(self, adaptive_keys[i]);
+        const setting one = scene_method_find(self, adaptive_keys[i]);
         last = one.rank > last.rank ? one : last;
     }
     if (fixed.rank < last.rank) {
@@ -211,7 +214,8 @@ static void choose_steps(resolver *self)
 static const weft_stepper_type *find_type(const resolver *self)
 {
     const weft_scene_def *def = self->reader->def;
-    const char *id = find(self, "plugin").text, *name = find(self, "method").text;
+    const char *id = scene_method_find(self, "plugin").text,
+               *name = scene_method_find(self, "method").text;
     weft_error why;
     return id == NULL || name == NULL || def->find_plugin == NULL
                    || !WEFT__IS_PLUGIN_ID(id)

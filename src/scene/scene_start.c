@@ -202,7 +202,7 @@ static void warn_of_twins(weft__obj *obj)
 }
 
 /* [degrees] at corner k of a triangle at rest. */
-static double angle_of(const weft_mesh_def *def, size_t t, size_t k)
+static double scene_start_angle_of(const weft_mesh_def *def, size_t t, size_t k)
 {
     const double *x[3];
     for (size_t i = 0; i < 3; ++i) {
@@ -222,7 +222,7 @@ static void warn_of_slivers(weft__obj *obj)
     for (size_t t = 0; t < def->triangles; ++t) {
         double angle = 180.0;
         for (size_t k = 0; k < 3; ++k) {
-            angle = fmin(angle, angle_of(def, t, k));
+            angle = fmin(angle, scene_start_angle_of(def, t, k));
         }
         slivers += angle < SLIVER;
         if (angle < least) {

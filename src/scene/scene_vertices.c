@@ -27,7 +27,8 @@ static void put_members(weft__reader *reader, const bool *member, weft__vertices
 
 /* ---- by number ---------------------------------------------------------------- */
 
-static bool read_vertex(weft__reader *reader, const weft__node *node, size_t *out)
+static bool scene_vertices_read_vertex(weft__reader *reader, const weft__node *node,
+                                       size_t *out)
 {
     const weft__obj *obj = &reader->scene->obj;
     long long number;
@@ -66,8 +67,8 @@ void weft__read_vertices(weft__reader *reader, const weft__key *key,
     }
     size_t *list = weft__tree_take(reader->tree, count, sizeof *list);
     for (size_t i = 0; list != NULL && i < count; ++i) {
-        vertices->count
-            += read_vertex(reader, weft__item(node, i), &list[vertices->count]);
+        vertices->count += scene_vertices_read_vertex(reader, weft__item(node, i),
+                                                      &list[vertices->count]);
     }
     vertices->list = list;
 }
@@ -101,20 +102,21 @@ void weft__read_group(weft__reader *reader, const weft__key *key,
 
 /* ---- by place ----------------------------------------------------------------- */
 
-static double distance(const double a[3], const double b[3])
+static double scene_vertices_distance(const double a[3], const double b[3])
 {
     const double away[] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
     return sqrt(weft__dot(away, away));
 }
 
 /* [m] Of a mesh where it starts, and of the grids among several cloths the spacing. */
-static double longest_edge(const weft_mesh_def *mesh)
+static double scene_vertices_longest_edge(const weft_mesh_def *mesh)
 {
     double longest = 0.0;
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
         const size_t a = mesh->corners[j],
                      b = mesh->corners[j % 3 == 2 ? j - 2 : j + 1];
-        longest = fmax(longest, distance(&mesh->start[3 * a], &mesh->start[3 * b]));
+        longest = fmax(
+            longest, scene_vertices_distance(&mesh->start[3 * a], &mesh->start[3 * b]));
     }
     for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
         const weft_cloth_def *grid = mesh->grids[k];
@@ -130,7 +132,7 @@ static void warn_of_distance(weft__reader *reader, const weft__node *node,
 {
     const weft_mesh_def *mesh = reader->scene->cloth.mesh;
     const double *x = &mesh->start[3 * nearest];
-    const double longest = longest_edge(mesh);
+    const double longest = scene_vertices_longest_edge(mesh);
     if (away > longest && longest > 0.0) {
         WARNING_AT(reader, node,
                    "the nearest vertex, %zu at (%.4g, %.4g, %.4g) m, is %.4g m away "

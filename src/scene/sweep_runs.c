@@ -137,17 +137,18 @@ static weft_status check_runs(weft_sweep *sweep, weft__report *report, weft_erro
     return status;
 }
 
-static weft_status no_memory(weft_error *err)
+static weft_status sweep_runs_no_memory(weft_error *err)
 {
     return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a sweep");
 }
 
-static weft_status load(weft_sweep *sweep, const weft_scene_def *def,
-                        weft__report *report, weft_error *err)
+static weft_status sweep_runs_load(weft_sweep *sweep, const weft_scene_def *def,
+                                   weft__report *report, weft_error *err)
 {
     weft_status status = weft__base_open(def, &sweep->base, report, err);
     if (status == WEFT_OK) {
-        status = keep_texts(sweep) ? check_runs(sweep, report, err) : no_memory(err);
+        status = keep_texts(sweep) ? check_runs(sweep, report, err)
+                                   : sweep_runs_no_memory(err);
     }
     return status == WEFT_OK || status == WEFT_BAD_SCENE ? weft__report_end(report, err)
                                                          : status;
@@ -163,8 +164,9 @@ weft_status weft_sweep_load(const weft_scene_def *def, weft_sweep **out,
     weft_sweep *sweep = calloc(1, sizeof *sweep);
     *out = NULL;
     memset(found, 0, sizeof *found);
-    const weft_status status
-        = sweep == NULL ? no_memory(err) : load(sweep, def, &report, err);
+    const weft_status status = sweep == NULL
+                                   ? sweep_runs_no_memory(err)
+                                   : sweep_runs_load(sweep, def, &report, err);
     if (status != WEFT_OK) {
         weft_sweep_destroy(sweep);
         return status;
@@ -183,7 +185,7 @@ weft_status weft_sweep_scene(const weft_sweep *sweep, size_t run, weft_scene **o
                             .memory = &sweep->base.memory };
     *out = NULL;
     weft_status status
-        = found == NULL ? no_memory(err)
+        = found == NULL ? sweep_runs_no_memory(err)
           : run < 1 || run > weft_sweep_runs(sweep)
               ? weft_error_set(err, WEFT_INVALID, "the sweep has no run %zu", run)
               : weft__base_read(&sweep->base, run, &report, out, err);

@@ -53,7 +53,7 @@ LAW law_gram law_gram_of(weft__pair_kind kind, num x[4][3])
     return out;
 }
 
-LAW num law_area(const law_gram *of) /* |e x f|^2 */
+LAW num law_gram_area(const law_gram *of) /* |e x f|^2 */
 {
     return of->ee * of->ff - of->ef * of->ef;
 }
@@ -85,7 +85,7 @@ LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
         return (u > 0.0) & (u < of->ee)
                & (of->pp * of->ee - of->ep * of->ep < near * of->ee);
     }
-    const num v = law_v(of), area = law_area(of);
+    const num v = law_v(of), area = law_gram_area(of);
     const num volume = of->p[0] * (of->e[1] * of->f[2] - of->e[2] * of->f[1])
                        + of->p[1] * (of->e[2] * of->f[0] - of->e[0] * of->f[2])
                        + of->p[2] * (of->e[0] * of->f[1] - of->e[1] * of->f[0]);
@@ -136,7 +136,7 @@ LAW law_feet law_feet_of(weft__pair_kind kind, const law_gram *of)
     const double sign = kind == WEFT__EDGES ? -1.0 : 1.0;
     law_feet at = { .of = *of };
     if (kind != WEFT__VERTICES) {
-        at.inverse = OVER(1.0, kind == WEFT__VERTEX_EDGE ? of->ee : law_area(of));
+        at.inverse = OVER(1.0, kind == WEFT__VERTEX_EDGE ? of->ee : law_gram_area(of));
         at.u = law_u(kind, of) * at.inverse;
     }
     if (kind >= WEFT__VERTEX_TRIANGLE) {
@@ -218,7 +218,7 @@ LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_
     }
     const num su = law_both_ends(at->u, q * window[0], &by_u, &grows_u);
     const num sv = law_both_ends(at->v, q * window[1], &by_v, &grows_v);
-    const num z = law_area(&at->of) * inverse_rest;
+    const num z = law_gram_area(&at->of) * inverse_rest;
     const num sz = law_step(z, q2 * (1.0 / SOFT_ANGLE), &by_z);
     at->arm[0] = 1.0 - at->u, at->arm[1] = at->u;
     at->arm[2] = at->v - 1.0, at->arm[3] = -at->v;
