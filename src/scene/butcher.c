@@ -2,7 +2,7 @@
 /* butcher.c -- the Runge-Kutta table of a scene. */
 #include <math.h>
 
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define MAX_STAGES 256
 

@@ -6,7 +6,7 @@
 #include "base/thread_pool.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 void weft__check_root(weft__reader *reader, const weft__match *match, void *base)
 {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/plane.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define NEAR  1e-3   /* [spacings] what is nearer touches */
 #define SHARP 0.4663 /* tan(25 degrees): sharper corners are warned of */

@@ -7,7 +7,7 @@
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "plugin/methods.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define COUNT(array)   (sizeof(array) / sizeof(array)[0])
 #define AT(type, name) .at = offsetof(type, name)

@@ -7,7 +7,7 @@
 
 #include "base/hash.h"
 #include "base/random.h"
-#include "scene/read.h"
+#include "scene/sweep.h"
 #include "weft/elementary.h"
 
 /* Marks the keys that `log` lists; reports what is no list of keys of the sweep. */

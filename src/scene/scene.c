@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/sized.h"
 #include "base/stop.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 void weft_scene_def_init(weft_scene_def *def, size_t size)
 {

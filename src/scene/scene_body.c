@@ -10,7 +10,7 @@
 #include "base/grow.h"
 #include "forces/contact/mesh_shape.h"
 #include "forces/contact/tessellate.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 enum { MOST_KEYS = 100000, WIDEST = 9 };
 

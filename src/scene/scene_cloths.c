@@ -6,7 +6,7 @@
 #include "base/name.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 /* ---- one of them --------------------------------------------------------------- */
 

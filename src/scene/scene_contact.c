@@ -8,7 +8,7 @@
 #include "forces/contact/passage.h"
 #include "mesh/grid_def.h"
 #include "mesh/triangles_work.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 void weft__read_shape(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)

@@ -8,7 +8,7 @@
 #include "base/plane.h"
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 #include "weft/elementary.h"
 
 /* [vertices] Larger cuts are refused. */

@@ -2,7 +2,7 @@
 /* scene_fabric.c -- the fabric of a scene, and its bending rigidity. */
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 static const double pi = 3.14159265358979323846;
 

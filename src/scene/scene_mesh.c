@@ -7,7 +7,7 @@
 
 #include "base/finite.h"
 #include "cloth/model.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 enum { MOST_FABRICS = 64 };
 

@@ -7,7 +7,7 @@
 
 #include "base/name.h"
 #include "plugin/methods.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 /* Keys of error control. */
 static const char *const adaptive_keys[]

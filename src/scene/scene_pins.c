@@ -8,7 +8,7 @@
 #include "cloth/model.h"
 #include "mesh/grid_def.h"
 #include "mesh/track.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 _Static_assert(offsetof(weft_pin, cols) - offsetof(weft_pin, rows)
                        == offsetof(weft__place, cols)

@@ -7,7 +7,7 @@
 
 #include "base/sized.h"
 #include "base/suggest.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 enum { KEY_LENGTH = 96 }; /* with what results put before it, the name of a column */
 

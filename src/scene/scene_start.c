@@ -6,7 +6,7 @@
 
 #include "base/plane.h"
 #include "mesh/grid_def.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 /* Where a cloth may start against its rest shape. Right files lie between 0.90
  * and 1.21, texture coordinates and other units at most at 0.31 or at least at 1.34. */

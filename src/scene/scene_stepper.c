@@ -6,7 +6,7 @@
 
 #include "base/name.h"
 #include "plugin/methods.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 /* ---- step sizes ------------------------------------------------------------- */
 

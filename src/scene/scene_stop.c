@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/finite.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 void weft__read_condition(weft__reader *reader, const weft__key *key,
                           const weft__node *node, void *to)

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "cloth/model.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define INSIDE 1e-9 /* [m] within so much of a shape counts as in it */
 

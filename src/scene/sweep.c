@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define MAX_RUNS 100000
 #define MAX_READ 20000000 /* nodes, in all runs: each takes a microsecond */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/sized.h"
-#include "scene/read.h"
+#include "scene/sweep.h"
 
 /* ---- in words ------------------------------------------------------------------ */
 

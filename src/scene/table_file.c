@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "scene/read.h"
+#include "scene/checks.h"
 
 #define HEADER "t,x,y,z"
 enum { COLUMNS = 4, LONGEST = 512 };
