@@ -6,9 +6,6 @@
 
 #include "study/fit/fit.h"
 
-#ifdef WEFT_CMINPACK
-#include <cminpack.h>
-
 /* Those of this verb alone. */
 typedef struct fit_options {
     const char *over;
@@ -19,6 +16,9 @@ static const fit_options *fit_own(const arguments *given)
 {
     return given->own;
 }
+
+#ifdef WEFT_CMINPACK
+#include <cminpack.h>
 #define solve lmder
 #else
 /* Never called: the verb refuses before. */
