@@ -6,7 +6,7 @@
 static const weft_plugin *find(void *registry, const char *id, weft_error *err)
 {
     const weft_plugin *plugin = NULL;
-    (void)weft_registry_find(registry, id, &plugin, err);
+    (void)weft_registry_find((weft_registry *)registry, id, &plugin, err);
     return plugin;
 }
 
@@ -17,7 +17,7 @@ int main(int argc, char **argv)
     weft_scene *scene = NULL;
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    weft_error err = { 0 };
+    weft_error err = { WEFT_OK };
     const weft_registry_def plugins = weft_registry_def_default();
     weft_scene_def def = weft_scene_def_default();
     def.file = argc > 1 ? argv[1] : "scenes/flag.yaml";
