@@ -20,6 +20,9 @@ bool weft__check_motion(weft__reader *reader, const weft__match *match,
 weft__read_fn weft__read_shape;
 weft__check_fn weft__check_shape, weft__check_contact;
 
+/* [m] The longest edge of a grid, or of triangles at rest or where they start. */
+double weft__longest_edge(const weft_cloth_def *def, bool start);
+
 /* Warnings of contact, when all sections were read without errors. */
 void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
 

@@ -137,26 +137,31 @@ void weft__check_contact(weft__reader *reader, const weft__match *match, void *b
 
 /* ---- warnings ---------------------------------------------------------------- */
 
-/* [m] The longest edge of a grid or of triangles, at rest. */
-static double scene_contact_longest_edge(const weft_cloth_def *def)
+double weft__longest_edge(const weft_cloth_def *def, bool start)
 {
     const weft_mesh_def *mesh = def->mesh;
     if (mesh == NULL) {
         return fmax(def->rows > 1 ? def->spacing[0] : 0.0,
                     def->cols > 1 ? def->spacing[1] : 0.0);
     }
+    const size_t dim = start ? 3 : 2;
+    const double *x = start ? mesh->start : mesh->rest;
+    const uint32_t *place
+        = start || mesh->corner_uv == NULL ? mesh->corners : mesh->corner_uv;
     double most = 0.0, square = 0.0;
     for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
         most = fmax(most, mesh->grids[k] != NULL
-                              ? scene_contact_longest_edge(mesh->grids[k])
+                              ? weft__longest_edge(mesh->grids[k], start)
                               : 0.0);
     }
-    const uint32_t *place = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
     for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
-        const double *a = mesh->rest + 2 * (size_t)place[j];
-        const double *b = mesh->rest + 2 * (size_t)place[j % 3 == 2 ? j - 2 : j + 1];
-        square = fmax(square,
-                      (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+        const double *a = x + dim * place[j];
+        const double *b = x + dim * place[j % 3 == 2 ? j - 2 : j + 1];
+        double length = 0.0;
+        for (size_t k = 0; k < dim; ++k) {
+            length += (b[k] - a[k]) * (b[k] - a[k]);
+        }
+        square = fmax(square, length);
     }
     return fmax(most, sqrt(square));
 }
@@ -377,7 +382,7 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
                          weft__value_of(contact, "self")->at);
         warn_of_cells(reader, weft__value_of(contact, "self")->at);
     }
-    const double longest = scene_contact_longest_edge(def);
+    const double longest = weft__longest_edge(def, false);
     for (size_t k = 0; k < law->shape_count; ++k) {
         const weft__mark at = weft__item(shapes, k)->at;
         char name[32];

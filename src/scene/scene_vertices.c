@@ -102,37 +102,13 @@ void weft__read_group(weft__reader *reader, const weft__key *key,
 
 /* ---- by place ----------------------------------------------------------------- */
 
-static double scene_vertices_distance(const double a[3], const double b[3])
-{
-    const double away[] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-    return sqrt(weft__dot(away, away));
-}
-
-/* [m] Of a mesh where it starts, and of the grids among several cloths the spacing. */
-static double scene_vertices_longest_edge(const weft_mesh_def *mesh)
-{
-    double longest = 0.0;
-    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
-        const size_t a = mesh->corners[j],
-                     b = mesh->corners[j % 3 == 2 ? j - 2 : j + 1];
-        longest = fmax(
-            longest, scene_vertices_distance(&mesh->start[3 * a], &mesh->start[3 * b]));
-    }
-    for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
-        const weft_cloth_def *grid = mesh->grids[k];
-        longest = grid != NULL ? fmax(longest, fmax(grid->spacing[0], grid->spacing[1]))
-                               : longest;
-    }
-    return longest;
-}
-
 /* A point in another unit than m is the usual cause. */
 static void warn_of_distance(weft__reader *reader, const weft__node *node,
                              size_t nearest, double away)
 {
     const weft_mesh_def *mesh = reader->scene->cloth.mesh;
     const double *x = &mesh->start[3 * nearest];
-    const double longest = scene_vertices_longest_edge(mesh);
+    const double longest = weft__longest_edge(&reader->scene->cloth, true);
     if (away > longest && longest > 0.0) {
         WARNING_AT(reader, node,
                    "the nearest vertex, %zu at (%.4g, %.4g, %.4g) m, is %.4g m away "
