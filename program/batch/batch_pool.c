@@ -60,7 +60,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     given.quiet = true;
     given.mode = PROGRESS_NONE;
     if (goes_on) {
-        return resume_scene(&given, directory, scene);
+        return resume_scene(&given, NULL, directory, scene);
     }
     /* from the start, over the files of an earlier attempt */
     return record_outdir(directory, true, &err) == WEFT_OK

@@ -12,13 +12,6 @@ typedef struct resume_options {
     const char *until;
 } resume_options;
 
-/* Empty if another verb resumes. */
-static const resume_options *resume_own(const arguments *given)
-{
-    static const resume_options none = { NULL };
-    return given->verb == &verb_resume ? given->own : &none;
-}
-
 /* The checkpoint, if it is one of this scene and this program. */
 static weft_status read_checkpoint(const char *directory, const weft_scene *scene,
                                    weft_registry *registry, record_checkpoint *from,
@@ -58,8 +51,8 @@ static bool ended_as(const char *directory, const char *status)
     return strcmp(record_result_get(directory, "status", said), status) == 0;
 }
 
-/* The scene with the duration of --until; NULL without. */
-static int open_longer(const arguments *given, const char *directory,
+/* The scene with the duration `until`; NULL without. */
+static int open_longer(const arguments *given, const char *until, const char *directory,
                        const weft_scene *scene, weft_scene **out)
 {
     char set[64];
@@ -67,20 +60,21 @@ static int open_longer(const arguments *given, const char *directory,
     arguments longer = *given;
     const double now = weft_scene_run(scene)->duration;
     *out = NULL;
-    if (resume_own(given)->until == NULL) {
+    if (until == NULL) {
         return EXIT_DONE;
     }
-    if (!(option_real(resume_own(given)->until) > now)) {
+    if (!(option_real(until) > now)) {
         return usage_error(given, "--until %s: not a time beyond %.9g s, where %s ends",
-                           resume_own(given)->until, now, directory);
+                           until, now, directory);
     }
-    (void)snprintf(set, sizeof set, "run.duration=%s", resume_own(given)->until);
+    (void)snprintf(set, sizeof set, "run.duration=%s", until);
     longer.sets.at = sets;
     longer.sets.count = 1;
     return open_run(directory, &longer, out);
 }
 
-int resume_scene(const arguments *given, const char *directory, const weft_scene *scene)
+int resume_scene(const arguments *given, const char *until, const char *directory,
+                 const weft_scene *scene)
 {
     weft_scene *longer;
     weft_error err = { 0 };
@@ -94,7 +88,7 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
                 : WEFT_OK;
     from.last = weft_run_last_frame(weft_scene_run(scene));
     int code = weft_comm_agree(given->comm, status, &err) == WEFT_OK
-                   ? open_longer(given, directory, scene, &longer)
+                   ? open_longer(given, until, directory, scene, &longer)
                    : report_error(&err);
     if (code != EXIT_DONE) {
         record_checkpoint_close(&from);
@@ -106,9 +100,8 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
                       directory, from.frame,
                       weft_run_last_frame(weft_scene_run(scene)));
     } else if (!given->quiet) {
-        print_plainly(
-            stderr, "%s: no checkpoint%s: runs from the beginning\n", directory,
-            resume_own(given)->until == NULL ? " yet" : " (run.keep_checkpoint)");
+        print_plainly(stderr, "%s: no checkpoint%s: runs from the beginning\n",
+                      directory, until == NULL ? " yet" : " (run.keep_checkpoint)");
     }
     code = run_scene(&own, directory, scene, true, begun ? &from : NULL);
     record_checkpoint_close(&from);
@@ -119,9 +112,9 @@ int resume_scene(const arguments *given, const char *directory, const weft_scene
 /* In a directory that is claimed. */
 static int resume_claimed(const arguments *given, const char *directory)
 {
+    const char *until = ((const resume_options *)given->own)->until;
     weft_scene *scene = NULL;
-    if (resume_own(given)->until == NULL
-        && ranks_share(given->comm, ended_as(directory, "done"))) {
+    if (until == NULL && ranks_share(given->comm, ended_as(directory, "done"))) {
         if (!given->quiet) {
             print_plainly(stderr, "%s: is already done\n", directory);
         }
@@ -136,7 +129,7 @@ static int resume_claimed(const arguments *given, const char *directory)
     }
     int code = open_run(directory, given, &scene);
     if (code == EXIT_DONE) {
-        code = resume_scene(given, directory, scene);
+        code = resume_scene(given, until, directory, scene);
     }
     weft_scene_destroy(scene);
     return code;
@@ -168,8 +161,9 @@ static int resume_directory(const arguments *given, const char *directory)
  * first code that is not 0. */
 static int resume_verb(const arguments *given)
 {
+    const resume_options *own = given->own;
     int code = EXIT_DONE;
-    if (resume_own(given)->until != NULL && given->comm != NULL) {
+    if (own->until != NULL && given->comm != NULL) {
         return usage_error(given, "--until excludes --bands: first the one");
     }
     for (int i = 0; i < given->operand_count; ++i) {
@@ -192,7 +186,7 @@ static const verb_option options[] = {
     SHARED(bands, "bands", "N",
            "in N bands, whatever their number was before: mpirun -n N weft resume DIR "
            "--bands N"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_PLUGIN_PATH,
     SHARED(progress, "progress", "HOW",
            "auto, lines, terminal, yaml or none, as for weft run"),
     SHARED(quiet, "quiet", NULL, "no progress, no summary"),
@@ -206,8 +200,7 @@ const verb verb_resume = {
             "Continues each run from its last checkpoint (run.checkpoint in its "
             "scene), to the same files, byte for byte, as an uninterrupted run. A run "
             "without a checkpoint starts again; a finished run is left alone.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(resume_options),
     .more = "examples:\n"
             "  weft resume flag\n"

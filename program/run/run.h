@@ -84,6 +84,7 @@ void failure_report(const weft_scene *scene, const weft_comm *comm, const weft_s
                     const weft_failure *failure, sentence *out);
 
 /* resume.c: continues the run of that scene in a directory that the caller has
- * claimed. Returns the exit code. */
-int resume_scene(const arguments *given, const char *directory,
+ * claimed, and beyond its duration to the time `until`, unless that is NULL. Returns
+ * the exit code. */
+int resume_scene(const arguments *given, const char *until, const char *directory,
                  const weft_scene *scene);
