@@ -76,6 +76,17 @@ typedef struct verb_option {
         name, value, help, offsetof(type, member), true, IS_LIST(type, member)         \
     }
 
+/* Those that many verbs have. */
+#define OPTION_PLUGIN_PATH                                                             \
+    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')")
+#define OPTION_SET                                                                     \
+    SHARED(sets, "set", "KEY.PATH=VALUE",                                              \
+           "override a key of the scene; may be repeated")
+
+/* The members of a verb for a table of options. */
+#define OPTIONS(table)                                                                 \
+    .options = (table), .option_count = sizeof(table) / sizeof((table)[0])
+
 typedef struct verb {
     const char *name;
     const char *summary; /* one line */

@@ -541,7 +541,7 @@ static const verb_option options[] = {
         "copy of the file of cloth.mesh; of several cloths a file for each, "
         "FILE-NAME.obj"),
     SHARED(sets, "set", "KEY=VALUE", "of the scene of --garment"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_PLUGIN_PATH,
 };
 
 const verb verb_export = {
@@ -553,8 +553,7 @@ const verb verb_export = {
             "Writes frames of a run into its directory and prints the names of the "
             "files. Shapes of contact go to files of their own (final-shape-0.obj, "
             "...), but not as csv.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(export_options),
     .more = "Frames come from DIR/run.vtkhdf, the last state from DIR/final.csv. If "
             "run.vtkhdf is missing, the frames are computed again from DIR/scene.yaml "

@@ -128,8 +128,7 @@ const verb verb_fabrics = {
             "with a pair of values along a column (warp) and along a row (weft), and "
             "with Peirce's bending length (bend / (density g))^(1/3): a grid shows the "
             "bends of a fabric if its spacing is at most half of it.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more = "example: weft run scene.yaml --set cloth.fabric.preset=royal-target\n",
     .operands = { 0, 0, "takes no file", NULL },
     .run = fabrics_verb,

@@ -37,8 +37,7 @@ const verb verb_scene_help = {
             "\n"
             "Prints type, unit, default and meaning of keys, and of the keys below "
             "them; without KEY, of every key of a scene.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more = "example: weft scene-help stepper.rtol cloth.pins\n",
     .operands = { .most = ANY_NUMBER },
     .run = scene_help_verb,

@@ -229,7 +229,7 @@ static int steppers_verb(const arguments *given)
 static const verb_option options[] = {
     SHARED(yaml, "yaml", NULL, "as YAML, with references and full names"),
     SHARED(markdown, "markdown", NULL, "the table of the documentation"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_PLUGIN_PATH,
 };
 
 const verb verb_steppers = {
@@ -240,8 +240,7 @@ const verb verb_steppers = {
             "Lists every method of every plugin: order of the solution, order of the "
             "solution it is compared with, evaluations of the forces per step, kind, "
             "source.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more = "kinds: fixed-step (no error control), fsal (the last stage is the first "
             "of the next step), multistep, implicit, small-cloths (dense matrices), "
             "legacy, libm (uses powers of libm: the same bits on every machine are "

@@ -135,8 +135,7 @@ const verb verb_view = {
       "same grid are shown side by side at their common times, coloured by their "
       "difference. Of a directory of weft batch, the page has a table of all runs, "
       "plots of their results against the parameters, and a player for each.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more
     = "examples:\n"
       "  weft view flag\n"

@@ -409,8 +409,7 @@ const verb verb_diff = {
             "it, this distance, and the largest distance of all frames. States are "
             "compared bit for bit by the hashes in series.csv, and frames by the "
             "positions, velocities and strain in run.vtkhdf.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(diff_options),
     .more = "examples:\n"
             "  weft diff flag flag-again\n"

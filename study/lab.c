@@ -421,9 +421,8 @@ static const verb_option options[] = {
     SHARED(out, "out", "DIR", "the directory; default: ./TEST-FABRIC.lab"),
     SHARED(force, "force", NULL, "replace a scene of that name with another text"),
     SHARED(yaml, "yaml", NULL, "the result as YAML, with all digits"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_SET,
+    OPTION_PLUGIN_PATH,
 };
 
 const verb verb_lab = {
@@ -441,8 +440,7 @@ const verb verb_lab = {
             "  cantilever           Peirce, ASTM D1388: the angle of a strip twice as "
             "long as its bending length, and the bending length by Peirce's formula\n"
             "  strip                KES: the extension [%] of a strip at 490 N/m\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more = "examples:\n"
             "  weft lab drape 11oz-black-denim\n"
             "  weft lab drape royal-target --set cloth.cut.spacing=5e-3\n"

@@ -337,8 +337,7 @@ const verb verb_plugin_test = {
             "method: the order, the ends of steps, the state after a failure, edited "
             "states, statistics, threads, memory. Each check runs in its own process. "
             "Documentation: docs/guides/test-an-integrator.md\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(plugin_test_options),
     .more = "example: weft plugin-test build/plugins/weft-verlet.so --all\n"
             "\n"

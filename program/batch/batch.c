@@ -225,7 +225,7 @@ static const verb_option options[] = {
     OWN(batch_options, seed, "seed", "S", "draws other values; default: 1"),
     SHARED(sets, "set", "KEY.PATH=VALUE",
            "override a key of all scenes; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_PLUGIN_PATH,
     SHARED(quiet, "quiet", NULL, "no progress, no summary line"),
 };
 
@@ -237,8 +237,7 @@ const verb verb_batch = {
             "Runs every scene, and every run of a scene with 'sweep', each in its own "
             "process and directory DIR/NAME. Joins the results in DIR/summary.csv. A "
             "repeated call skips finished runs and continues the others.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(batch_options),
     .more = "examples:\n"
             "  weft batch scenes/flag.yaml scenes/curtain.yaml --out both -j 2\n"

@@ -375,9 +375,8 @@ static const verb_option options[] = {
     SHARED(refine, "refine", NULL,
            "sharper bounds by the power method, not guaranteed"),
     SHARED(yaml, "yaml", NULL, "as YAML: the stable steps of every method"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_SET,
+    OPTION_PLUGIN_PATH,
 };
 
 const verb verb_check = {
@@ -399,8 +398,7 @@ const verb verb_check = {
       "stabilised or an implicit method would be faster; on triangles tries both an "
       "explicit and an implicit method up to a tenth of a second after the first "
       "touch.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(check_options),
     .more
     = "example: weft check scenes/*.yaml\n"

@@ -512,8 +512,7 @@ static const verb_option options[] = {
     SHARED(out, "out", "DIR",
            "the directory; default: ./SCENE.run. Must be new or empty"),
     SHARED(force, "force", NULL, "replace the files of an earlier run"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
+    OPTION_SET,
     SHARED(frames, "frames", "obj", "also write frames/frame-000000.obj ..."),
     SHARED(bands, "bands", "N",
            "one cloth in N bands, a process each: mpirun -n N weft run SCENE.yaml "
@@ -524,7 +523,7 @@ static const verb_option options[] = {
            "the same, and serve the page with its growing frames on 127.0.0.1 while "
            "the run goes on"),
     SHARED(port, "port", "N", "of --watch, from 1024 to 65535; default: a free one"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_PLUGIN_PATH,
     SHARED(progress, "progress", "HOW",
            "terminal: one line on stderr that is redrawn; lines: one line per tenth of "
            "the frames; auto (default): one of these two; yaml: only YAML documents on "
@@ -543,8 +542,7 @@ const verb verb_run = {
       "shapes: the forces on them), run.vtkhdf (the frames), final.csv (the final "
       "state) and, last of all, result.yaml. Ends with a summary. A start that passes "
       "through itself or a body is an error, with the pairs in start-crossings.obj.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .more
     = "examples:\n"
       "  weft run scenes/flag.yaml --out flag\n"

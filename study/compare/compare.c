@@ -418,9 +418,8 @@ static const verb_option options[] = {
     SHARED(out, "out", "DIR",
            "output directory; default: ./SCENE.compare. Must be new or empty"),
     SHARED(force, "force", NULL, "replace the files of an earlier run"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_SET,
+    OPTION_PLUGIN_PATH,
     SHARED(progress, "progress", "HOW",
            "auto, lines, terminal, yaml or none, as for weft run"),
     SHARED(quiet, "quiet", NULL, "no progress, no table"),
@@ -441,8 +440,7 @@ const verb verb_compare = {
       "order of two plugins; if they disagree nothing is judged. Cloth may be chaotic: "
       "the comparison ends when an initial difference of 1e-10 m has grown 10 000 "
       "times.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(compare_options),
     .more = "examples:\n"
             "  weft compare scenes/two-corners.yaml -j 2\n"

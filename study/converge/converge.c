@@ -293,9 +293,8 @@ static const verb_option options[] = {
         "from midway between them, where they clamp cloth that resists bending"),
     OWN(converge_options, csv, "csv", NULL, "print the table as CSV, all digits"),
     SHARED(jobs, "jobs", "N", "number of processes; default 1"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_SET,
+    OPTION_PLUGIN_PATH,
     SHARED(quiet, "quiet", NULL, "no progress"),
 };
 
@@ -322,8 +321,7 @@ const verb verb_converge = {
       "\n"
       "Density, fabrics, bending rigidity, wind and contact do not depend on the size. "
       "What is given for each particle or spring does; a warning names it.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(converge_options),
     .more = "examples:\n"
             "  weft converge scenes/pennant.yaml --sizes 7,13,25 --at elastic -j 2\n"

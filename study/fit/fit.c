@@ -444,9 +444,8 @@ static const verb_option options[] = {
         "standard deviation of a coordinate of the data [m]; default 1e-3"),
     SHARED(out, "out", "DIR", "write there"),
     SHARED(force, "force", NULL, "replace the results of an earlier fit"),
-    SHARED(sets, "set", "KEY.PATH=VALUE",
-           "override a key of the scene; may be repeated"),
-    SHARED(plugin_path, "plugin-path", "DIRS", "search plugins there first ('a:b')"),
+    OPTION_SET,
+    OPTION_PLUGIN_PATH,
     SHARED(quiet, "quiet", NULL, "no progress"),
 };
 
@@ -472,8 +471,7 @@ const verb verb_fit = {
       "Writes fit.yaml (values, standard errors, their correlation, chi2, and which "
       "directions the data do not tell), fitted.yaml (the scene with the values) and "
       "fit.svg to SCENE-fit.\n",
-    .options = options,
-    .option_count = sizeof options / sizeof options[0],
+    OPTIONS(options),
     .own_size = sizeof(fit_options),
     .more = "examples:\n"
             "  weft fit cloth.yaml tracks.csv --over cloth.density,forces.damping\n"
