@@ -17,7 +17,7 @@ int main(int argc, char **argv)
     weft_scene *scene = NULL;
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    weft_error err = { WEFT_OK };
+    weft_error err = { WEFT_OK, 0, 0, "", "" };
     const weft_registry_def plugins = weft_registry_def_default();
     weft_scene_def def = weft_scene_def_default();
     def.file = argc > 1 ? argv[1] : "scenes/flag.yaml";
