@@ -89,7 +89,9 @@ static bool make_block(maker *by, size_t b)
     for (size_t j = 0; j < count; ++j) {
         by->next[j] = j + 1 < count ? (uint32_t)j + 1 : WEFT__NONE;
     }
-    for (uint32_t head = 0; head != WEFT__NONE; ++by->batches) {
+    /* a block of particles of grids has no triangles */
+    for (uint32_t head = count > 0 ? 0 : WEFT__NONE; head != WEFT__NONE;
+         ++by->batches) {
         if (!weft__reserve(by->memory, &own->corners, &by->batch_room, by->batches + 1,
                            sizeof *own->corners)) {
             return false;
