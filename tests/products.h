@@ -42,7 +42,8 @@ static inline void expect_products(const weft_cloth *cloth, double t, const doub
         }
     }
     for (size_t i = 0; i < dim; ++i) {
-        const bool pinned = weft_cloth_pinned(cloth, i % (dim / 6));
+        const bool pinned
+            = weft_cloth_pinned(cloth, weft_cloth_vertex(cloth, i % (dim / 6)));
         most = fmax(most, fabs(slope[i]));
         error = fmax(error, fabs(forth[i] - (pinned ? 0.0 : slope[i])));
     }
