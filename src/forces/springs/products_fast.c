@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* products_fast.c -- springs_fast.c, and in the same sweep the derivatives in several
- * directions: what springs have for all of them is found once. */
-#define PRODUCT 1
-#include "forces/springs/springs_fast.c" /* NOLINT(bugprone-suspicious-include) */
+/* products_fast.c -- the rates of springs_fast.c, and in the same sweep their
+ * derivatives in several directions: what springs have for all of them is found once.
+ */
+#include "forces/springs/springs.h"
+
+enum { TILE = WEFT__TILE, STREAMS = 1 + WEFT__WAYS };
+#include "forces/springs/springs_sweep.h"
 
 /* The derivative of a pull on p, whose place in the direction is `p`, that of q `q`. */
 INLINE vec3 change(const spring *springs, unsigned has, int group, const double *p,
@@ -31,36 +34,36 @@ INLINE vec3 change(const spring *springs, unsigned has, int group, const double 
     return where != NULL ? only3(force, *where) : force;
 }
 
-/* As block, in direction j, of springs s. */
-INLINE vec3 block_along(sweep *self, const spring *s, size_t j, const place *of,
-                        size_t at, unsigned has, carry *left, const law *laws,
-                        const edge *rim)
+/* The pulls of springs s on their block, in a direction whose place there is `at`. */
+INLINE vec3 land_along(sweep *self, const spring *s, size_t stream, const columns *of,
+                       const place *at, const weft__spring_slope *by, carry *left)
 {
-    const weft__spring_slope *by = self->ways->way[j].by;
-    const size_t n = of->n;
-    const double *p = of->p, *below = p + of->down;
-    const mask *in_1 = rim != NULL ? &rim->right : NULL;
-    const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
+    const unsigned has = of->has;
+    const law *laws = of->laws;
+    const size_t n = at->n;
+    const double *p = at->p, *below = p + at->down;
+    const mask *in_1 = of->rim != NULL ? &of->rim->right : NULL;
+    const mask *in_2 = of->rim != NULL ? &of->rim->right2 : NULL;
     const vec3 right = change(s, has, RIGHT, p, p + 1, n, by, laws, in_1);
     const vec3 fall = change(s, has, DOWN, p, below, n, by, laws, NULL);
     const vec3 anti = change(s, has, ANTI, p + 1, below, n, by, laws, in_1);
     const vec3 cross = change(s, has, CROSS, p, below + 1, n, by, laws, in_1);
     const vec3 right2 = change(s, has, RIGHT2, p, p + 2, n, by, laws, in_2);
-    const vec3 fall2 = change(s, has, DOWN2, p, below + of->down, n, by, laws, NULL);
-    return land(self, 1 + j, at, right, fall, anti, cross, right2, fall2, left);
+    const vec3 fall2 = change(s, has, DOWN2, p, below + at->down, n, by, laws, NULL);
+    return land(self, stream, of->at, right, fall, anti, cross, right2, fall2, left);
 }
 
-/* As emit, to `to` of direction j; v and net: of the state itself. */
-INLINE void emit_along(sweep *self, size_t j, const place *of, size_t i, size_t to,
-                       vec3 force, vec3 v, vec3 net, const edge *rim, size_t count)
+/* As emit, in a direction under a force; v and net: of the state itself. */
+INLINE void emit_along(sweep *self, const columns *of, const weft__way *way,
+                       const place *at, vec3 force, vec3 v, vec3 net)
 {
     static const double none[3];
-    const weft__way *way = &self->ways->way[j];
     const weft__spring_slope *by = way->by;
-    const vec3 dv = load3(of->p + 3 * of->n, of->n);
+    const size_t i = of->i, to = of->r * self->down + of->c;
+    const vec3 dv = load3(at->p + 3 * at->n, at->n);
     for (size_t k = 0; k < 6; ++k) { /* what the next row needs */
         __builtin_prefetch(way->out + to + k * self->n + self->down, 1);
-        __builtin_prefetch(of->p + k * of->n + 3 * of->down);
+        __builtin_prefetch(at->p + k * at->n + 3 * at->down);
     }
     vec3 change = minus(force, scaled(self->drag, dv));
     if (by != NULL) {
@@ -72,42 +75,57 @@ INLINE void emit_along(sweep *self, size_t j, const place *of, size_t i, size_t 
     if (by != NULL && by->inverse_mass != NULL) {
         a = plus(a, scaled(load(by->inverse_mass + i), net));
     }
-    store_rates(self, dv, a, rim, count, way->out + to, self->n);
+    store_rates(self, dv, a, of->rim, of->count, way->out + to, self->n);
 }
 
-/* The directions of a block; the rest as of emit_along. */
-INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_t c,
-                  size_t at, unsigned has, bool emits, carry *left, const law *laws,
-                  const edge *rim, size_t count, vec3 net)
+typedef struct products {
+    const weft__ways *ways;
+    bool wanted; /* the state's own forces */
+} products;
+
+INLINE void visit_products(sweep *self, const columns *of, carry *left)
 {
-    const size_t i = r * self->cols + c;
-    const vec3 v = load3(of->p + 3 * of->n, of->n);
-    double copy[6][3][EDGE];
-    for (size_t j = 0; j < self->ways->count; ++j) {
-        const double *y = self->ways->way[j].along;
-        const place there = rim != NULL
-                                ? place_at(self, y, r, c, copy)
-                                : (place){ y + (of->p - self->y), of->n, of->down };
-        const vec3 force = block_along(self, s, j, &there, at, has, left, laws, rim);
-        if (emits) {
-            emit_along(self, j, &there, i, r * self->down + c, force, v, net, rim,
-                       count);
+    const products *form = self->form;
+    spring s[WEFT_GROUPS];
+    find_springs(s, of);
+    vec3 net = form->wanted ? land_springs(self, s, of, left) : (vec3){ 0 };
+    if (of->emits) {
+        net = dragged(self, of, net);
+        if (self->dydt != NULL) {
+            emit(self, of, net);
         }
     }
+    const vec3 v = load3(of->from.p + 3 * of->from.n, of->from.n);
+    double copy[6][3][EDGE];
+    for (size_t j = 0; j < form->ways->count; ++j) {
+        const weft__way *way = &form->ways->way[j];
+        const place at = place_in(self, of, way->along, copy);
+        const vec3 force = land_along(self, s, 1 + j, of, &at, way->by, left);
+        if (of->emits) {
+            emit_along(self, of, way, &at, force, v, net);
+        }
+    }
+}
+
+static void products_row(sweep *self, size_t r, size_t first, size_t end, unsigned has,
+                         bool emits)
+{
+    any_row(self, r, first, end, has, emits, visit_products);
 }
 
 int NAME(products, LEVEL)(const weft__springs *own, const weft__body *body,
                           const weft__ways *ways, size_t first, size_t end)
 {
+    products form = { ways, ways->base != NULL };
     sweep self;
-    unsigned all = start(&self, own, body, ways->y, ways->stride, ways->down);
-    self.wanted = ways->base != NULL;
+    unsigned all
+        = start(&self, own, body, ways->y, ways->stride, ways->down, 1 + ways->count);
     for (size_t j = 0; j < ways->count; ++j) {
         const weft__spring_slope *slope = ways->way[j].by;
         all |= slope != NULL && slope->damped ? BIT(DAMPED) : 0u;
-        self.wanted = self.wanted || (slope != NULL && slope->inverse_mass != NULL);
+        form.wanted = form.wanted || (slope != NULL && slope->inverse_mass != NULL);
     }
     self.dydt = ways->base;
-    self.ways = ways;
-    return sweep_tiles(&self, all, first, end, NULL, false);
+    self.form = &form;
+    return sweep_tiles(&self, all, first, end, NULL, false, products_row);
 }

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* transposed_fast.c -- springs_fast.c, and in the same sweep J^T w: what springs have
- * for the state is there, and the derivatives by x and by v are two streams more. */
-#define PRODUCT 2
-#include "forces/springs/springs_fast.c" /* NOLINT(bugprone-suspicious-include) */
+/* transposed_fast.c -- J^T w of springs in one sweep: what springs have for the state
+ * is found first, and the derivatives by x and by v are two streams more. */
+#include "forces/springs/springs.h"
 
-enum { BY_X = 1, BY_V, WASTE = 2 };
+enum { TILE = WEFT__TILE, BY_X = 1, BY_V, STREAMS };
+#include "forces/springs/springs_sweep.h"
+
+enum { WASTE = 2 };
 
 typedef struct turning {
-    weft__ways ways; /* of so many streams */
     const double *l, *w;
-    double *out, *net;
-    size_t last; /* columns */
+    double *out, *net; /* net NULL: not wanted */
+    size_t last;       /* columns */
     weft__totals *totals;
 } turning;
 
@@ -49,58 +50,74 @@ INLINE given_back turn(const spring *springs, unsigned has, int group, const dou
                          : (given_back){ by_x, by_v };
 }
 
-/* Writes what the particles from i on have, and adds what they have by gravity and by
+/* Writes what a block has, of l at `at`, and adds what it has by gravity and by
  * drag. */
-INLINE void transposed_write(sweep *self, const turning *of, size_t i, given_back sums,
-                             vec3 l, vec3 v, vec3 net, const edge *rim, size_t count,
-                             size_t column, weft__totals to)
+INLINE void transposed_write(sweep *self, const turning *form, const columns *of,
+                             const place *at, given_back sums, vec3 net,
+                             weft__totals to)
 {
-    const mask *inside = rim != NULL ? &rim->inside : NULL;
-    const size_t n = self->n;
+    const mask *inside = of->rim != NULL ? &of->rim->inside : NULL;
+    const size_t n = self->n, i = of->i;
+    const vec3 l = load3(at->p, at->n);
+    const vec3 v = load3(of->from.p + 3 * of->from.n, of->from.n);
     const mask is_free = load(self->inverse_mass + i) != splat(0.0);
-    const vec3 moved = only3(load3_some(of->w + i, n, count), is_free);
-    const vec3 pushed = only3(load3_some(of->w + 3 * n + i, n, count), is_free);
-    add(to, 3 * WEFT_GROUPS, column, pushed.x, inside);
-    add(to, 3 * WEFT_GROUPS + 1, column, pushed.y, inside);
-    add(to, 3 * WEFT_GROUPS + 2, column, pushed.z, inside);
-    add(to, 3 * WEFT_GROUPS + 3, column, dot(v, l), inside);
+    const vec3 moved = only3(load3_some(form->w + i, n, of->count), is_free);
+    const vec3 pushed = only3(load3_some(form->w + 3 * n + i, n, of->count), is_free);
+    add(to, 3 * WEFT_GROUPS, of->c, pushed.x, inside);
+    add(to, 3 * WEFT_GROUPS + 1, of->c, pushed.y, inside);
+    add(to, 3 * WEFT_GROUPS + 2, of->c, pushed.z, inside);
+    add(to, 3 * WEFT_GROUPS + 3, of->c, dot(v, l), inside);
     store_rates(self, sums.by_x, plus(moved, minus(sums.by_v, scaled(self->drag, l))),
-                rim, count, of->out + i, n);
-    if (of->net != NULL) {
-        store3_some(of->net + i, n, net, count);
+                of->rim, of->count, form->out + i, n);
+    if (form->net != NULL) {
+        store3_some(form->net + i, n, net, of->count);
     }
 }
 
-INLINE void along(sweep *self, const spring *s, const place *of, size_t r, size_t c,
-                  size_t at, unsigned has, bool emits, carry *left, const law *laws,
-                  const edge *rim, size_t count, vec3 net)
+/* What springs s give a block of l at `at`, and by their numbers. */
+INLINE given_back land_turned(sweep *self, const spring *s, const columns *of,
+                              const place *at, weft__totals to, carry *left)
 {
-    const turning *all = (const turning *)self->ways;
-    double copy[6][3][EDGE];
-    const place there = rim != NULL
-                            ? place_at(self, all->l, r, c, copy)
-                            : (place){ all->l + (of->p - self->y), of->n, of->down };
-    const size_t n = there.n;
-    const double *p = there.p, *below = p + there.down;
-    const mask *in_1 = rim != NULL ? &rim->right : NULL;
-    const mask *in_2 = rim != NULL ? &rim->right2 : NULL;
-    const mask *inside = rim != NULL ? &rim->inside : NULL;
-    double(*to)[WEFT__EVERY] = all->totals[!emits ? WASTE : c >= all->last];
+    const unsigned has = of->has;
+    const law *laws = of->laws;
+    const size_t n = at->n, c = of->c;
+    const double *p = at->p, *below = p + at->down;
+    const mask *in_1 = of->rim != NULL ? &of->rim->right : NULL;
+    const mask *in_2 = of->rim != NULL ? &of->rim->right2 : NULL;
+    const mask *inside = of->rim != NULL ? &of->rim->inside : NULL;
     const given_back right = turn(s, has, RIGHT, p, p + 1, n, laws, in_1, c, to);
     const given_back fall = turn(s, has, DOWN, p, below, n, laws, inside, c, to);
     const given_back anti = turn(s, has, ANTI, p + 1, below, n, laws, in_1, c, to);
     const given_back cross = turn(s, has, CROSS, p, below + 1, n, laws, in_1, c, to);
     const given_back right2 = turn(s, has, RIGHT2, p, p + 2, n, laws, in_2, c, to);
     const given_back fall2
-        = turn(s, has, DOWN2, p, below + there.down, n, laws, inside, c, to);
-    const given_back sums = { land(self, BY_X, at, right.by_x, fall.by_x, anti.by_x,
-                                   cross.by_x, right2.by_x, fall2.by_x, left),
-                              land(self, BY_V, at, right.by_v, fall.by_v, anti.by_v,
-                                   cross.by_v, right2.by_v, fall2.by_v, left) };
-    if (emits) {
-        transposed_write(self, all, r * self->cols + c, sums, load3(p, n),
-                         load3(of->p + 3 * of->n, of->n), net, rim, count, c, to);
+        = turn(s, has, DOWN2, p, below + at->down, n, laws, inside, c, to);
+    return (given_back){ land(self, BY_X, of->at, right.by_x, fall.by_x, anti.by_x,
+                              cross.by_x, right2.by_x, fall2.by_x, left),
+                         land(self, BY_V, of->at, right.by_v, fall.by_v, anti.by_v,
+                              cross.by_v, right2.by_v, fall2.by_v, left) };
+}
+
+INLINE void visit_transposed(sweep *self, const columns *of, carry *left)
+{
+    const turning *form = self->form;
+    spring s[WEFT_GROUPS];
+    find_springs(s, of);
+    const vec3 force
+        = form->net != NULL ? land_springs(self, s, of, left) : (vec3){ 0 };
+    double copy[6][3][EDGE];
+    const place at = place_in(self, of, form->l, copy);
+    double(*to)[WEFT__EVERY] = form->totals[!of->emits ? WASTE : of->c >= form->last];
+    const given_back sums = land_turned(self, s, of, &at, to, left);
+    if (of->emits) {
+        transposed_write(self, form, of, &at, sums, dragged(self, of, force), to);
     }
+}
+
+static void transposed_row(sweep *self, size_t r, size_t first, size_t end,
+                           unsigned has, bool emits)
+{
+    any_row(self, r, first, end, has, emits, visit_transposed);
 }
 
 int NAME(transposed, LEVEL)(const weft__springs *own, const weft__body *body,
@@ -109,20 +126,19 @@ int NAME(transposed, LEVEL)(const weft__springs *own, const weft__body *body,
 {
     const weft__mesh *mesh = own->mesh;
     weft__totals totals[3] = { { { 0.0 } } };
-    const turning of = { .ways = { .count = BY_V },
-                         .l = at->along,
-                         .w = w,
-                         .out = out,
-                         .net = net,
-                         .last = weft__last_columns(mesh->cols),
-                         .totals = totals };
+    const turning form = { .l = at->along,
+                           .w = w,
+                           .out = out,
+                           .net = net,
+                           .last = weft__last_columns(mesh->cols),
+                           .totals = totals };
     sweep self;
-    const unsigned all = start(&self, own, body, at->y, mesh->particles, mesh->cols);
+    const unsigned all
+        = start(&self, own, body, at->y, mesh->particles, mesh->cols, STREAMS);
     self.dydt = NULL;
-    self.wanted = net != NULL;
-    self.ways = &of.ways;
-    const int failed
-        = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, false);
+    self.form = &form;
+    const int failed = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, false,
+                                   transposed_row);
     weft__totals_add((const weft__totals *)totals, by);
     return failed;
 }
