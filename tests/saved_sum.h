@@ -8,7 +8,7 @@
 #include "base/bytes.h"
 
 /* Words of a saved simulation. */
-enum { SAVED_ROWS = 2, SAVED_COLS = 3, SAVED_ENERGIES = 38, SAVED_PLANES = 7 };
+enum { SAVED_ROWS = 2, SAVED_COLS = 3, SAVED_ENERGIES = 35, SAVED_PLANES = 7 };
 
 static inline uint64_t saved_word(const unsigned char *bytes, size_t at)
 {

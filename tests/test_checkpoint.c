@@ -179,7 +179,7 @@ START_TEST(another_kind_of_simulation_is_told_apart)
     refused(size - 8 * WEFT__QUADRATURES, "saved without energy balance");
     memcpy(again, saved, size);
     again[8] = 2;
-    refused(size, "saved in format 2, and this is 9");
+    refused(size, "saved in format 2, and this is 10");
 }
 END_TEST
 
@@ -236,11 +236,61 @@ START_TEST(a_changed_wind_is_part_of_a_saved_simulation)
 }
 END_TEST
 
+/* What 0.2 wrote: the words of the wind are fields, of contact behind the sums. */
+static size_t in_format_9(const unsigned char *now, size_t size, unsigned char *to)
+{
+    enum { FLAGS = 33, SUMS = 35, QUADRATURES = WEFT__QUADRATURES, WIND = 2 + 5 };
+    const unsigned char *parts = now + 8 * (SUMS + QUADRATURES);
+    const size_t contact = (size_t)saved_word(now, SUMS + QUADRATURES + WIND + 1);
+    const unsigned char *end = parts + 8 * (WIND + 2 + contact);
+    unsigned char *at = to + 8 * (FLAGS + 5);
+    memcpy(to, now, 8 * FLAGS);
+    weft__word_put(to + 8, 9);
+    weft__word_put(to + 8 * FLAGS,
+                   2 * saved_word(now, FLAGS) + weft__word_at(parts + 16));
+    memcpy(to + 8 * (FLAGS + 1), parts + 24, 8 * 4);
+    memcpy(at, now + 8 * SUMS, 8 * QUADRATURES);
+    memcpy(at + 8 * QUADRATURES, parts + 8 * (WIND + 2), 8 * contact);
+    at += 8 * (QUADRATURES + contact);
+    memcpy(at, end, (size_t)(now + size - end));
+    at += now + size - end;
+    saved_mend(to, (size_t)(at - to));
+    return (size_t)(at - to);
+}
+
+START_TEST(a_wind_of_an_older_format_is_restored)
+{
+    static unsigned char old[MOST];
+    const double gust[3] = { 3.0, 0.0, -8.0 };
+    const weft_sim_def def = define(cloth, test_method_named("verlet/velocity_verlet"),
+                                    (kind){ true, true });
+    for (size_t changed = 0; changed < 2; ++changed) {
+        weft_sim *windy = make(&def), *heir = make(&def);
+        ck_assert_int_eq(weft_sim_set_wind(heir, gust, 0.1, &err), WEFT_OK);
+        go(windy, 0.02);
+        ck_assert_int_eq(
+            weft_sim_set_wind(windy, changed == 1 ? gust : NULL, 0.7, &err), WEFT_OK);
+        save(windy, again);
+        const size_t size = in_format_9(again, weft_sim_save_size(windy), old);
+        ck_assert_msg(weft_sim_restore(heir, old, size, &err) == WEFT_OK, "%s",
+                      err.message);
+        go(windy, 0.06);
+        go(heir, 0.06);
+        same(windy, heir);
+        weft_sim_destroy(windy);
+        weft_sim_destroy(heir);
+    }
+}
+END_TEST
+
 START_TEST(saved_winds_that_make_no_sense_are_refused)
 {
-    refused_with(33, 2.0, "a saved wind makes no sense"); /* neither 0 nor 1 */
-    refused_with(34, (double)NAN, "a saved wind makes no sense");
-    refused_with(37, -1.0, "a saved wind makes no sense");
+    enum { WIND = SAVED_ENERGIES + WEFT__QUADRATURES + 1 };
+    refused_with(33, 2.0, "a saved flag makes no sense");
+    refused_with(WIND, 2.0, "damaged or cut off");              /* so many words */
+    refused_with(WIND + 1, 2.0, "a saved wind makes no sense"); /* neither 0 nor 1 */
+    refused_with(WIND + 2, (double)NAN, "a saved wind makes no sense");
+    refused_with(WIND + 5, -1.0, "a saved wind makes no sense");
 }
 END_TEST
 
@@ -538,6 +588,7 @@ TEST_SUITE(checkpoint)
     tcase_add_test(one, numbers_that_are_not_finite_are_refused);
     tcase_add_test(one, ledgers_that_are_not_finite_are_refused);
     tcase_add_test(one, a_changed_wind_is_part_of_a_saved_simulation);
+    tcase_add_test(one, a_wind_of_an_older_format_is_restored);
     tcase_add_test(one, saved_winds_that_make_no_sense_are_refused);
     tcase_add_test(one, a_ledger_that_is_not_finite_is_not_saved);
     tcase_add_test(one, what_a_correction_spoiled_is_not_saved);

@@ -451,6 +451,52 @@ START_TEST(grids_and_a_mesh_push_each_other_apart_and_keep_momentum_and_energy)
 }
 END_TEST
 
+static weft_sim *blown(const weft_cloth *cloth)
+{
+    static const double gust[3] = { -2.0, 1.0, 7.0 };
+    weft_error err = { 0 };
+    weft_sim_def def = weft_sim_def_default();
+    weft_sim *sim;
+    def.cloth = cloth;
+    def.method = test_method_named("verlet/velocity_verlet");
+    def.config.fixed_step = 1e-4;
+    ck_assert_msg(weft_sim_create(&def, &sim, &err) == WEFT_OK, "%s", err.message);
+    ck_assert_int_eq(weft_sim_set_wind(sim, gust, 0.8, &err), WEFT_OK);
+    return sim;
+}
+
+/* As one alone; and back to the definition's. */
+START_TEST(a_wind_that_is_changed_or_restored_reaches_every_grid)
+{
+    static outfit of;
+    static unsigned char saved[1 << 16];
+    weft_error err = { 0 };
+    make_outfit(&of, false);
+    weft_sim *alone = blown(of.alone), *all = blown(of.all);
+    ck_assert_uint_le(weft_sim_save_size(all), sizeof saved);
+    ck_assert_int_eq(weft_sim_save(all, saved, sizeof saved, &err), WEFT_OK);
+    for (size_t turn = 0; turn < 3; ++turn) {
+        ck_assert_int_eq(weft_sim_advance(alone, 0.01 * (double)(turn + 1), &err),
+                         WEFT_OK);
+        ck_assert_int_eq(weft_sim_advance(all, 0.01 * (double)(turn + 1), &err),
+                         WEFT_OK);
+        ck_assert(same(weft_sim_state(alone), weft_sim_state(all), 6, 0.0));
+        ck_assert_int_eq(weft_sim_set_wind(alone, NULL, 0.0, &err), WEFT_OK);
+        ck_assert_int_eq(weft_sim_set_wind(all, NULL, 0.0, &err), WEFT_OK);
+    }
+    weft_sim *other = blown(of.alone);
+    ck_assert_int_eq(weft_sim_restore(all, saved, weft_sim_save_size(all), &err),
+                     WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(other, 0.02, &err), WEFT_OK);
+    ck_assert_int_eq(weft_sim_advance(all, 0.02, &err), WEFT_OK);
+    ck_assert(same(weft_sim_state(other), weft_sim_state(all), 6, 0.0));
+    weft_sim_destroy(other);
+    weft_sim_destroy(alone);
+    weft_sim_destroy(all);
+    free_outfit(&of);
+}
+END_TEST
+
 TEST_SUITE(cloth_grids)
 {
     Suite *suite = suite_create("cloth_grids");
@@ -471,6 +517,7 @@ TEST_SUITE(cloth_grids)
     tcase_add_test(all, converge_and_sensitivities_refuse_a_grid_among_cloths);
     tcase_add_test(all,
                    grids_and_a_mesh_push_each_other_apart_and_keep_momentum_and_energy);
+    tcase_add_test(all, a_wind_that_is_changed_or_restored_reaches_every_grid);
     suite_add_tcase(suite, all);
     return suite;
 }

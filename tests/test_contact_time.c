@@ -452,8 +452,9 @@ START_TEST(saved_shapes_that_make_no_sense_are_refused)
         { RADIUS, -1.0, 0, "a saved shape makes no sense" },
         { RADIUS, 1.0, 0, "was saved" },
         { WORDS - 1, INFINITY, 0, "a saved shape makes no sense" },
-        { COUNT, 0.0, 3, "damaged or cut off" },
-        { COUNT, 0.0, UINT64_MAX / WORDS, "damaged or cut off" },
+        { COUNT, 0.0, 3, "a saved shape makes no sense" },
+        { COUNT, 0.0, UINT64_MAX / WORDS, "a saved shape makes no sense" },
+        { COUNT - 1, 0.0, 1, "damaged or cut off" },
         { LAW, 0.0, 1, "saved of another cloth" },
     };
     static unsigned char saved[MOST], forged[MOST];

@@ -130,11 +130,11 @@ const char *weft_cloth_isa(const weft_cloth *cloth)
     return weft__isa_name(cloth->isa);
 }
 
-/* Room for the rows of all tracks: of paths, then of the wind. */
+/* Room for the rows of the paths. */
 static weft_status make_rows(weft_cloth *cloth, const weft_cloth_def *def,
                              weft_error *err)
 {
-    size_t count = def->wind_table.count;
+    size_t count = 0;
     for (size_t i = 0; i < def->pin_count; ++i) {
         count += def->pins[i].path.count;
     }
@@ -155,9 +155,7 @@ static weft_status cloth_fill(weft_cloth *cloth, const weft_cloth_def *def,
     weft__stop *stop = def->stop_ctx;
     TRY(cloth_allocate(cloth, err));
     TRY(make_rows(cloth, def, err));
-    double *rows = weft__mesh_fill(&cloth->mesh, def, cloth->rows);
-    cloth->wind.track
-        = weft__curve_make(&def->wind_table, def->wind_table_natural, rows);
+    weft__mesh_fill(&cloth->mesh, def, cloth->rows);
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         if (weft__stops(stop)
             || !weft__table[k].force->tables.init(weft__own_of(cloth, k), def,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* grids.c -- parts of a cloth that are grids: springs, bending and wind of each, as of
- * a cloth of its own, in the state of all. Of each there are two, with rows as blocks
- * and with a block for each particle, for the rows that blocks of the whole divide:
- * both have the same bits. */
+/* grids.c -- parts of a cloth that are grids: each has some forces of its own, as of
+ * a cloth of its own, in the state of all; the others are those of the whole. Of each
+ * there are two, with rows as blocks and with a block for each particle, for the rows
+ * that blocks of the whole divide: both have the same bits. */
 #include "cloth/grids.h"
 
 #include <string.h>
@@ -11,10 +11,22 @@
 #include "mesh/grid_def.h"
 #include "mesh/triangles.h"
 
-/* What each has of its own; others are those of the whole. */
-static const size_t own_forces[]
-    = { WEFT__FORCE_springs, WEFT__FORCE_bending, WEFT__FORCE_wind };
-enum { OWN_FORCES = sizeof own_forces / sizeof *own_forces };
+weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k)
+{
+    weft_cloth_def out = *whole->mesh->grids[k];
+    memcpy(out.velocity, whole->mesh->parts[k].velocity, sizeof out.velocity);
+    out.mesh = NULL;
+    out.load_count = out.pin_count = out.band_rows = 0;
+    out.contact = (weft_contact_def){ .thickness = 0.0 };
+    out.allocator = whole->allocator;
+    out.untangle = 0.0;
+    for (size_t j = 0; j < WEFT__FORCES; ++j) {
+        if (weft__table[j].force->grids.define != NULL) {
+            weft__table[j].force->grids.define(whole, &out);
+        }
+    }
+    return out;
+}
 
 void weft__grids_attach(weft_cloth *whole)
 {
@@ -26,9 +38,12 @@ void weft__grids_attach(weft_cloth *whole)
         to->mesh.pin = mesh->pin + to->first;
         to->mesh.motions = mesh->motions;
         to->mesh.coast = mesh->coast != NULL ? mesh->coast + 3 * to->first : NULL;
-        to->wind.track = whole->wind.track;
         for (size_t k = 0; k < WEFT__FORCES; ++k) {
             *(const weft__mesh **)weft__own_of(to, k) = &to->mesh;
+            if (weft__table[k].force->grids.share != NULL) {
+                weft__table[k].force->grids.share(weft__own_of(to, k),
+                                                  weft__own(whole, k));
+            }
         }
     }
 }
@@ -50,11 +65,11 @@ bool weft__grids_init(weft_cloth *whole, const weft_cloth_def *def)
             to->mesh.block = i % 2 == 0 ? part->grid.cols : 1;
             to->first = part->first;
             weft__grids_attach(whole);
-            (void)weft__body_force.tables.init(&to->body, &own, &whole->memory);
-            for (size_t j = 0; j < OWN_FORCES; ++j) { /* which take no memory */
-                const size_t k = own_forces[j];
-                (void)weft__table[k].force->tables.init(weft__own_of(to, k), &own,
-                                                        &whole->memory);
+            for (size_t k = 0; k < WEFT__FORCES; ++k) {
+                const weft__force *force = weft__table[k].force;
+                if (force->grids.have_it) { /* which takes no memory */
+                    (void)force->tables.init(weft__own_of(to, k), &own, &whole->memory);
+                }
             }
         }
     }
@@ -157,15 +172,15 @@ void weft__grids_measure(const weft_cloth *whole, const weft__state *at, size_t 
     weft__grid_row of = { 0 };
     while (weft__grids_next(whole, at, b, &of)) {
         weft_measures row = { .hash = 0 };
-        for (size_t j = 0; j < OWN_FORCES; ++j) {
-            const weft__force *force = weft__force_at(of.cloth, own_forces[j]);
+        for (size_t k = 0; k < WEFT__FORCES; ++k) {
+            const weft__force *force = weft__force_at(of.cloth, k);
             weft__block_fn *measure
-                = force == NULL               ? NULL
-                  : what == WEFT__GRID_ENERGY ? force->measures.energy
-                  : what == WEFT__GRID_POWER  ? force->measures.power
-                                              : force->measures.worst;
+                = force == NULL || !force->grids.measured ? NULL
+                  : what == WEFT__GRID_ENERGY             ? force->measures.energy
+                  : what == WEFT__GRID_POWER              ? force->measures.power
+                                                          : force->measures.worst;
             if (measure != NULL) {
-                measure(weft__own(of.cloth, own_forces[j]), &of.at, of.row,
+                measure(weft__own(of.cloth, k), &of.at, of.row,
                         what == WEFT__GRID_WORST ? &row : sum);
             }
         }
@@ -178,12 +193,14 @@ void weft__grids_measure(const weft_cloth *whole, const weft__state *at, size_t 
 
 uint64_t weft__grids_hash(const weft_cloth *whole, uint64_t hash)
 {
-    for (size_t j = 0; j < whole->grid_count / 2 * OWN_FORCES; ++j) {
-        const weft_cloth *grid = &whole->grids[j / OWN_FORCES * 2];
-        const size_t k = own_forces[j % OWN_FORCES];
-        hash = weft__hash_reals(hash, grid->mesh.spacing, 2);
-        hash = weft__hash_word(hash, grid->mesh.cols);
-        hash = weft__table[k].force->tables.hash(weft__own(grid, k), hash);
+    for (size_t j = 0; j < whole->grid_count / 2 * WEFT__FORCES; ++j) {
+        const weft_cloth *grid = &whole->grids[j / WEFT__FORCES * 2];
+        const size_t k = j % WEFT__FORCES;
+        if (weft__table[k].force->grids.measured) {
+            hash = weft__hash_reals(hash, grid->mesh.spacing, 2);
+            hash = weft__hash_word(hash, grid->mesh.cols);
+            hash = weft__table[k].force->tables.hash(weft__own(grid, k), hash);
+        }
     }
     return hash;
 }

@@ -5,6 +5,10 @@
 #include "base/hash.h"
 #include "cloth/model.h"
 
+/* The definition of part k of a mesh, which is a grid, with what its forces have of the
+ * whole: without pins, loads and contact. */
+weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k);
+
 /* Makes those of a definition, when the whole has its masses and pins; false: no
  * memory. Then the pointers to what they share with the whole, which has a copy of its
  * own or moved; the forms of its instruction set; and the grids of a copy. */
@@ -27,7 +31,7 @@ typedef struct weft__grid_row {
 bool weft__grids_next(const weft_cloth *whole, const weft__state *at, size_t b,
                       weft__grid_row *row);
 
-/* What springs, bending and wind add to a weft__measure_fn of block b. */
+/* What their own forces add to a weft__measure_fn of block b. */
 typedef enum weft__grid_part {
     WEFT__GRID_ENERGY,
     WEFT__GRID_POWER,

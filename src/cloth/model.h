@@ -14,7 +14,7 @@ typedef int weft__sum_fn(const weft_cloth *cloth, const weft__state *at,
 struct weft_cloth {
     weft__mesh mesh;
     WEFT_FORCES(WEFT_FORCE_MEMBER)
-    double *rows; /* row_count of them, of all tracks: of paths, then of the wind */
+    double *rows; /* row_count of them, of all paths */
     size_t row_count;
     weft__isa isa;
     double untangle;     /* [s] */
@@ -122,6 +122,9 @@ uint64_t weft__cloth_block_hash(const weft_cloth *cloth, size_t b);
 void weft__cloth_def_check(const weft_cloth_def *def, const weft__faults *to,
                            struct weft__triangles **triangles, bool *no_memory);
 
+/* Whether a force takes energy from any motion of the cloth. */
+bool weft__def_slows(const weft_cloth_def *def);
+
 /* What it checks of triangles, with faults of their parts to *parts (NULL: to *to).
  * Makes the triangles of a definition whose own arrays have no fault, else NULL, to be
  * destroyed by the caller; only checks with triangles NULL. *no_memory: not all could
@@ -167,6 +170,16 @@ void weft__cloth_choose(weft_cloth *cloth, weft__isa isa);
 /* A copy of *model that owns its pins and shapes and shares the rest; *model must
  * outlive it. Destroy it with weft_cloth_destroy. NULL: no memory. */
 weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memory);
+
+/* changes.c: the values of all forces that a simulation may change: what is saved of
+ * them; what was saved, in *taken, which is a copy of the present cloth bit by bit, or
+ * what is wrong (NULL: nothing); that for the present ones, once more: back. */
+size_t weft__changes_words(const weft_cloth *cloth);
+void weft__changes_put(const weft_cloth *cloth, unsigned char *to);
+const char *weft__changes_take(weft_cloth *taken, const unsigned char *from,
+                               size_t words, const weft_allocator *memory);
+void weft__changes_exchange(weft_cloth *cloth, weft_cloth *taken);
+void weft__changes_drop(weft_cloth *taken, const weft_allocator *memory);
 
 double weft__block_mass(const weft_cloth *cloth, size_t b); /* [kg] */
 

@@ -407,10 +407,12 @@ static weft_cloth *elastic_copy(const weft_cloth *cloth)
 {
     weft_cloth *copy = weft__cloth_copy(cloth, &cloth->memory);
     if (copy != NULL) {
-        copy->body = (weft__body){ .mesh = copy->body.mesh };
-        copy->wind.drag = 0.0;
-        copy->contact.shape_count = 0;
-        copy->self.law.self = copy->bodies.pairs.law.self = false;
+        for (size_t k = 0; k < WEFT__FORCES; ++k) {
+            const weft__force *force = weft__table[k].force;
+            if (force->tables.leave_out != NULL) {
+                force->tables.leave_out(weft__own_of(copy, k));
+            }
+        }
     }
     return copy;
 }

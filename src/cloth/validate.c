@@ -2,7 +2,7 @@
 /* validate.c -- checks the definition of a cloth and reports every fault. Comparisons
  * are written so that NaN fails. */
 #include "base/memory.h"
-#include "cloth/model.h"
+#include "cloth/grids.h"
 #include "mesh/grid_def.h"
 #include "mesh/track.h"
 #include "mesh/triangles_work.h"
@@ -312,4 +312,14 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to)
         weft__fault(to, LIMIT(keep_velocity), LIMIT(method),
                     "limit method bridson cannot keep velocities: it works on them");
     }
+}
+
+bool weft__def_slows(const weft_cloth_def *def)
+{
+    bool slows = false;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__table[k].force;
+        slows = slows || (force->tables.slows != NULL && force->tables.slows(def));
+    }
+    return slows;
 }

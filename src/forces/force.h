@@ -76,7 +76,9 @@ typedef struct weft__force_tables {
     void (*choose)(void *own, weft__isa isa);              /* the fast forms */
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
     void (*free)(void *own, const weft_allocator *memory);
-    size_t (*bytes)(const void *own); /* of its tables of triangles */
+    void (*leave_out)(void *own);             /* then a cloth has none of it */
+    size_t (*bytes)(const void *own);         /* of its tables of triangles */
+    bool (*slows)(const weft_cloth_def *def); /* takes energy from any motion */
 
     /* Of a whole cloth of triangles: the particles that block b reads beyond its own
      * and its triangles' corners; and what becomes its band, after that of the mesh.
@@ -85,15 +87,42 @@ typedef struct weft__force_tables {
     bool (*slice)(void *own, const weft__slice *slice);
 } weft__force_tables;
 
+/* Where it is also a force of each grid among several cloths: what the definition of
+ * a grid has of the whole, and what the grid's own shares with that of the whole. Such
+ * a force takes no memory for a grid. `measured`: the whole leaves the measures of a
+ * grid's particles to that of the grid. */
+typedef struct weft__force_grids {
+    bool have_it, measured;
+    void (*define)(const weft_cloth_def *whole, weft_cloth_def *grid);
+    void (*share)(void *own, const void *whole);
+} weft__force_grids;
+
+/* What of it a simulation may change between steps, which is saved and restored with
+ * it, in words (base/bytes.h). `take` makes of *own, a copy of what it is at present,
+ * what was saved -- of 0 words, what the definition has -- and says what is wrong
+ * (NULL: nothing). `exchange` swaps it with what was taken, which `drop` frees, also
+ * after a fault. */
+typedef struct weft__force_changes {
+    size_t (*words)(const void *own); /* of what it is at present */
+    void (*put)(const void *own, unsigned char *to);
+    const char *(*take)(void *own, const unsigned char *from, size_t words,
+                        const weft_allocator *memory);
+    void (*exchange)(void *own, void *taken);
+    void (*drop)(void *taken, const weft_allocator *memory);
+} weft__force_changes;
+
 /* The force itself. The first of the table starts a sum, the others add to it.
  * `change`: the derivative of add along at->along, which of a linear force is add
  * itself; `transposed`: its transpose, of the whole cloth, which of a linear force is
- * add by x and by v apart, and of springs, weight and air that of the springs. */
+ * add by x and by v apart, and of springs, weight and air that of the springs.
+ * `swept`: the sweep over springs has it, and products with their directions.
+ * `piece`: keeps the times of its tables and keys that are next to t (mesh/track.h). */
 typedef struct weft__force_law {
-    bool linear;
+    bool linear, swept;
     weft__start_fn *start;
     weft__add_fn *add, *change;
     weft__transposed_fn *transposed;
+    void (*piece)(const void *own, double t, weft__piece_bounds *to);
 } weft__force_law;
 
 /* What it tells of a state. */
@@ -149,6 +178,8 @@ typedef struct weft__force_whole {
 typedef struct weft__force {
     const char *name;
     weft__force_tables tables;
+    weft__force_grids grids;
+    weft__force_changes changes;
 
     /* Whether a cloth has it, else all below is left out; NULL: always. */
     bool (*present)(const void *own);

@@ -118,22 +118,6 @@ void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def)
     normalise(def->down, mesh->down);
 }
 
-weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k)
-{
-    weft_cloth_def out = *whole->mesh->grids[k];
-    memcpy(out.velocity, whole->mesh->parts[k].velocity, sizeof out.velocity);
-    memcpy(out.gravity, whole->gravity, sizeof out.gravity);
-    memcpy(out.wind_velocity, whole->wind_velocity, sizeof out.wind_velocity);
-    out.mesh = NULL;
-    out.load_count = out.pin_count = out.band_rows = 0;
-    out.damping = whole->damping, out.wind_drag = whole->wind_drag,
-    out.wind_table = whole->wind_table;
-    out.contact = (weft_contact_def){ .thickness = 0.0 };
-    out.allocator = whole->allocator;
-    out.untangle = 0.0;
-    return out;
-}
-
 bool weft__range_resolve(weft_range range, size_t count, size_t *first, size_t *last)
 {
     const ptrdiff_t n = (ptrdiff_t)count;

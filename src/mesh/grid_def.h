@@ -38,10 +38,6 @@ static inline double weft__strip(size_t at, size_t count)
 /* The size and plain values of a definition, directions made unit. */
 void weft__grid_init(weft__mesh *mesh, const weft_cloth_def *def);
 
-/* The definition of part k of a mesh, which is a grid, in the air of the whole: without
- * pins, loads and contact. */
-weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k);
-
 /* Masses, loads and pins. */
 void weft__grid_fill(weft__mesh *mesh, const weft_cloth_def *def);
 

@@ -31,7 +31,7 @@ static void fill_triangles(weft__mesh *mesh, const weft_cloth_def *def)
     }
 }
 
-double *weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows)
+void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows)
 {
     if (mesh->triangles == NULL) {
         weft__grid_fill(mesh, def);
@@ -46,7 +46,6 @@ double *weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *row
     for (size_t i = 0; i < mesh->particles; ++i) {
         mesh->pinned += mesh->pin[i] != 0;
     }
-    return rows;
 }
 
 void weft__start_position(const weft__mesh *mesh, size_t i, double x[3])

@@ -80,7 +80,7 @@ void weft__mesh_init(weft__mesh *mesh, const weft_cloth_def *def,
 
 /* Masses, loads and pins of a definition, for which there is room; of their paths at
  * `rows`, which are kept. Returns where those end. */
-double *weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows);
+void weft__mesh_fill(weft__mesh *mesh, const weft_cloth_def *def, double *rows);
 
 /* weft_cloth_rest */
 void weft__rest_positions(const weft__mesh *mesh, double *xyz);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/finite.h"
+#include "cloth/model.h"
 #include "scene/checks.h"
 
 void weft__read_condition(weft__reader *reader, const weft__key *key,
@@ -61,10 +62,8 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
                  "stop.at_rest compares with the work of gravity, and "
                  "forces.gravity is 0; 'when: kinetic < NUMBER' does not");
     }
-    const weft_cloth_def *cloth = &reader->scene->cloth;
-    if (reader->scene->run.stop.quantity == WEFT_STOP_REST && cloth->damping == 0.0
-        && cloth->wind_drag == 0.0 && cloth->contact.shape_count == 0
-        && !cloth->contact.self) {
+    if (reader->scene->run.stop.quantity == WEFT_STOP_REST
+        && !weft__def_slows(&reader->scene->cloth)) {
         WARNING_AT(reader, stop,
                    "stop.at_rest may never be met: nothing slows a cloth that swings, "
                    "as damping along springs does not; set forces.damping, for "

@@ -5,7 +5,6 @@
  * methods start afresh. */
 #include <math.h>
 
-#include "forces/contact/mesh_shape.h"
 #include "sim/simulation.h"
 
 /* A time in the middle, so that it is in the same piece where rows are at other times,
@@ -23,11 +22,10 @@ static weft__piece_bounds piece_bounds_of(const weft_sim *sim)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
     weft__piece_bounds out = { -DBL_MAX, DBL_MAX };
-    weft__curve_bounds(&sim->cloth->wind.track, sim->t, &out);
+    WEFT__EACH_FORCE(sim->cloth, law.piece, sim->t, &out);
     for (size_t i = 0; i < mesh->motion_count; ++i) {
         weft__curve_bounds(&mesh->motions[i].path, sim->t, &out);
     }
-    weft__bodies_bounds(&sim->cloth->contact, sim->t, &out);
     return out;
 }
 

@@ -21,9 +21,7 @@ typedef struct restored {
     size_t front_words;
     uint64_t *holds;
     double *y, *s;
-    weft__shape *shapes; /* shape_count of them */
-    size_t shape_count;
-    weft__wind wind;
+    weft_cloth cloth; /* the present one with what is saved of its forces */
 } restored;
 
 static uint64_t word(const unsigned char *from, size_t at)
@@ -54,19 +52,31 @@ static weft__save_head head_at(const unsigned char *from)
     return out;
 }
 
-/* Whether the bytes are those of a simulation, and their places those of this one; out:
- * how many shapes there is room for. */
+/* [words] Those before the planes. */
+static weft_status find_front(const weft_sim *sim, const weft__save_head *head,
+                              size_t size, size_t *front, weft_error *err)
+{
+    const size_t words = size / WEFT__WORD;
+    const size_t planes = weft__save_planes(sim) * weft__save_particles(sim);
+    const bool old = head->version == WEFT__SAVE_VERSION_9;
+    const size_t least
+        = planes + (old ? weft__save_front_9(sim) : weft__save_front(sim, 0));
+    *front = words - planes;
+    return words >= least && (old || head->changes == words - least)
+                   && size % WEFT__WORD == 0
+               ? WEFT_OK
+               : damaged(err);
+}
+
+/* Whether the bytes are those of a simulation, and their places those of this one. */
 static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
-                              size_t size, size_t *shapes, weft_error *err)
+                              weft_error *err)
 {
     const weft__save_head mine = weft__save_head_of(sim);
-    const size_t words = size / WEFT__WORD;
-    const size_t least
-        = weft__save_front(sim, 0) + weft__save_planes(sim) * weft__save_particles(sim);
     if (memcmp(head->magic, mine.magic, sizeof mine.magic) != 0) {
         return weft_error_set(err, WEFT_INVALID, "this is not a saved simulation");
     }
-    if (head->version != mine.version) {
+    if (head->version != mine.version && head->version != WEFT__SAVE_VERSION_9) {
         return weft_error_set(err, WEFT_INVALID,
                               "a simulation saved in format %llu, and this is %d",
                               (unsigned long long)head->version, WEFT__SAVE_VERSION);
@@ -78,13 +88,10 @@ static weft_status check_head(const weft_sim *sim, const weft__save_head *head,
             (unsigned long long)head->rows, (unsigned long long)head->cols,
             (unsigned long long)mine.rows, (unsigned long long)mine.cols);
     }
-    if (head->quadratures != mine.quadratures) {
-        return weft_error_set(err, WEFT_INVALID, "saved %s energy balance",
-                              sim->ledger.on ? "without" : "with");
-    }
-    *shapes = words < least ? 0 : (words - least) / SHAPE_WORDS;
-    return size == (least + *shapes * SHAPE_WORDS) * WEFT__WORD ? WEFT_OK
-                                                                : damaged(err);
+    return head->quadratures == mine.quadratures
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID, "saved %s energy balance",
+                                sim->ledger.on ? "without" : "with");
 }
 
 static weft_status restore_make_room(const weft_sim *sim, restored *to, weft_error *err)
@@ -95,8 +102,7 @@ static weft_status restore_make_room(const weft_sim *sim, restored *to, weft_err
     to->y = weft__alloc(memory, weft__sim_dim(sim) * (1 + sim->sensitivity.count),
                         sizeof *to->y);
     to->s = to->y != NULL ? to->y + weft__sim_dim(sim) : NULL;
-    to->shapes = weft__alloc(memory, to->shape_count, sizeof *to->shapes);
-    return to->front != NULL && to->holds != NULL && to->y != NULL && to->shapes != NULL
+    return to->front != NULL && to->holds != NULL && to->y != NULL
                ? WEFT_OK
                : weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state");
 }
@@ -143,19 +149,14 @@ static weft_status read_saved(const weft_sim *sim, const source *from, restored 
         TRY(get_words(from, 0, head, SAVE_HEAD, err));
     }
     to->head = head_at(head);
-    TRY(check_head(sim, &to->head, from->size, &to->shape_count, err));
-    to->front_words = weft__save_front(sim, to->shape_count);
+    TRY(check_head(sim, &to->head, err));
+    TRY(find_front(sim, &to->head, from->size, &to->front_words, err));
     TRY(restore_make_room(sim, to, err));
     TRY(get_words(from, 0, to->front, to->front_words, err));
     return read_planes(sim, from, to, err);
 }
 
 /* ---- what they say --------------------------------------------------------------- */
-
-static const unsigned char *front_shapes(const weft_sim *sim, const restored *from)
-{
-    return from->front + (SAVE_HEAD + sim->config.quadratures) * WEFT__WORD;
-}
 
 /* Collective. */
 static weft_status restore_check_sum(const weft_sim *sim, const restored *from,
@@ -173,18 +174,12 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
                                     weft_error *err)
 {
     const weft__save_head mine = weft__save_head_of(sim), *head = &from->head;
-    const unsigned char *shapes = front_shapes(sim, from);
-    if (word(shapes, 0) != from->shape_count) {
-        return damaged(err);
-    }
     if (memcmp(mine.name, head->name, sizeof mine.name) != 0) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved under method '%.63s', and this is '%.63s'",
                               head->name, mine.name);
     }
-    if (head->cloth != mine.cloth
-        || (from->shape_count > 0
-            && word(shapes, 1) != weft__contact_hash(&sim->cloth->contact))) {
+    if (head->cloth != mine.cloth) {
         return weft_error_set(err, WEFT_INVALID,
                               "saved of another cloth (springs, masses, pins, forces "
                               "or contact differ)");
@@ -196,40 +191,8 @@ static weft_status check_definition(const weft_sim *sim, const restored *from,
                                 "limit or sensitivities, or other callbacks");
 }
 
-/* The body of the next mesh among the shapes: meshes are never added or removed. */
-static const weft_body *next_body(const weft_sim *sim, size_t *shape)
-{
-    const weft__contact *of = &sim->cloth->contact;
-    const weft_body *body = NULL;
-    while (body == NULL && *shape < of->shape_count) {
-        body = of->shapes[(*shape)++].def.body;
-    }
-    return body;
-}
-
-static bool read_shapes(const weft_sim *sim, restored *to)
-{
-    size_t body = 0;
-    const unsigned char *from = front_shapes(sim, to) + 2 * WEFT__WORD;
-    bool good = true;
-    for (size_t k = 0; k < to->shape_count; ++k, from += SHAPE_WORDS * WEFT__WORD) {
-        const double since = weft__real_at(from + (1 + SHAPE_REALS) * WEFT__WORD);
-        weft_shape def = { .kind = WEFT_SHAPES };
-        if (word(from, 0) < WEFT_SHAPES) {
-            def.kind = (weft_shape_kind)word(from, 0);
-        }
-        weft__words_get((char *)&def + AT_REALS, from + WEFT__WORD, SHAPE_REALS);
-        def.body = def.kind == WEFT_MESH ? next_body(sim, &body) : NULL;
-        good = good && isfinite(since)
-               && weft__shape_make(&sim->cloth->contact, &def, since, k, &to->shapes[k],
-                                   NULL)
-                      == WEFT_OK;
-    }
-    return good;
-}
-
 /* What is wrong; NULL: nothing. Forged bytes may have a correct checksum. */
-static const char *restore_fault_of(const weft_sim *sim, restored *of)
+static const char *restore_fault_of(const weft_sim *sim, const restored *of)
 {
     const weft__save_fields *saved = &of->head.fields;
     const size_t dim = weft_cloth_dim(sim->cloth);
@@ -248,25 +211,19 @@ static const char *restore_fault_of(const weft_sim *sim, restored *of)
                    && (!weft__all_finite(works, 3)
                        || !weft__all_finite(of->y + dim, sim->config.quadratures))
                ? "the saved simulation has an energy balance that is not finite"
-           : saved->flags > WEFT__SAVED_FLAGS
-                   || !weft__wind_usable(saved->wind, saved->wind_drag)
-               ? "a saved wind makes no sense"
-           : !held                 ? "a saved pin makes no sense"
-           : !read_shapes(sim, of) ? "a saved shape makes no sense"
-                                   : NULL;
+           : saved->flags > WEFT__SAVED_FLAGS ? "a saved flag makes no sense"
+           : !held                            ? "a saved pin makes no sense"
+                                              : NULL;
 }
 
 static weft_status check_gaps(const weft_sim *sim, const restored *from,
                               weft_error *err)
 {
-    weft_cloth as_saved = *sim->cloth;
-    as_saved.contact.shapes = from->shapes;
-    as_saved.contact.shape_count = from->shape_count;
-    for (size_t i = 0; i < as_saved.mesh.particles; ++i) {
+    for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
         const weft__breach breach
-            = weft__particle_breach(&as_saved, from->head.fields.t, from->y, i);
+            = weft__particle_breach(&from->cloth, from->head.fields.t, from->y, i);
         if (breach.found && from->holds[i] == WEFT__FREE) {
-            return weft__breach_error(&as_saved, &breach, "was saved", err);
+            return weft__breach_error(&from->cloth, &breach, "was saved", err);
         }
     }
     return WEFT_OK;
@@ -296,16 +253,12 @@ static void restore_swap(double *a, double *b, size_t count)
     }
 }
 
-/* Pins, shapes, wind and state of the simulation for those saved; once more: back.
+/* Pins, changes of forces and state of the simulation for those saved; once more: back.
  * The new stepper is made in between, as a method may refuse other pins than its own.
  */
 static void exchange(weft_sim *sim, restored *with)
 {
     weft__mesh *mesh = &sim->cloth->mesh;
-    weft__contact *contact = &sim->cloth->contact;
-    const weft__wind wind = with->wind;
-    const restored mine
-        = { .shapes = contact->shapes, .shape_count = contact->shape_count };
     for (size_t i = 0; i < weft_cloth_particles(sim->cloth); ++i) {
         const weft__hold hold = weft__hold_of(mesh, i);
         weft__set_hold(mesh, i, (weft__hold)with->holds[i]);
@@ -316,32 +269,43 @@ static void exchange(weft_sim *sim, restored *with)
     restore_swap(sim->sensitivity.s, with->s,
                  weft__sim_dim(sim) * sim->sensitivity.count);
     weft__sensitivity_pack(sim);
-    contact->shapes = with->shapes;
-    contact->shape_count = with->shape_count;
-    ++contact->changes;
-    with->shapes = mine.shapes;
-    with->shape_count = mine.shape_count;
-    with->wind = sim->cloth->wind;
-    sim->cloth->wind = wind;
+    weft__changes_exchange(sim->cloth, &with->cloth);
     weft__pins_changed(mesh, sim->y);
     weft__structure_update(sim);
+}
+
+/* Of an older format. */
+static weft_status renew_front(const weft_sim *sim, restored *of, weft_error *err)
+{
+    if (of->head.version == WEFT__SAVE_VERSION) {
+        return WEFT_OK;
+    }
+    unsigned char *old = of->front;
+    of->front = weft__save_from_9(sim, old, of->front_words, &of->front_words);
+    weft__free(&sim->memory, old);
+    return of->front != NULL
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore a state");
 }
 
 /* Of checked bytes; the arrays are there. */
 static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
 {
-    const weft__save_fields *saved = &to->head.fields;
+    const size_t quadratures = sim->config.quadratures;
+    TRY(renew_front(sim, to, err));
+    const unsigned char *from = to->front + SAVE_HEAD * WEFT__WORD;
     to->head = head_at(to->front);
-    to->wind = weft__sim_wind(
-        sim, (saved->flags & WEFT__SAVED_WIND) != 0 ? saved->wind : NULL,
-        saved->wind_drag);
     TRY(check_definition(sim, to, err));
-    weft__words_get(to->y + weft_cloth_dim(sim->cloth),
-                    to->front + SAVE_HEAD * WEFT__WORD, sim->config.quadratures);
+    weft__words_get(to->y + weft_cloth_dim(sim->cloth), from, quadratures);
     const char *fault = restore_fault_of(sim, to);
+    if (fault == NULL) {
+        to->cloth = *sim->cloth;
+        fault = weft__changes_take(&to->cloth, from + quadratures * WEFT__WORD,
+                                   (size_t)to->head.changes, &sim->memory);
+    }
     TRY(fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : WEFT_OK);
     TRY(check_gaps(sim, to, err));
-    return to->shape_count > 0 ? weft__sim_make_start(sim, err) : WEFT_OK;
+    return weft__cloth_checks(&to->cloth) ? weft__sim_make_start(sim, err) : WEFT_OK;
 }
 
 /* Leaves arrays behind in *to. Collective. */
@@ -371,9 +335,10 @@ weft_status weft_sim_restore_parts(weft_sim *sim, weft_save_get *get, void *ctx,
 {
     TRY(weft__sim_outside_play(sim, "weft_sim_restore_parts", err));
     const source from = { get, ctx, size };
-    restored to = { .shape_count = 0 };
+    restored to = { .front_words = 0 };
     const weft_status status = restore(sim, &from, &to, err);
-    WEFT__FREE_ALL(&sim->memory, to.shapes, to.front, to.holds, to.y);
+    weft__changes_drop(&to.cloth, &sim->memory);
+    WEFT__FREE_ALL(&sim->memory, to.front, to.holds, to.y);
     return status;
 }
 

@@ -15,7 +15,6 @@
 static weft__save_fields fields_of(const weft_sim *sim)
 {
     const weft_stepper_stats stats = weft_sim_stats(sim);
-    const weft__wind *wind = &sim->cloth->wind;
     return (weft__save_fields){
         .t = sim->t,
         .next_step = stats.next_step,
@@ -33,10 +32,7 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,
-        .flags = (uint64_t)((wind->changed ? WEFT__SAVED_WIND : 0)
-                            | (sim->passage.told ? WEFT__SAVED_PASSAGE : 0)),
-        .wind = { wind->velocity[0], wind->velocity[1], wind->velocity[2] },
-        .wind_drag = wind->drag,
+        .flags = sim->passage.told ? WEFT__SAVED_PASSAGE : 0,
     };
 }
 
@@ -74,7 +70,7 @@ weft_status weft_sim_restart(weft_sim *sim, weft_error *err)
 
 size_t weft_sim_save_size(const weft_sim *sim)
 {
-    return (weft__save_front(sim, weft_cloth_shapes(sim->cloth))
+    return (weft__save_front(sim, weft__changes_words(sim->cloth))
             + weft__save_planes(sim) * weft__save_particles(sim))
            * WEFT__WORD;
 }
@@ -87,7 +83,8 @@ weft__save_head weft__save_head_of(const weft_sim *sim)
                             .quadratures = sim->config.quadratures,
                             .cloth = sim->cloth_hash,
                             .settings = sim->settings,
-                            .fields = fields_of(sim) };
+                            .fields = fields_of(sim),
+                            .changes = weft__changes_words(sim->cloth) };
     memcpy(out.magic, WEFT__SAVE_MAGIC, sizeof out.magic);
     (void)snprintf(out.name, sizeof out.name, "%s", sim->def.method->name);
     return out;
@@ -129,21 +126,6 @@ uint64_t weft__save_sum(const weft_sim *sim, const double *y, const double *s,
 
 /* ---- to bytes -------------------------------------------------------------------- */
 
-static void put_shapes(const weft_cloth *cloth, unsigned char *to)
-{
-    weft__word_put(to, cloth->contact.shape_count);
-    weft__word_put(to + WEFT__WORD, weft__contact_hash(&cloth->contact));
-    to += 2 * WEFT__WORD;
-    for (size_t k = 0; k < cloth->contact.shape_count;
-         ++k, to += SHAPE_WORDS * WEFT__WORD) {
-        const weft__shape *shape = &cloth->contact.shapes[k];
-        weft__word_put(to, (uint64_t)shape->def.kind);
-        weft__words_put(to + WEFT__WORD, (const char *)&shape->def + AT_REALS,
-                        SHAPE_REALS);
-        weft__real_put(to + (1 + SHAPE_REALS) * WEFT__WORD, shape->motion.motion.since);
-    }
-}
-
 /* All but the checksum. */
 static void put_front(const weft_sim *sim, unsigned char *to)
 {
@@ -154,7 +136,7 @@ static void put_front(const weft_sim *sim, unsigned char *to)
     memcpy(to + offsetof(weft__save_head, name), head.name, sizeof head.name);
     to += SAVE_HEAD * WEFT__WORD;
     weft__words_put(to, sim->y + weft_cloth_dim(sim->cloth), quadratures);
-    put_shapes(sim->cloth, to + quadratures * WEFT__WORD);
+    weft__changes_put(sim->cloth, to + quadratures * WEFT__WORD);
 }
 
 /* Where bytes go, and room on the way: of the front, of a plane of holds and of own
@@ -175,7 +157,7 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles, skip = weft__block(mesh, mesh->band.above);
     const size_t own = weft__block(mesh, mesh->band.above + mesh->band.own) - skip;
-    size_t at = weft__save_front(sim, cloth->contact.shape_count)
+    size_t at = weft__save_front(sim, weft__changes_words(cloth))
                 + mesh->band.first * mesh->block;
     for (size_t k = 0; k < weft__save_planes(sim); ++k) {
         const void *from
@@ -194,7 +176,7 @@ static weft_status put_planes(const weft_sim *sim, const parts *to, weft_status 
 
 static weft_status put_all(weft_sim *sim, const parts *to, weft_error *err)
 {
-    const size_t words = weft__save_front(sim, sim->cloth->contact.shape_count);
+    const size_t words = weft__save_front(sim, weft__changes_words(sim->cloth));
     const bool first = weft__bands_is_first(sim->def.comm);
     TRY(weft_sim_restart(sim, err));
     weft__pins_changed(&sim->cloth->mesh, sim->y); /* as restore will */
@@ -230,7 +212,7 @@ weft_status weft_sim_save_parts(weft_sim *sim, weft_save_put *put, void *ctx,
     }
     const weft_allocator *memory = &sim->memory;
     const size_t n = sim->cloth->mesh.particles;
-    const size_t front = weft__save_front(sim, sim->cloth->contact.shape_count);
+    const size_t front = weft__save_front(sim, weft__changes_words(sim->cloth));
     parts to = { .put = put, .ctx = ctx };
     to.front = weft__alloc(memory, front, WEFT__WORD);
     to.holds = weft__alloc(memory, n, sizeof *to.holds);

@@ -3,23 +3,22 @@
  *
  * Words (bytes.h). First the front: "weftsave", version, blocks, cols (of triangles:
  * particles), quadratures, hashes of the cloth's definition and of the settings, the
- * method's name in 64 bytes, fields, quadratures of y, the number of shapes, a hash of
- * the law of contact, the shapes (kind, the numbers of weft_shape from `at` on, since
- * when it moves so), checksum. Then planes of all particles: the six of y, their
- * holds, and with sensitivities the six of each. The checksum is that of the front
- * before it and of a word for each row: the checksum of the row's words, plane by
- * plane. */
+ * method's name in 64 bytes, fields, the number of the words of changes, quadratures of
+ * y, the changes of the forces (cloth/changes.c), checksum. Then planes of all
+ * particles: the six of y, their holds, and with sensitivities the six of each. The
+ * checksum is that of the front before it and of a word for each row: the checksum of
+ * the row's words, plane by plane. */
 #pragma once
 
 #include "base/bytes.h"
 #include "sim/simulation.h"
 
-enum { WEFT__SAVE_VERSION = 9, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
+enum { WEFT__SAVE_VERSION = 10, WEFT__SAVE_PLANES = 7, WEFT__SAVE_NAME = 64 };
 
 #define WEFT__SAVE_MAGIC "weftsave"
 
-/* The wind has changed; frame_check.c has found a passage. */
-enum { WEFT__SAVED_WIND = 1, WEFT__SAVED_PASSAGE = 2, WEFT__SAVED_FLAGS = 3 };
+/* frame_check.c has found a passage. */
+enum { WEFT__SAVED_PASSAGE = 1, WEFT__SAVED_FLAGS = 1 };
 
 /* All that is saved besides the state, in words. */
 typedef struct weft__save_fields {
@@ -30,9 +29,8 @@ typedef struct weft__save_fields {
     weft_limit_stats limit;
     uint64_t vetoed;
     uint64_t linear_iterations, factorisations, newton_failures;
-    double event_since;        /* [s] */
-    uint64_t flags;            /* WEFT__SAVED_... */
-    double wind[3], wind_drag; /* of use if it has changed */
+    double event_since; /* [s] */
+    uint64_t flags;     /* WEFT__SAVED_... */
 } weft__save_fields;
 
 /* The front as far as it has one length. */
@@ -41,20 +39,15 @@ typedef struct weft__save_head {
     uint64_t version, rows, cols, quadratures, cloth, settings;
     char name[WEFT__SAVE_NAME]; /* cut to the room, then zeros */
     weft__save_fields fields;
+    uint64_t changes; /* [words] */
 } weft__save_head;
 enum { SAVE_HEAD = sizeof(weft__save_head) / WEFT__WORD };
 
-/* What weft_shape has behind `kind`, but a body. */
-enum {
-    AT_REALS = offsetof(weft_shape, at),
-    SHAPE_REALS = (offsetof(weft_shape, body) - AT_REALS) / sizeof(double),
-    SHAPE_WORDS = 1 + SHAPE_REALS + 1
-};
-
-/* [words] Of the front of a simulation with so many shapes, the checksum the last. */
-static inline size_t weft__save_front(const weft_sim *sim, size_t shapes)
+/* [words] Of the front of a simulation with so many of changes, the checksum the last.
+ */
+static inline size_t weft__save_front(const weft_sim *sim, size_t changes)
 {
-    return SAVE_HEAD + sim->config.quadratures + 2 + SHAPE_WORDS * shapes + 1;
+    return SAVE_HEAD + sim->config.quadratures + changes + 1;
 }
 
 static inline size_t weft__save_planes(const weft_sim *sim)
@@ -67,6 +60,13 @@ static inline size_t weft__save_particles(const weft_sim *sim)
 {
     return weft__whole_particles(&sim->cloth->mesh);
 }
+
+/* save_format9.c: the least of a front in format 9, which 0.2 wrote; and such a front
+ * of `words` as it is now, *now words, or NULL: no memory. */
+enum { WEFT__SAVE_VERSION_9 = 9 };
+size_t weft__save_front_9(const weft_sim *sim);
+unsigned char *weft__save_from_9(const weft_sim *sim, const unsigned char *front,
+                                 size_t words, size_t *now);
 
 /* That of a simulation. */
 weft__save_head weft__save_head_of(const weft_sim *sim);

@@ -50,13 +50,15 @@ const char *weft__sensitivity_refusal(const weft_sim *sim)
                : NULL;
 }
 
-/* Whether a cloth has other forces than springs, weight and air. */
+/* Whether a cloth has other forces than the sweep over springs. */
 static bool has_others(const weft_cloth *cloth)
 {
-    return cloth->mesh.triangles != NULL || cloth->bending.present
-           || cloth->wind.drag != 0.0 || cloth->wind.track.count > 0
-           || cloth->contact.shape_count > 0 || cloth->self.law.self
-           || cloth->bodies.pairs.law.self;
+    bool others = cloth->mesh.triangles != NULL;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(cloth, k);
+        others = others || (force != NULL && !force->law.swept);
+    }
+    return others;
 }
 
 static bool sensitivity_make_room(weft_sim *sim, weft__sensitivity *of)

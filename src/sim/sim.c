@@ -137,7 +137,6 @@ static weft_sim *sim_make_sim(const weft_sim_def *def)
         weft_sim_destroy(sim);
         return NULL;
     }
-    sim->wind = sim->cloth->wind;
     if (sim->log.write != NULL) {
         sim->def.log = (weft_log){ write_log, sim };
     }

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
+#include "cloth/grids.h"
 #include "forces/self/crossing.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
@@ -23,29 +24,20 @@ weft_status weft__sim_changeable(const weft_sim *sim, const char *function,
                                         function, why);
 }
 
-weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag)
-{
-    weft__wind wind = sim->wind;
-    if (velocity != NULL) {
-        wind = (weft__wind){ wind.mesh,          { 0.0 }, drag,
-                             { NULL, 0, false }, true,    wind.fast };
-        memcpy(wind.velocity, velocity, sizeof wind.velocity);
-    }
-    return wind;
-}
-
 weft_status weft_sim_set_wind(weft_sim *sim, const double velocity[3], double drag,
                               weft_error *err)
 {
     TRY(weft__sim_changeable(sim, "weft_sim_set_wind", err));
-    if (velocity != NULL && !weft__wind_usable(velocity, drag)) {
+    weft__wind now = sim->cloth->wind;
+    if (!weft__wind_set(&now, velocity, drag)) {
         return weft_error_set(err, WEFT_INVALID,
                               "wind of [%g, %g, %g] m/s, drag %g kg/(m^2 s): both must "
                               "be finite, and drag >= 0",
                               velocity[0], velocity[1], velocity[2], drag);
     }
     weft__sim_change_begins(sim);
-    sim->cloth->wind = weft__sim_wind(sim, velocity, drag);
+    sim->cloth->wind = now;
+    weft__grids_attach(sim->cloth);
     weft__sim_change_ends(sim, true);
     return WEFT_OK;
 }

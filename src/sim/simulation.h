@@ -72,7 +72,6 @@ struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
     weft_log log;
     weft_cloth *cloth;          /* copy of the definition's, owns pins and shapes */
-    weft__wind wind;            /* the definition's, of `cloth` */
     uint64_t cloth_hash;        /* weft__cloth_hash of the definition's */
     weft_stepper_config config; /* the definition's, completed */
     void *stepper;
@@ -152,9 +151,14 @@ static inline bool weft__sim_limits(const weft_sim *of)
 }
 
 /* Whether steps are checked: for shapes or self-contact. */
+static inline bool weft__cloth_checks(const weft_cloth *of)
+{
+    return of->contact.shape_count > 0 || of->contact.law.self;
+}
+
 static inline bool weft__sim_checks(const weft_sim *of)
 {
-    return of->cloth->contact.shape_count > 0 || of->cloth->contact.law.self;
+    return weft__cloth_checks(of->cloth);
 }
 
 /* A step of the method. */
@@ -227,13 +231,6 @@ static inline size_t weft__sim_dim(const weft_sim *of)
 /* Around a change of y, or of the cloth (`ode`), from outside, between two steps. */
 void weft__sim_change_begins(weft_sim *sim);
 void weft__sim_change_ends(weft_sim *sim, bool ode);
-
-/* The definition's wind or, unless velocity is NULL, one that replaces it. */
-weft__wind weft__sim_wind(const weft_sim *sim, const double velocity[3], double drag);
-static inline bool weft__wind_usable(const double velocity[3], double drag)
-{
-    return weft__all_finite(velocity, 3) && weft__not_negative(drag);
-}
 
 /* settings.c: hash of all of a definition that changes results, besides cloth and
  * method; `config` is its config, completed, which the method has accepted. */

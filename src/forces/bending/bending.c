@@ -371,17 +371,19 @@ size_t weft__bending_ties(const weft__bending *own, size_t first,
     return count;
 }
 
-const weft__force weft__bending_force = { .name = "bending",
-                                          .tables.check = bending_check,
-                                          .tables.init = bending_init,
-                                          .tables.hash = bending_hash_of,
-                                          .tables.choose = bending_choose,
-                                          .present = bending_present,
-                                          .law.add = bending_add,
-                                          .law.linear = true,
-                                          .measures.energy = bending_energy,
-                                          .measures.power = bending_power,
-                                          .bounds.ratios = bending_ratios,
-                                          .bounds.particle = bending_bound,
-                                          .couplings.runs = runs,
-                                          .couplings.bonds = bonds };
+const weft__force weft__bending_force
+    = { .name = "bending",
+        .tables.check = bending_check,
+        .tables.init = bending_init,
+        .tables.hash = bending_hash_of,
+        .tables.choose = bending_choose,
+        .grids = { .have_it = true, .measured = true },
+        .present = bending_present,
+        .law.add = bending_add,
+        .law.linear = true,
+        .measures.energy = bending_energy,
+        .measures.power = bending_power,
+        .bounds.ratios = bending_ratios,
+        .bounds.particle = bending_bound,
+        .couplings.runs = runs,
+        .couplings.bonds = bonds };

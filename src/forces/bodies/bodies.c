@@ -539,11 +539,17 @@ void weft__bodies_space_destroy(weft__bodies_space *space)
     }
 }
 
+static void bodies_leave_out(void *own)
+{
+    ((weft__bodies *)own)->pairs.law.self = false;
+}
+
 const weft__force weft__bodies_force = { .name = "bodies",
                                          .tables.init = bodies_init,
                                          .tables.choose = weft__self_choose,
                                          .tables.copy = weft__self_copy,
                                          .tables.free = bodies_free_own,
+                                         .tables.leave_out = bodies_leave_out,
                                          .tables.bytes = bodies_bytes,
                                          .present = bodies_present,
                                          .bounds.grip = grip,

@@ -72,10 +72,32 @@ static void body_bound(const void *own, const weft__state *at, size_t i,
     }
 }
 
+static void body_leave_out(void *own)
+{
+    weft__body *of = own;
+    *of = (weft__body){ .mesh = of->mesh };
+}
+
+static bool body_slows(const weft_cloth_def *def)
+{
+    return def->damping != 0.0;
+}
+
+static void body_define(const weft_cloth_def *whole, weft_cloth_def *grid)
+{
+    memcpy(grid->gravity, whole->gravity, sizeof grid->gravity);
+    grid->damping = whole->damping;
+}
+
 const weft__force weft__body_force = { .name = "body",
                                        .tables.check = body_check,
                                        .tables.init = body_init,
                                        .tables.hash = body_hash_of,
+                                       .tables.leave_out = body_leave_out,
+                                       .tables.slows = body_slows,
+                                       .grids.have_it = true,
+                                       .grids.define = body_define,
+                                       .law.swept = true,
                                        .measures.energy = body_energy,
                                        .measures.power = body_power,
                                        .bounds.particle = body_bound };

@@ -280,6 +280,22 @@ static void free_shapes(void *own, const weft_allocator *memory)
     weft__free(memory, of->shapes);
 }
 
+static void contact_leave_out(void *own)
+{
+    ((weft__contact *)own)->shape_count = 0;
+}
+
+/* Between layers, too. */
+static bool contact_slows(const weft_cloth_def *def)
+{
+    return def->contact.shape_count > 0 || def->contact.self;
+}
+
+static void contact_piece(const void *own, double t, weft__piece_bounds *to)
+{
+    weft__bodies_bounds(own, t, to);
+}
+
 static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
 {
     const weft_shape *def = &shape->def;
@@ -338,10 +354,18 @@ const weft__force weft__contact_force = { .name = "contact",
                                           .tables.choose = contact_choose,
                                           .tables.copy = contact_copy,
                                           .tables.free = free_shapes,
+                                          .tables.leave_out = contact_leave_out,
+                                          .tables.slows = contact_slows,
+                                          .changes.words = weft__contact_words,
+                                          .changes.put = weft__contact_put,
+                                          .changes.take = weft__contact_take,
+                                          .changes.exchange = weft__contact_exchange,
+                                          .changes.drop = weft__contact_drop,
                                           .present = contact_present,
                                           .law.add = contact_add,
                                           .law.change = weft__contact_change,
                                           .law.transposed = weft__contact_transposed,
+                                          .law.piece = contact_piece,
                                           .measures.energy = contact_energy,
                                           .measures.power = contact_power,
                                           .bounds.grip = weft__contact_grip,

@@ -255,6 +255,14 @@ void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to);
 uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash);
 uint64_t weft__contact_hash(const weft__contact *own);
 
+/* contact_changes.c: for weft__force. */
+size_t weft__contact_words(const void *own);
+void weft__contact_put(const void *own, unsigned char *to);
+const char *weft__contact_take(void *own, const unsigned char *from, size_t words,
+                               const weft_allocator *memory);
+void weft__contact_exchange(void *own, void *taken);
+void weft__contact_drop(void *taken, const weft_allocator *memory);
+
 extern const weft__force weft__contact_force;
 WEFT_FORMS(weft__add_fn, contact);
 

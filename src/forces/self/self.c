@@ -562,12 +562,18 @@ static bool self_present(const void *own)
     return ((const weft__self *)own)->law.self;
 }
 
+static void self_leave_out(void *own)
+{
+    ((weft__self *)own)->law.self = false;
+}
+
 const weft__force weft__self_force = { .name = "self",
                                        .tables.check = weft__self_check,
                                        .tables.init = self_init,
                                        .tables.choose = weft__self_choose,
                                        .tables.copy = weft__self_copy,
                                        .tables.free = self_free_own,
+                                       .tables.leave_out = self_leave_out,
                                        .tables.bytes = self_bytes,
                                        .present = self_present,
                                        .bounds.grip = weft__self_grip,

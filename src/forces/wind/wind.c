@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-#include "base/hash.h"
+#include "base/bytes.h"
+#include "base/finite.h"
 #include "forces/bounds.h"
 #include "mesh/triangles.h"
 
@@ -28,27 +29,147 @@ static bool wind_init(void *own, const weft_cloth_def *def,
                       const weft_allocator *memory)
 {
     weft__wind *of = own;
-    (void)memory;
-    of->drag = def->wind_drag;
-    memcpy(of->velocity, def->wind_velocity, sizeof of->velocity);
-    return true;
+    const size_t count = def->wind_table.count;
+    of->air.drag = def->wind_drag;
+    memcpy(of->air.velocity, def->wind_velocity, sizeof of->air.velocity);
+    if (count > 0) {
+        of->rows = weft__alloc(memory, WEFT__CURVE_WIDTH * count, sizeof *of->rows);
+    }
+    if (of->rows != NULL) {
+        of->air.track
+            = weft__curve_make(&def->wind_table, def->wind_table_natural, of->rows);
+    }
+    return count == 0 || of->rows != NULL;
+}
+
+static size_t wind_bytes(const void *own)
+{
+    const weft__wind *of = own;
+    return of->rows != NULL ? WEFT__CURVE_WIDTH * of->air.track.count * sizeof *of->rows
+                            : 0;
+}
+
+static bool wind_copy(void *own, const weft_allocator *memory)
+{
+    weft__wind *of = own;
+    const double *from = of->air.track.rows;
+    const size_t count = of->air.track.count * WEFT__CURVE_WIDTH;
+    of->rows = count > 0 ? weft__alloc(memory, count, sizeof *of->rows) : NULL;
+    if (of->rows != NULL) {
+        of->air.track.rows = memcpy(of->rows, from, count * sizeof *of->rows);
+    }
+    of->defined = of->air, of->changed = false;
+    return count == 0 || of->rows != NULL;
+}
+
+static void wind_free(void *own, const weft_allocator *memory)
+{
+    weft__free(memory, ((weft__wind *)own)->rows);
+}
+
+static void wind_leave_out(void *own)
+{
+    ((weft__wind *)own)->air.drag = 0.0;
+}
+
+static bool wind_slows(const weft_cloth_def *def)
+{
+    return def->wind_drag != 0.0;
+}
+
+/* A grid has the table of the whole. */
+static void wind_define(const weft_cloth_def *whole, weft_cloth_def *grid)
+{
+    memcpy(grid->wind_velocity, whole->wind_velocity, sizeof grid->wind_velocity);
+    grid->wind_drag = whole->wind_drag;
+    grid->wind_table = (weft_table){ .count = 0 };
 }
 
 static uint64_t wind_hash_of(const void *own, uint64_t hash)
 {
     const weft__wind *of = own;
-    hash = weft__hash_reals(hash, of->track.rows, WEFT__CURVE_WIDTH * of->track.count);
-    return weft__hash_real(weft__hash_reals(hash, of->velocity, 3), of->drag);
+    hash = weft__hash_reals(hash, of->air.track.rows,
+                            WEFT__CURVE_WIDTH * of->air.track.count);
+    return weft__hash_real(weft__hash_reals(hash, of->air.velocity, 3), of->air.drag);
+}
+
+/* ---- changes -------------------------------------------------------------------- */
+
+enum { WIND_WORDS = 5 }; /* whether it has changed, velocity, drag */
+
+bool weft__wind_set(weft__wind *own, const double velocity[3], double drag)
+{
+    if (velocity == NULL) {
+        own->air = own->defined, own->changed = false;
+        return true;
+    }
+    if (!weft__all_finite(velocity, 3) || !weft__not_negative(drag)) {
+        return false;
+    }
+    own->air = (weft__air){ .drag = drag };
+    memcpy(own->air.velocity, velocity, sizeof own->air.velocity);
+    own->changed = true;
+    return true;
+}
+
+static size_t wind_words(const void *own)
+{
+    (void)own;
+    return WIND_WORDS;
+}
+
+static void wind_put(const void *own, unsigned char *to)
+{
+    const weft__wind *of = own;
+    weft__word_put(to, of->changed ? 1 : 0);
+    weft__words_put(to + WEFT__WORD, of->air.velocity, 3);
+    weft__real_put(to + 4 * WEFT__WORD, of->air.drag);
+}
+
+static const char *wind_take(void *own, const unsigned char *from, size_t words,
+                             const weft_allocator *memory)
+{
+    const uint64_t changed = words == WIND_WORDS ? weft__word_at(from) : words;
+    double saved[4] = { 0.0 };
+    (void)memory;
+    if (words == WIND_WORDS) {
+        weft__words_get(saved, from + WEFT__WORD, 4);
+    }
+    const bool good = changed <= 1 && weft__wind_set(own, saved, saved[3]);
+    if (good && changed == 0) {
+        (void)weft__wind_set(own, NULL, 0.0);
+    }
+    return good ? NULL : "a saved wind makes no sense";
+}
+
+static void wind_share(void *own, const void *whole)
+{
+    ((weft__wind *)own)->air = ((const weft__wind *)whole)->air;
+}
+
+static void wind_exchange(void *own, void *taken)
+{
+    weft__wind *of = own, *with = taken;
+    const weft__wind before = *of;
+    of->air = with->air, of->changed = with->changed;
+    with->air = before.air, with->changed = before.changed;
+}
+
+/* ---- in a state ----------------------------------------------------------------- */
+
+static void wind_piece(const void *own, double t, weft__piece_bounds *to)
+{
+    weft__curve_bounds(&((const weft__wind *)own)->air.track, t, to);
 }
 
 /* With the velocity that it has at the state's time. */
 static weft__wind at_time(const weft__wind *of, const weft__state *at)
 {
     weft__wind now = *of;
-    if (of->track.count > 0) {
+    if (of->air.track.count > 0) {
         double value[3][3];
-        weft__curve_at(&of->track, at->t, weft__piece(at), value);
-        memcpy(now.velocity, value[0], sizeof now.velocity);
+        weft__curve_at(&of->air.track, at->t, weft__piece(at), value);
+        memcpy(now.air.velocity, value[0], sizeof now.air.velocity);
     }
     return now;
 }
@@ -134,7 +255,7 @@ static inline sail sail_of(size_t n, const uint32_t corner[3], const double *y,
 static inline point sail_force(const weft__wind *of, const double *y,
                                const uint32_t corner[3])
 {
-    const sail now = sail_of(of->mesh->stride, corner, y, of->velocity);
+    const sail now = sail_of(of->mesh->stride, corner, y, of->air.velocity);
     const double inverse = 1.0 / sqrt(wind_dot(now.normal, now.normal) + DBL_MIN);
     return wind_scaled(wind_dot(now.normal, now.flow) * inverse, now.normal);
 }
@@ -145,7 +266,7 @@ static point sail_slope(const weft__wind *of, const weft__state *at,
 {
     static const double none[3];
     const size_t n = of->mesh->stride;
-    const sail now = sail_of(n, corner, at->y, of->velocity);
+    const sail now = sail_of(n, corner, at->y, of->air.velocity);
     const sail by = sail_of(n, corner, at->along, none);
     const point turn = wind_plus(cross(by.a, now.b), cross(now.a, by.b));
     const double inverse = 1.0 / sqrt(wind_dot(now.normal, now.normal) + DBL_MIN);
@@ -168,7 +289,7 @@ static point sails_force(const weft__wind *of, const weft__state *at, size_t i,
         sum = wind_plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
                                                : sail_slope(of, at, corner));
     }
-    return wind_scaled(of->drag / 18.0 * share, sum);
+    return wind_scaled(of->air.drag / 18.0 * share, sum);
 }
 
 /* The first triangle whose lowest corner is particle i, or follows. */
@@ -217,7 +338,8 @@ static double add_sails(const weft__wind *of, const double *y, size_t b,
     }
     for (size_t i = first; i < end; ++i) {
         const double share = unit == WEFT__FORCE ? 1.0 : mesh->inverse_mass[i];
-        bad += add_to(to, n, i, wind_scaled(of->drag / 18.0 * share, sum[i - first]));
+        bad += add_to(to, n, i,
+                      wind_scaled(of->air.drag / 18.0 * share, sum[i - first]));
     }
     return bad;
 }
@@ -274,7 +396,8 @@ static void tangents(const weft__mesh *mesh, const double *x, size_t i, point *a
 static point flow_at(const weft__wind *of, const double *y, size_t i)
 {
     const size_t n = of->mesh->stride;
-    return wind_minus(at_particle(of->velocity, 1, 0), at_particle(y + 3 * n, n, i));
+    return wind_minus(at_particle(of->air.velocity, 1, 0),
+                      at_particle(y + 3 * n, n, i));
 }
 
 static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
@@ -283,7 +406,7 @@ static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
     point a, b;
     tangents(of->mesh, at->y, i, &a, &b);
     const point normal = cross(a, b);
-    const double push = of->drag * weft__area(of->mesh, i) * share
+    const double push = of->air.drag * weft__area(of->mesh, i) * share
                         * wind_dot(normal, flow_at(of, at->y, i))
                         / (wind_dot(normal, normal) + DBL_MIN);
     return wind_scaled(push, normal);
@@ -301,7 +424,7 @@ static point grid_slope(const weft__wind *of, const weft__state *at, size_t i)
     tangents(mesh, at->along, i, &da, &db);
     const point normal = cross(a, b), turn = wind_plus(cross(da, b), cross(a, db));
     const point flow = flow_at(of, at->y, i), dv = at_particle(at->along + 3 * n, n, i);
-    const double drag = of->drag * mesh->inverse_mass[i] * weft__area(mesh, i);
+    const double drag = of->air.drag * mesh->inverse_mass[i] * weft__area(mesh, i);
     const double inverse = 1.0 / (wind_dot(normal, normal) + DBL_MIN);
     const double push = wind_dot(normal, flow) * inverse;
     const double rate = (wind_dot(turn, flow) - wind_dot(normal, dv)) * inverse
@@ -386,13 +509,13 @@ static void transposed_sails(const weft__wind *of, const weft__state *at, double
     const size_t n = of->mesh->stride;
     for (size_t t = 0; t < of->mesh->triangles->count; ++t) {
         const uint32_t *corner = of->mesh->triangles->corner[t];
-        const sail now = sail_of(n, corner, at->y, of->velocity);
+        const sail now = sail_of(n, corner, at->y, of->air.velocity);
         point m = { 0.0, 0.0, 0.0 }, flow;
         for (size_t k = 0; k < 3; ++k) {
             wind_add_point(&m, at_particle(at->along, n, corner[k]));
         }
         const point normal
-            = by_normal(now.normal, now.flow, m, of->drag / 18.0, 1, &flow);
+            = by_normal(now.normal, now.flow, m, of->air.drag / 18.0, 1, &flow);
         wind_add_edges(out, n, (size_t[]){ corner[1], corner[0], corner[2], corner[0] },
                        now.a, now.b, normal);
         for (size_t k = 0; k < 3; ++k) {
@@ -417,7 +540,7 @@ static void transposed(const void *own, const weft__state *at, double *out)
         tangents(mesh, at->y, i, &a, &b);
         const point normal = by_normal(cross(a, b), flow_at(of, at->y, i),
                                        at_particle(at->along, n, i),
-                                       of->drag * weft__area(mesh, i), 2, &flow);
+                                       of->air.drag * weft__area(mesh, i), 2, &flow);
         wind_add_edges(out, n, ends, a, b, normal);
         (void)add_to(out + 3 * n, n, i, wind_scaled(-1.0, flow));
     }
@@ -445,7 +568,7 @@ static void wind_bound(const void *own, const weft__state *at, size_t i,
     const weft__mesh *mesh = of->mesh;
     const double area
         = mesh->triangles != NULL ? sails_area(mesh, at->y, i) : weft__area(mesh, i);
-    const double most = of->drag * area * mesh->inverse_mass[i];
+    const double most = of->air.drag * area * mesh->inverse_mass[i];
     for (size_t s = 0; s < sides->count; ++s) {
         weft__bound_add(sums[s], fmax(0.0, sides->way[s][1]) * most);
     }
@@ -453,7 +576,7 @@ static void wind_bound(const void *own, const weft__state *at, size_t i,
 
 static bool wind_present(const void *own)
 {
-    return ((const weft__wind *)own)->drag != 0.0;
+    return ((const weft__wind *)own)->air.drag != 0.0;
 }
 
 const weft__force weft__wind_force = { .name = "wind",
@@ -461,9 +584,23 @@ const weft__force weft__wind_force = { .name = "wind",
                                        .tables.init = wind_init,
                                        .tables.hash = wind_hash_of,
                                        .tables.choose = wind_choose,
+                                       .tables.copy = wind_copy,
+                                       .tables.free = wind_free,
+                                       .tables.leave_out = wind_leave_out,
+                                       .tables.bytes = wind_bytes,
+                                       .tables.slows = wind_slows,
+                                       .grids.have_it = true,
+                                       .grids.measured = true,
+                                       .grids.define = wind_define,
+                                       .grids.share = wind_share,
+                                       .changes.words = wind_words,
+                                       .changes.put = wind_put,
+                                       .changes.take = wind_take,
+                                       .changes.exchange = wind_exchange,
                                        .present = wind_present,
                                        .law.add = wind_add,
                                        .law.change = wind_change,
                                        .law.transposed = transposed,
+                                       .law.piece = wind_piece,
                                        .measures.power = wind_power,
                                        .bounds.particle = wind_bound };

@@ -12,14 +12,24 @@
 
 #include "forces/force.h"
 
-typedef struct weft__wind {
-    const weft__mesh *mesh;
+typedef struct weft__air {
     double velocity[3]; /* [m/s] */
     double drag;        /* [kg/(m^2 s)] 0: none */
     weft__curve track;  /* [m/s] unless count is 0, instead of velocity */
-    bool changed;       /* by weft_sim_set_wind */
+} weft__air;
+
+typedef struct weft__wind {
+    const weft__mesh *mesh;
+    weft__air air;
+    weft__air defined; /* what a copy began with */
+    bool changed;      /* by weft__wind_set */
+    double *rows;      /* of the definition's track; NULL: none, or another's */
     weft__add_fn *fast;
 } weft__wind;
+
+/* From now on this velocity [m/s] and drag, or with NULL what it began with. False:
+ * they make no sense, and nothing changes. */
+bool weft__wind_set(weft__wind *own, const double velocity[3], double drag);
 
 WEFT__NUMBERS(weft__wind_numbers, wind_velocity, wind_drag);
 extern const weft__force weft__wind_force;

@@ -15,12 +15,12 @@ typedef struct patch {
 
 INLINE vec3 acceleration(const weft__wind *of, const patch *at)
 {
-    const double *w = of->velocity;
+    const double *w = of->air.velocity;
     const vec3 a = minus(at->right, at->left), b = minus(at->down, at->up);
     const vec3 normal
         = { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
     const vec3 flow = { w[0] - at->v.x, w[1] - at->v.y, w[2] - at->v.z };
-    const vec push = (of->drag * at->area) * at->inverse_mass * dot(normal, flow)
+    const vec push = (of->air.drag * at->area) * at->inverse_mass * dot(normal, flow)
                      / (dot(normal, normal) + DBL_MIN);
     return scaled(push, normal);
 }
