@@ -139,7 +139,7 @@ static naive naive_create_mesh(const weft_cloth *cloth, bool file, const double 
                           .bend_damping = matrix->tau[0],
                           .inverse_mass = to.inverse_mass,
                           .drag = 1e-6 };
-    memcpy(to.of.wind, cloth->wind.velocity, sizeof to.of.wind);
+    memcpy(to.of.wind, cloth->wind.air.velocity, sizeof to.of.wind);
     memcpy(to.of.gravity, weft_cloth_def_default().gravity, sizeof to.of.gravity);
     return to;
 }
@@ -242,7 +242,7 @@ static void select_variant(subject *at, variant of)
     at->cloth->membrane.damped = of >= DAMPED;
     at->cloth->plate.matrix.tau[0] = at->cloth->plate.matrix.tau[1] = tau;
     at->cloth->plate.matrix.first = of > MEMBRANE ? at->first : NULL;
-    at->cloth->wind.drag = of >= WIND ? at->wind_drag : 0.0;
+    at->cloth->wind.air.drag = of >= WIND ? at->wind_drag : 0.0;
     naive_mesh *const both[] = { &at->file.of, &at->ordered.of };
     for (size_t i = 0; i < 2; ++i) {
         both[i]->damped = of >= DAMPED;
@@ -292,7 +292,7 @@ static void measure_forces(FILE *csv, const sheet *of)
     at.dydt = array(6 * at.cloth->mesh.particles, sizeof *at.dydt);
     at.first = at.cloth->plate.matrix.first;
     at.tau = at.cloth->plate.matrix.tau[0];
-    at.wind_drag = at.cloth->wind.drag;
+    at.wind_drag = at.cloth->wind.air.drag;
     at.file = naive_create_mesh(at.cloth, true, at.y);
     at.ordered = naive_create_mesh(at.cloth, false, at.y);
     for (size_t i = 0; i < THREADS; ++i) {

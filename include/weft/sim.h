@@ -161,6 +161,19 @@ typedef struct weft_ledger {
     double shape_work; /* done by moving shapes */
 } weft_ledger;
 
+/* The members that are integrals of powers, X(member, power, by): work done `by`
+ * something, or "": heat. In results the second list comes later, and a new member goes
+ * to its end. */
+#define WEFT_LEDGER_POWERS(X)                                                          \
+    X(dissipated_springs, WEFT_POWER_SPRINGS, "")                                      \
+    X(dissipated_drag, WEFT_POWER_DRAG, "")                                            \
+    X(work_wind, WEFT_POWER_WIND, "wind")                                              \
+    X(work_pins, WEFT_POWER_PINS, "pins")
+#define WEFT_LEDGER_LATER_POWERS(X)                                                    \
+    X(dissipated_contact, WEFT_POWER_CONTACT, "")                                      \
+    X(dissipated_friction, WEFT_POWER_FRICTION, "")                                    \
+    X(shape_work, WEFT_POWER_SHAPES, "shapes")
+
 /* Counts of the strain limit since t = 0. */
 typedef struct weft_limit_stats {
     uint64_t corrected;   /* steps with a spring to shorten */

@@ -182,15 +182,15 @@ static void write_ledger(yaml_out *out, const record_result *result)
 {
     const weft_ledger ledger = result->ledger;
     if (ledger.kept) {
-        yaml_out_write(out,
-                       "dissipated: %g, ledger: { dissipated_springs: %g, "
-                       "dissipated_drag: %g, work_wind: %g, work_pins: %g, "
-                       "work_limit: %g, residual: %g, dissipated_contact: %g, "
-                       "dissipated_friction: %g, shape_work: %g }",
-                       weft_sim_dissipated(result->sim), ledger.dissipated_springs,
-                       ledger.dissipated_drag, ledger.work_wind, ledger.work_pins,
-                       ledger.work_limit, ledger.residual, ledger.dissipated_contact,
-                       ledger.dissipated_friction, ledger.shape_work);
+        yaml_out_write(out, "dissipated: %g, ledger: {",
+                       weft_sim_dissipated(result->sim));
+#define WRITE(member, power, by) yaml_out_write(out, #member ": %g", ledger.member);
+        WEFT_LEDGER_POWERS(WRITE)
+        yaml_out_write(out, "work_limit: %g, residual: %g", ledger.work_limit,
+                       ledger.residual);
+        WEFT_LEDGER_LATER_POWERS(WRITE)
+#undef WRITE
+        yaml_out_write(out, "}");
     }
 }
 

@@ -69,7 +69,7 @@ weft_status record_table_close(record_table *table, weft_error *err)
 /* ---- series.csv ------------------------------------------------------------- */
 
 /* X(runs, name, format, value): the column is in every run, or only in those with that
- * RECORD_... option; `row` is the struct below. */
+ * RECORD_... option; `row` is the struct below. X_OF_LEDGER: that of a power. */
 #define COLUMNS(X)                                                                     \
     X(EVERY, frame, "%zu", row.frame->index)                                           \
     X(EVERY, time, "%.17g", row.time)                                                  \
@@ -91,19 +91,14 @@ weft_status record_table_close(record_table *table, weft_error *err)
     X(RECORD_LEDGER, elastic_stretch, "%.17g", row.all.energy.elastic[WEFT_STRETCH])   \
     X(RECORD_LEDGER, elastic_shear, "%.17g", row.all.energy.elastic[WEFT_SHEAR])       \
     X(RECORD_LEDGER, elastic_bend, "%.17g", row.all.energy.elastic[WEFT_BEND])         \
-    X(RECORD_LEDGER, dissipated_springs, "%.17g", row.ledger.dissipated_springs)       \
-    X(RECORD_LEDGER, dissipated_drag, "%.17g", row.ledger.dissipated_drag)             \
-    X(RECORD_LEDGER, work_wind, "%.17g", row.ledger.work_wind)                         \
-    X(RECORD_LEDGER, work_pins, "%.17g", row.ledger.work_pins)                         \
+    WEFT_LEDGER_POWERS(X##_OF_LEDGER)                                                  \
     X(RECORD_LEDGER, work_limit, "%.17g", row.ledger.work_limit)                       \
     X(RECORD_LEDGER, residual, "%.17g", row.ledger.residual)                           \
     X(EVERY, contact, "%.17g", row.all.energy.contact)                                 \
     X(EVERY, min_gap, "%.17g", row.all.gap)                                            \
     X(EVERY, touching, "%zu", row.all.touching)                                        \
     X(EVERY, vetoed, "%" PRIu64, row.vetoed)                                           \
-    X(RECORD_LEDGER, dissipated_contact, "%.17g", row.ledger.dissipated_contact)       \
-    X(RECORD_LEDGER, dissipated_friction, "%.17g", row.ledger.dissipated_friction)     \
-    X(RECORD_LEDGER, shape_work, "%.17g", row.ledger.shape_work)                       \
+    WEFT_LEDGER_LATER_POWERS(X##_OF_LEDGER)                                            \
     X(RECORD_SOLVER, linear_iterations, "%" PRIu64, row.stats.linear_iterations)       \
     X(RECORD_SOLVER, factorisations, "%" PRIu64, row.stats.factorisations)             \
     X(RECORD_SOLVER, newton_failures, "%" PRIu64, row.stats.newton_failures)           \
@@ -165,7 +160,9 @@ void record_series_begin(record_series *series, unsigned optional,
     if (has(series, runs)) {                                                           \
         series->names[series->columns++] = #name;                                      \
     }
+#define NAME_OF_LEDGER(member, power, by) NAME(RECORD_LEDGER, member, , )
     COLUMNS(NAME)
+#undef NAME_OF_LEDGER
 #undef NAME
     for (size_t j = 0; j < record_series_numbers(series); ++j) {
         (void)snprintf(series->own_names[j], RECORD_COLUMN_NAME, "sensitivity_%s",
@@ -205,7 +202,10 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
                                         value));                                       \
         series->row[column++] = (double)(value);                                       \
     }
+#define CELL_OF_LEDGER(member, power, by)                                              \
+    CELL(RECORD_LEDGER, member, "%.17g", row.ledger.member)
     COLUMNS(CELL)
+#undef CELL_OF_LEDGER
 #undef CELL
     for (size_t j = 0; j < record_series_numbers(series); ++j) {
         const double most = record_sensitivity_most(series->scene, frame->sim, j);

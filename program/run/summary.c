@@ -115,16 +115,27 @@ static void print_strain(const run *self)
                100.0 * last->strain);
 }
 
+/* ", work of pins 0.1 J, of shapes 0 J"; of the later ones only if there is any. */
+static void say_work(const weft_ledger *ledger, sentence *to)
+{
+    const char *before = ", work of";
+#define SAY(member, power, by)                                                         \
+    if ((by)[0] != '\0' && ((power) <= WEFT_POWER_PINS || ledger->member != 0.0)) {    \
+        say(to, "%s %s %.4g J", before, (by), ledger->member);                         \
+        before = ", of";                                                               \
+    }
+    WEFT_LEDGER_POWERS(SAY)
+    WEFT_LEDGER_LATER_POWERS(SAY)
+#undef SAY
+}
+
 static void print_energy(const run *self)
 {
     const weft_ledger ledger = self->result.ledger;
     sentence balance = { "" };
     if (ledger.kept) {
-        say(&balance, ", %.4g J dissipated, work of wind %.4g J, of pins %.4g J",
-            weft_sim_dissipated(self->sim), ledger.work_wind, ledger.work_pins);
-        if (weft_cloth_shapes(weft_sim_cloth(self->sim)) > 0) {
-            say(&balance, ", of shapes %.4g J", ledger.shape_work);
-        }
+        say(&balance, ", %.4g J dissipated", weft_sim_dissipated(self->sim));
+        say_work(&ledger, &balance);
         say(&balance, "; energy balance closes to %.2g J", ledger.residual);
     }
     print_item("energy", "%.6g -> %.6g J%s", self->result.energy_start,
@@ -297,8 +308,8 @@ static const char *advise_fixed(double h, double start, double now, double any,
             step, advised_for(any));
     } else {
         say(out,
-            "the step was a stable one: look at what drives the cloth (pins, wind, "
-            "loads), or try a tenth of the step");
+            "the step was a stable one: look at what drives the cloth (pins, loads, "
+            "forces), or try a tenth of the step");
     }
     return out->text;
 }

@@ -48,8 +48,8 @@ void weft__changes_put(const weft_cloth *cloth, unsigned char *to)
 }
 
 /* The words of force k, and how many; 0: there are none. */
-static const unsigned char *part_of(size_t k, const unsigned char *from, size_t words,
-                                    size_t *own)
+static const unsigned char *changes_part_of(size_t k, const unsigned char *from,
+                                            size_t words, size_t *own)
 {
     *own = 0;
     while (words >= PART) {
@@ -76,7 +76,7 @@ const char *weft__changes_take(weft_cloth *taken, const unsigned char *from,
         const weft__force_changes *of = changes_of(k);
         if (of != NULL) {
             size_t own;
-            const unsigned char *part = part_of(k, from, words, &own);
+            const unsigned char *part = changes_part_of(k, from, words, &own);
             const char *found = of->take(weft__own_of(taken, k), part, own, memory);
             fault = fault == NULL ? found : fault;
             used += own > 0 ? PART + own : 0;

@@ -134,7 +134,6 @@ static const char *const spline_names[] = { "monotone", "natural", NULL };
                      " it overshoots rows that are far apart" },                       \
     };
 TABLE(pin, "s, m")
-TABLE(wind, "s, m/s")
 /* What may be a list of rows, or a mapping with its spline: where that goes. */
 #define SPLINE(type, field)                                                            \
     .first = offsetof(type, field##_natural) - offsetof(type, field)
@@ -430,18 +429,7 @@ static const weft__section cloth_section
 
 /* ---- forces -------------------------------------------------------------------- */
 
-static const weft__key wind_keys[] = {
-    { "velocity", WEFT__VECTOR, .absent = "required: velocity or table",
-      NUMBER(wind, wind_velocity), .meaning = "velocity of the air" },
-    { "table", WEFT__TRACK, SECTION(wind_table), .unit = "s, m/s",
-      .absent = "required: velocity or table", AT(weft_cloth_def, wind_table),
-      SPLINE(weft_cloth_def, wind_table),
-      .meaning = "velocity at times: smooth, through all rows and between them within "
-                 "their range, constant before the first and after the last; or {rows: "
-                 "..., spline: natural}" },
-    { "drag", WEFT__NUMBER, .required = true, NUMBER(wind, wind_drag),
-      .meaning = "F = drag * area * (n . (velocity - v)) n" },
-};
+#include "forces/wind/wind_keys.h"
 
 static const weft__key force_keys[] = {
     { "gravity", WEFT__VECTOR, .fallback = "[0, -9.81, 0]", NUMBER(body, gravity),

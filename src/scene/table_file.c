@@ -10,9 +10,6 @@
 #define HEADER "t,x,y,z"
 enum { COLUMNS = 4, LONGEST = 512 };
 
-/* What stands in place of a value: itself, if nothing changes. */
-typedef const weft__node *change_fn(weft__reader *reader, const weft__node *node);
-
 /* ---- a file ---------------------------------------------------------------------- */
 
 /* One that is being read; `at`: its name in the scene. */
@@ -145,17 +142,15 @@ static const weft__node *take_file(weft__reader *reader, const weft__node *node)
 
 /* ---- where tables are ------------------------------------------------------------ */
 
-/* A mapping whose value of `key` is changed. */
-static const weft__node *with(weft__reader *reader, const weft__node *node,
-                              const char *key, change_fn *change)
+static const weft__node *take_section(weft__reader *reader, const weft__section *of,
+                                      const weft__node *node);
+
+/* A node with another value in a slot; itself, if that is the one it has, or there is
+ * no memory. */
+static const weft__node *with_value(weft__reader *reader, const weft__node *node,
+                                    size_t slot, const weft__node *value)
 {
-    const size_t slot
-        = node->type == WEFT__MAP ? weft__find_key(node, key, strlen(key)) : SIZE_MAX;
-    if (slot >= node->count || node->entries[slot].value == NULL) {
-        return node;
-    }
     const weft__entry *now = &node->entries[slot];
-    const weft__node *value = change(reader, now->value);
     const weft__node *out = value == now->value
                                 ? node
                                 : weft__node_with(reader->tree, node, slot,
@@ -163,61 +158,49 @@ static const weft__node *with(weft__reader *reader, const weft__node *node,
     return out != NULL ? out : node;
 }
 
-/* A list whose items are changed. */
-static const weft__node *each(weft__reader *reader, const weft__node *node,
-                              change_fn *change)
+static const weft__node *with_key(weft__reader *reader, const weft__node *node,
+                                  const char *key, const weft__node *value)
 {
-    for (size_t i = 0; i < weft__item_count(node); ++i) {
-        const weft__node *item = weft__item(node, i), *now = change(reader, item);
-        const weft__node *out
-            = now == item
-                  ? node
-                  : weft__node_with(reader->tree, node, i, (weft__entry){ NULL, now });
-        node = out != NULL ? out : node;
+    return with_value(reader, node, weft__find_key(node, key, strlen(key)), value);
+}
+
+/* What stands in place of a value, or of an item or a member of it: itself, if nothing
+ * changes. */
+static const weft__node *take_value(weft__reader *reader, const weft__key *key,
+                                    const weft__node *node)
+{
+    const weft__node *rows
+        = node->type == WEFT__MAP ? weft__value_of(node, "rows") : NULL;
+    if (key->kind != WEFT__TRACK) {
+        return take_section(reader, key->section, node);
+    }
+    return rows == NULL ? take_file(reader, node)
+                        : with_key(reader, node, "rows", take_file(reader, rows));
+}
+
+/* All values of a mapping, or of each mapping of a list. */
+static const weft__node *take_section(weft__reader *reader, const weft__section *of,
+                                      const weft__node *node)
+{
+    for (size_t i = 0; node->type == WEFT__LIST && i < weft__item_count(node); ++i) {
+        node = with_value(reader, node, i,
+                          take_section(reader, of, weft__item(node, i)));
+    }
+    for (size_t i = 0; node->type == WEFT__MAP && i < of->count; ++i) {
+        const weft__key *key = &of->keys[i];
+        const bool may = key->kind == WEFT__TRACK || key->kind == WEFT__MAPPING
+                         || key->kind == WEFT__ITEMS || key->kind == WEFT__CLOTHS;
+        const weft__node *value = may ? weft__value_of(node, key->name) : NULL;
+        if (value != NULL) {
+            node = with_key(reader, node, key->name, take_value(reader, key, value));
+        }
     }
     return node;
 }
 
-static const weft__node *table(weft__reader *reader, const weft__node *node)
-{
-    return take_file(reader, with(reader, node, "rows", take_file));
-}
-
-static const weft__node *pin(weft__reader *reader, const weft__node *node)
-{
-    return with(reader, node, "path", table);
-}
-
-static const weft__node *pins(weft__reader *reader, const weft__node *node)
-{
-    return each(reader, node, pin);
-}
-
-static const weft__node *cloth(weft__reader *reader, const weft__node *node)
-{
-    return with(reader, node, "pins", pins);
-}
-
-static const weft__node *cloths(weft__reader *reader, const weft__node *node)
-{
-    return each(reader, node, cloth);
-}
-
-static const weft__node *wind(weft__reader *reader, const weft__node *node)
-{
-    return with(reader, node, "table", table);
-}
-
-static const weft__node *forces(weft__reader *reader, const weft__node *node)
-{
-    return with(reader, node, "wind", wind);
-}
-
 bool weft__take_tables(weft__reader *reader)
 {
-    const weft__node *before = reader->tree->root, *root = before;
-    root = with(reader, root, "cloth", cloth);
-    root = with(reader, root, "cloths", cloths);
-    reader->tree->root = with(reader, root, "forces", forces);
+    const weft__node *before = reader->tree->root;
+    reader->tree->root = take_section(reader, reader->root, before);
     return reader->tree->root != before;
 }

@@ -12,13 +12,10 @@ static const struct {
     size_t at; /* in weft_ledger */
     bool heat;
 } accounts[WEFT_POWERS] = {
-    [WEFT_POWER_SPRINGS] = { offsetof(weft_ledger, dissipated_springs), true },
-    [WEFT_POWER_DRAG] = { offsetof(weft_ledger, dissipated_drag), true },
-    [WEFT_POWER_WIND] = { offsetof(weft_ledger, work_wind), false },
-    [WEFT_POWER_PINS] = { offsetof(weft_ledger, work_pins), false },
-    [WEFT_POWER_CONTACT] = { offsetof(weft_ledger, dissipated_contact), true },
-    [WEFT_POWER_FRICTION] = { offsetof(weft_ledger, dissipated_friction), true },
-    [WEFT_POWER_SHAPES] = { offsetof(weft_ledger, shape_work), false },
+#define ACCOUNT(member, power, by)                                                     \
+    [power] = { offsetof(weft_ledger, member), sizeof(by) == sizeof "" },
+    WEFT_LEDGER_POWERS(ACCOUNT) WEFT_LEDGER_LATER_POWERS(ACCOUNT)
+#undef ACCOUNT
 };
 
 bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,

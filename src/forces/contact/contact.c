@@ -315,20 +315,6 @@ static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
     return weft__rigid_hash(&shape->motion, hash);
 }
 
-uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash)
-{
-    hash = weft__hash_word(hash, (uint64_t)law->exponent);
-    hash = weft__hash_word(hash, (uint64_t)law->law);
-    return WEFT__HASH_NUMBERS(hash, law->thickness, law->stopping_speed, law->damping,
-                              law->slip);
-}
-
-uint64_t weft__contact_hash(const weft__contact *own)
-{
-    return weft__law_hash(&own->law,
-                          weft__hash_real(WEFT__HASH_START, own->law.friction));
-}
-
 /* Nothing without contact. The law is hashed once, after self-contact. */
 static uint64_t contact_hash_of(const void *own, uint64_t hash)
 {

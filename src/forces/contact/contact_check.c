@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/finite.h"
+#include "base/hash.h"
 #include "forces/contact/mesh_shape.h"
 #include "mesh/grid_def.h"
 #include "mesh/triangles_work.h"
@@ -245,4 +246,20 @@ weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
     *out = weft__shape_of(def, own->law.friction);
     out->motion.motion.since = since;
     return WEFT_OK;
+}
+
+/* ---- hashes --------------------------------------------------------------------- */
+
+uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash)
+{
+    hash = weft__hash_word(hash, (uint64_t)law->exponent);
+    hash = weft__hash_word(hash, (uint64_t)law->law);
+    return WEFT__HASH_NUMBERS(hash, law->thickness, law->stopping_speed, law->damping,
+                              law->slip);
+}
+
+uint64_t weft__contact_hash(const weft__contact *own)
+{
+    return weft__law_hash(&own->law,
+                          weft__hash_real(WEFT__HASH_START, own->law.friction));
 }
