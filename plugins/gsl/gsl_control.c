@@ -23,15 +23,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = 8 };
+#include "../linear/vectors.h"
 
-/* Wider vectors where the machine has them; found out before there is a sanitizer. */
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)                   \
-    && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define WIDE __attribute__((target_clones("default", "avx2")))
-#else
-#define WIDE
-#endif
+enum { LANES = 8 };
 
 /* Added to the bits of |x| it carries into the sign just where x is not finite. */
 static inline uint64_t shows_not_finite(double x)
@@ -42,9 +36,8 @@ static inline uint64_t shows_not_finite(double x)
 }
 
 /* Raises lane[0 .. count) to |e_i| / D_i. */
-static inline __attribute__((always_inline)) void
-raise_lanes(const double *y, const double *e, double rtol, double atol, size_t count,
-            double *lane, uint64_t *bad)
+INLINE void raise_lanes(const double *y, const double *e, double rtol, double atol,
+                        size_t count, double *lane, uint64_t *bad)
 {
     for (size_t i = 0; i < count; ++i) {
         const double r = fabs(e[i]) / (atol + rtol * fabs(y[i]));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* vectors.h -- how loops over long arrays are compiled: for the machine's widest
- * vectors, with the same bits. */
+ * vectors, with the same bits. All plugins that have such loops include it. */
 #pragma once
 
 /* Wider vectors where the machine has them, for static functions: the symbols of others
@@ -19,3 +19,6 @@
 #else
 #define ELEMENTWISE _Pragma("GCC ivdep")
 #endif
+
+/* A loop that several WIDE functions share, each for its own constants. */
+#define INLINE static inline __attribute__((always_inline))

@@ -9,8 +9,8 @@
 
 enum { LANES = 64 }; /* partial results of a norm */
 
-static inline __attribute__((always_inline)) void
-add_up(size_t n, int count, const double *const *x, const double *c, double *to)
+INLINE void add_up(size_t n, int count, const double *const *x, const double *c,
+                   double *to)
 {
     const double *a = x[0], *b = x[1], *d = x[count > 2 ? 2 : 0];
     const double *e = x[count > 3 ? 3 : 0], *f = x[count > 4 ? 4 : 0];
@@ -75,10 +75,8 @@ bool weft__stiff_finite(size_t n, const double *y)
 }
 
 /* Adds to lane[LANES] the squares, or takes the largest. */
-static inline __attribute__((always_inline)) void gather(bool max, size_t n,
-                                                         const double *e,
-                                                         const double *y, double rtol,
-                                                         double atol, double *lane)
+INLINE void gather(bool max, size_t n, const double *e, const double *y, double rtol,
+                   double atol, double *lane)
 {
     for (size_t at = 0; at < n; at += LANES) {
         const size_t count = n - at < LANES ? n - at : LANES;

@@ -90,8 +90,8 @@ static inline uint64_t magnitude_bits(double x)
 /* ---- combinations ---------------------------------------------------------------- */
 
 /* Returns whether something of z is not finite. */
-static inline __attribute__((always_inline)) bool
-add_up(int count, const double *const *x, const double *c, double *z, size_t n)
+INLINE bool add_up(int count, const double *const *x, const double *c, double *z,
+                   size_t n)
 {
     const double *from[SIDE_BY_SIDE];
     double factor[SIDE_BY_SIDE];
