@@ -32,19 +32,19 @@ static uint32_t name(const uint32_t *number, size_t i)
 static naive_triangle naive_of(const weft__triangles *mesh, size_t t,
                                const uint32_t *number)
 {
-    double of[WEFT__CONSTANTS * WEFT__WIDTH];
+    double of[WEFT__CONSTANTS];
     naive_triangle to;
     weft__membrane_constants(mesh, t, of);
     for (size_t k = 0; k < 6; ++k) {
-        to.stiff[k] = of[k * WEFT__WIDTH];
+        to.stiff[k] = of[WEFT__STIFF + k];
     }
     for (size_t k = 0; k < 3; ++k) {
         to.corner[k] = name(number, mesh->corner[t][k]);
-        to.square[k] = of[(WEFT__SQUARE + k) * WEFT__WIDTH];
+        to.square[k] = of[WEFT__SQUARE + k];
     }
-    to.least = of[WEFT__LEAST * WEFT__WIDTH];
-    to.lag = of[WEFT__LAG * WEFT__WIDTH];
-    to.guard = of[WEFT__GUARD * WEFT__WIDTH];
+    to.least = of[WEFT__LEAST];
+    to.lag = of[WEFT__LAG];
+    to.guard = of[WEFT__GUARD];
     return to;
 }
 

@@ -23,7 +23,7 @@ enum {
     WEFT__NEAR = 768 /* particles that one block may touch in the fast form */
 };
 
-/* Constants of a triangle, one plane for each. A lane without a triangle has zeros. */
+/* Constants of a triangle. */
 enum {
     WEFT__STIFF = 0,  /* [N/m^3] K: 00, 11, 22, 01, 02, 12 */
     WEFT__SQUARE = 6, /* [m^2] squares of the edges at rest */
@@ -33,8 +33,9 @@ enum {
     WEFT__CONSTANTS
 };
 
+/* One plane for each constant. A lane without a triangle has zeros. */
 typedef struct weft__batch {
-    double of[WEFT__CONSTANTS * WEFT__WIDTH];
+    double of[WEFT__CONSTANTS][WEFT__WIDTH];
 } weft__batch;
 
 /* Which triangles and particles a batch has. In `near` a block's own particles come
@@ -141,11 +142,14 @@ static inline void weft__membrane_stress(const weft_fabric *of, const double str
     stress[2] = 2.0 * of->shear * strain[2];
 }
 
-/* The constants of triangle t, to lane 0 of a batch. */
-void weft__membrane_constants(const weft__triangles *of, size_t t, double *to);
+void weft__membrane_constants(const weft__triangles *of, size_t t,
+                              double to[WEFT__CONSTANTS]);
 
-/* Green's strain E11, E22, E12 that the square of each edge adds by 1 m^2 [1/m^2]. */
+/* Green's strain E11, E22, E12 that the square of each edge adds by 1 m^2 [1/m^2]; and
+ * the constants, where that is there already. */
 void weft__membrane_shape(const weft__triangles *of, size_t t, double shape[3][3]);
+void weft__membrane_shaped(const weft__triangles *of, size_t t,
+                           const double shape[3][3], double to[WEFT__CONSTANTS]);
 
 /* The barrier's energy [J] as a function of r = 16 area^2 / least: less its slope, its
  * curvature, and the slopes [1/m^2] of r in the squares of the edges. */
@@ -178,7 +182,7 @@ typedef struct weft__sides3 {
 
 /* One triangle of a batch. */
 typedef struct weft__triangle {
-    const double *of;       /* its constants, WEFT__WIDTH apart */
+    double of[WEFT__CONSTANTS];
     const uint32_t *corner; /* its particles */
     size_t number;
 } weft__triangle;
@@ -230,7 +234,7 @@ typedef struct weft__load {
     double arc[3];            /* [m^2] |h|^2 of the arcs */
     double press;             /* [N/m] above the stress of any slack, without a state */
     weft__barrier barrier;
-    double of[WEFT__CONSTANTS * WEFT__WIDTH];
+    double of[WEFT__CONSTANTS];
 } weft__load;
 
 void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,

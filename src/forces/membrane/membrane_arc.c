@@ -84,7 +84,7 @@ static void add_pull(const weft__membrane *own, const weft__state *at, size_t t,
                      size_t e, bool change, pull *sum)
 {
     const uint32_t *edge = own->mesh->triangles->edge[t];
-    double c[WEFT__CONSTANTS * WEFT__WIDTH], z[3], q[3], all[3], ends[3];
+    double c[WEFT__CONSTANTS], z[3], q[3], all[3], ends[3];
     const size_t k = edge[0] == e ? 0 : edge[1] == e ? 1 : 2;
     weft__membrane_constants(own->mesh->triangles, t, c);
     const double lag = CONSTANT(c, WEFT__LAG);

@@ -120,7 +120,7 @@ static bool take_triangle(arc_maker *by, uint32_t t)
 static bool take_edges(arc_maker *by, const weft__arc_group *from,
                        weft__arc_triangle *tri)
 {
-    double c[WEFT__CONSTANTS * WEFT__WIDTH];
+    double c[WEFT__CONSTANTS];
     bool made = true;
     for (size_t k = 0; made && k < 3; ++k) {
         const uint32_t e = by->of->edge[tri->triangle][k];
@@ -128,13 +128,9 @@ static bool take_edges(arc_maker *by, const weft__arc_group *from,
         tri->edge[k] = (uint16_t)(by->edge[e] - 1);
     }
     weft__membrane_constants(by->of, tri->triangle, c);
-    for (size_t k = 0; k < 6; ++k) {
-        tri->stiff[k] = c[(WEFT__STIFF + k) * WEFT__WIDTH];
-    }
-    for (size_t k = 0; k < 3; ++k) {
-        tri->square[k] = c[(WEFT__SQUARE + k) * WEFT__WIDTH];
-    }
-    tri->lag = c[WEFT__LAG * WEFT__WIDTH];
+    memcpy(tri->stiff, c + WEFT__STIFF, sizeof tri->stiff);
+    memcpy(tri->square, c + WEFT__SQUARE, sizeof tri->square);
+    tri->lag = c[WEFT__LAG];
     return made;
 }
 

@@ -67,8 +67,8 @@ void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,
     const size_t n = mesh->particles;
     double part[3][3], e[3] = { 0.0, 0.0, 0.0 }, chord[3], stress[3], unused[3];
     double h[3];
-    weft__membrane_constants(tri, t, out->of);
     weft__membrane_shape(tri, t, part);
+    weft__membrane_shaped(tri, t, (const double(*)[3])part, out->of);
     for (size_t i = 0; i < 3; ++i) {
         const double *x = y + tri->corner[t][(i + 1) % 3];
         const double *z = y + tri->corner[t][(i + 2) % 3];
@@ -99,7 +99,8 @@ void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,
 /* The same for all stretches in [0, MOST_STRETCH]. The strain is e I - P, P >= 0: in
  * most fabrics C:P >= 0, and S <= e C:I. In others S12 and what the coupling takes from
  * S11 and S22 are bounded apart. */
-static void any_load(const weft__rest *of, weft__load *out)
+static void any_load(const weft__triangles *tri, size_t t, const weft__rest *of,
+                     weft__load *out)
 {
     const weft_fabric *c = of->fabric;
     const double warp = c->stretch[0], weft = c->stretch[1], e12 = c->coupling;
@@ -107,6 +108,7 @@ static void any_load(const weft__rest *of, weft__load *out)
     const bool usual = e12 >= 0.0 && sqrt(warp * weft) + e12 >= 2.0 * c->shear;
     const double turn = fmax(e12 * e, e12 * least);
     const double shear = usual ? 0.0 : c->shear * (e - least);
+    weft__membrane_constants(tri, t, out->of);
     out->square = MOST_STRETCH * MOST_STRETCH;
     out->taut[0] = weft * e + turn + shear;
     out->taut[1] = warp * e + turn + shear;
@@ -172,7 +174,7 @@ static bound_parts membrane_bounds_parts_of(const weft__membrane *own,
     if (at->y != NULL) {
         weft__load_of(own, t, rest, at->y, &now);
     } else {
-        any_load(rest, &now);
+        any_load(mesh->triangles, t, rest, &now);
     }
     for (size_t b = 0; b < 3; ++b) {
         if (mesh->pin[corner[b]] != 0) {
@@ -205,19 +207,17 @@ static bound_parts arc_parts(const weft__membrane *own, const weft__state *at, s
     const weft__triangles *tri = own->mesh->triangles;
     const uint32_t *edge = tri->edge[t];
     const size_t e = part->item / 2, k = edge[0] == e ? 0 : edge[1] == e ? 1 : 2;
-    double c[WEFT__CONSTANTS * WEFT__WIDTH];
     static const size_t plane[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
     double row = 0.0, pulls[2];
     weft__load now;
-    weft__membrane_constants(tri, t, c);
-    for (size_t j = 0; j < 3; ++j) {
-        row += fabs(CONSTANT(c, plane[k][j]));
-    }
     if (at->y != NULL) {
         weft__load_of(own, t, rest, at->y, &now);
     } else {
-        any_load(rest, &now);
-        now.arc[k] = MOST_TURN * MOST_TURN / 12.0 * CONSTANT(c, WEFT__SQUARE + k);
+        any_load(tri, t, rest, &now);
+        now.arc[k] = MOST_TURN * MOST_TURN / 12.0 * CONSTANT(now.of, WEFT__SQUARE + k);
+    }
+    for (size_t j = 0; j < 3; ++j) {
+        row += fabs(CONSTANT(now.of, WEFT__STIFF + plane[k][j]));
     }
     arc_pulls(rest, &now, at->y == NULL, k, pulls);
     const double scale = fabs(part->share) * own->arc.reach[e] / own->weight[i]

@@ -185,7 +185,7 @@ INLINE void batch(const double *of, const uint16_t *at, local *in, bool damped)
 INLINE void batches(const weft__membrane *own, size_t b, local *in, bool damped)
 {
     for (size_t g = own->blocks[b].batch; g < own->blocks[b + 1].batch; ++g) {
-        const double *of = own->batches[g].of;
+        const double *of = own->batches[g].of[0];
         const uint16_t *at = own->corners[g].near[0];
         for (size_t k = 0; k < WEFT__LAG; ++k) {
             __builtin_prefetch(of + AHEAD * WEFT__CONSTANTS * WEFT__WIDTH

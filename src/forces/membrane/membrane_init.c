@@ -132,9 +132,12 @@ static bool make_constants(maker *by)
         const size_t g = j / WEFT__WIDTH, lane = j % WEFT__WIDTH;
         const uint32_t t = own->corners[g].triangle[lane];
         if (t != WEFT__NONE) {
-            weft__membrane_constants(by->of, t, own->batches[g].of + lane);
-            own->damped = own->damped
-                          || own->batches[g].of[WEFT__LAG * WEFT__WIDTH + lane] != 0.0;
+            double constants[WEFT__CONSTANTS];
+            weft__membrane_constants(by->of, t, constants);
+            for (size_t k = 0; k < WEFT__CONSTANTS; ++k) {
+                own->batches[g].of[k][lane] = constants[k];
+            }
+            own->damped = own->damped || constants[WEFT__LAG] != 0.0;
         }
     }
     return true;

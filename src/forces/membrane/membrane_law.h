@@ -6,9 +6,14 @@
 #include "forces/law.h"
 #include "forces/membrane/membrane.h"
 
+/* of: the constants of a triangle, or those of a batch from a lane on */
+#ifdef LAW_OF_LANES
 #define CONSTANT(of, k) AT((of) + (k)*WEFT__WIDTH)
+#else
+#define CONSTANT(of, k) (of)[k]
+#endif
 
-/* [N/m] K q; of: the constants of a batch at a lane */
+/* [N/m] K q */
 LAW void law_stiff(const double *of, const num q[3], num s[3])
 {
     const num k01 = CONSTANT(of, 3), k02 = CONSTANT(of, 4), k12 = CONSTANT(of, 5);

@@ -27,8 +27,11 @@ bool weft__membrane_each(const weft__membrane *of, size_t b, size_t *next,
         const size_t g = of->blocks[b].batch + i / WEFT__WIDTH, lane = i % WEFT__WIDTH;
         const uint32_t t = of->corners[g].triangle[lane];
         if (t != WEFT__NONE) {
-            *out = (weft__triangle){ of->batches[g].of + lane,
-                                     of->mesh->triangles->corner[t], t };
+            for (size_t k = 0; k < WEFT__CONSTANTS; ++k) {
+                out->of[k] = of->batches[g].of[k][lane];
+            }
+            out->corner = of->mesh->triangles->corner[t];
+            out->number = t;
             *next = i + 1;
             return true;
         }
@@ -188,28 +191,35 @@ static double membrane_loops_rest_square(const weft__triangles *of, size_t t, si
     return u * u + v * v;
 }
 
-void weft__membrane_constants(const weft__triangles *of, size_t t, double *to)
+void weft__membrane_shaped(const weft__triangles *of, size_t t,
+                           const double shape[3][3], double to[WEFT__CONSTANTS])
 {
     static const size_t pairs[6][2]
         = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
     const weft_fabric *fabric = &of->fabrics[of->fabric[t]];
     const double area = of->area[t];
-    double shape[3][3], stress[3];
-    weft__membrane_shape(of, t, shape);
+    double stress[3];
     for (size_t k = 0; k < 6; ++k) {
         const double *a = shape[pairs[k][0]];
         weft__membrane_stress(fabric, shape[pairs[k][1]], stress);
-        to[k * WEFT__WIDTH]
+        to[WEFT__STIFF + k]
             = 2.0 * area
               * (a[0] * stress[0] + a[1] * stress[1] + 2.0 * a[2] * stress[2]);
     }
     for (size_t i = 0; i < 3; ++i) {
-        to[(WEFT__SQUARE + i) * WEFT__WIDTH] = membrane_loops_rest_square(of, t, i);
+        to[WEFT__SQUARE + i] = membrane_loops_rest_square(of, t, i);
     }
-    to[WEFT__LEAST * WEFT__WIDTH] = 0.36 * 16.0 * area * area;
-    to[WEFT__LAG * WEFT__WIDTH] = 2.0 * fabric->damping[0];
-    to[WEFT__GUARD * WEFT__WIDTH]
-        = area * (fabric->stretch[0] + fabric->stretch[1]) / 8.0;
+    to[WEFT__LEAST] = 0.36 * 16.0 * area * area;
+    to[WEFT__LAG] = 2.0 * fabric->damping[0];
+    to[WEFT__GUARD] = area * (fabric->stretch[0] + fabric->stretch[1]) / 8.0;
+}
+
+void weft__membrane_constants(const weft__triangles *of, size_t t,
+                              double to[WEFT__CONSTANTS])
+{
+    double shape[3][3];
+    weft__membrane_shape(of, t, shape);
+    weft__membrane_shaped(of, t, (const double(*)[3])shape, to);
 }
 
 bool weft__membrane_barrier(const double *of, const double square[3],
