@@ -138,7 +138,7 @@ static void pushes(void *ctx)
         weft__self_chunk *in = &list->chunks[i];
         for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
             (void)list->own->pushes(&law, (weft__pair_kind)kind,
-                                    &in->bins[kind].before.near, in->before.spans,
+                                    &in->bins[kind].before.near, in->before.subsets,
                                     in->now.count, of->place, in->bins[kind].pushes,
                                     &bad);
         }
@@ -148,8 +148,8 @@ static void pushes(void *ctx)
 static void check(void *ctx)
 {
     part *of = ctx;
-    weft__bodies_breach breach;
-    (void)weft__bodies_clear(of->forces->bodies, &of->path, &breach);
+    weft__bodies_penetration penetration;
+    (void)weft__bodies_clear(of->forces->bodies, &of->path, &penetration);
 }
 
 static void make(void *ctx)

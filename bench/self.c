@@ -69,12 +69,14 @@ static sig_atomic_t enter(phase now)
 }
 
 static size_t pushes(const weft__self_law *law, weft__pair_kind kind,
-                     const weft__near *near, const weft__span *spans, size_t span_count,
-                     const double *y, weft__pushes *out, double *bad)
+                     const weft__near *near, const weft__pair_subset *subsets,
+                     size_t subset_count, const double *y, weft__pushes *out,
+                     double *bad)
 {
     const sig_atomic_t outer = enter(PUSHES);
-    const size_t count = forms.pushes(law, kind, near, spans, span_count, y, out, bad);
-    listed += span_count > 0 ? spans[span_count - 1].end[kind] : 0;
+    const size_t count
+        = forms.pushes(law, kind, near, subsets, subset_count, y, out, bad);
+    listed += subset_count > 0 ? subsets[subset_count - 1].end[kind] : 0;
     pushing += count;
     current = outer;
     return count;

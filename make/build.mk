@@ -64,7 +64,7 @@ $(BUILD)/program/watch/%.o: OWN += $(if $(HAVE_HTTP),-DWEFT_HTTP)
 
 $(LIB_OBJ): OWN += $(if $(KERNELS),,-DWEFT_PLAIN)
 # Sums of whole states, which gcc takes several at a time.
-$(addprefix $(BUILD)/src/,sim/adjoint.o sim/between.o sim/wave.o cloth/slope.o): OWN += $(if $(SAN),,-O3)
+$(addprefix $(BUILD)/src/,sim/adjoint.o sim/between.o sim/wave.o cloth/parameter_derivative.o): OWN += $(if $(SAN),,-O3)
 # Lines for debuggers, but not the places of variables: those of inlined loops take a third of the compiler's time.
 KERNEL_FLAGS := $(if $(SAN),,-O2 $(if $(filter -g,$(CFLAGS)),-g1)) -fno-math-errno -fno-trapping-math
 # clang 11 has no names of levels.

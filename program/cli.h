@@ -262,8 +262,8 @@ weft_status band_sim_create(const weft_scene *scene, const weft_comm *comm,
                             weft_sim **sim, weft_error *err);
 
 /* The cloths of its sensitivities, which must outlive a simulation; none: NULL. */
-weft_status twins_create(const arguments *given, const weft_scene *scene,
-                         weft_scene_perturbed **out, weft_error *err);
+weft_status perturbed_create(const arguments *given, const weft_scene *scene,
+                             weft_scene_perturbed **out, weft_error *err);
 
 /* ---- run/records.c ---- */
 

@@ -186,8 +186,8 @@ static weft_scene_def scene_def(const arguments *given)
     return def;
 }
 
-weft_status twins_create(const arguments *given, const weft_scene *scene,
-                         weft_scene_perturbed **out, weft_error *err)
+weft_status perturbed_create(const arguments *given, const weft_scene *scene,
+                             weft_scene_perturbed **out, weft_error *err)
 {
     const weft_scene_def def = scene_def(given);
     *out = NULL;

@@ -67,8 +67,8 @@ bool shadow_at(const shadow *of, const double *xyz, const double direction[2],
     }
     for (size_t k = 0; out->of != NULL && k < 3; ++k) {
         const double by = along[k] - best[1] * across[k];
-        out->slope[0][k] = (1.0 - best[0]) * by;
-        out->slope[1][k] = best[0] * by;
+        out->derivative[0][k] = (1.0 - best[0]) * by;
+        out->derivative[1][k] = best[0] * by;
     }
     return out->of != NULL;
 }

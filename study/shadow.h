@@ -17,9 +17,9 @@ weft_status shadow_init(shadow *of, const weft_cloth *cloth, const double gravit
                         weft_error *err);
 
 typedef struct shadow_point {
-    double radius;      /* [m] */
-    const uint32_t *of; /* the ends of the edge that is there */
-    double slope[2][3]; /* of the radius by their positions */
+    double radius;           /* [m] */
+    const uint32_t *of;      /* the ends of the edge that is there */
+    double derivative[2][3]; /* of the radius by their positions */
 } shadow_point;
 
 /* In a direction, the cosine and sine of an angle from axis 0; xyz: positions [m].

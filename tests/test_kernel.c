@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloth/slope.h"
+#include "cloth/parameter_derivative.h"
 
 enum { SEEDS = 400, MOST = 2200, SHAPES = 11 };
 
@@ -19,7 +19,7 @@ weft__products_fn weft__products_wide;
 weft__add_fn weft__bending_wide, weft__wind_wide, weft__contact_wide;
 weft__clear_fn weft__clear_wide;
 weft__pushes_fn weft__pushes_wide;
-weft__waits_fn weft__waits_wide;
+weft__slack_fn weft__slack_wide;
 weft__gaps_fn weft__gaps_wide;
 weft__meets_fn weft__meets_wide;
 weft__within_fn weft__within_wide;
@@ -201,7 +201,7 @@ static const char *choose(weft_cloth *cloth, size_t form)
         cloth->contact.fast = weft__contact_wide;
         cloth->contact.clear = weft__clear_wide;
         cloth->self.pushes = weft__pushes_wide;
-        cloth->self.waits = weft__waits_wide;
+        cloth->self.slack = weft__slack_wide;
         cloth->self.gaps = weft__gaps_wide;
         cloth->self.meets = weft__meets_wide;
         cloth->self.within = weft__within_wide;
@@ -278,7 +278,7 @@ START_TEST(products_have_the_bits_of_the_plain_loops_on_every_level)
             memset(m.dydt, 0xff, sizeof m.dydt);
             ck_assert_int_eq(weft_cloth_jacobian_product(m.cloth, m.t, m.y, dy, m.dydt),
                              0);
-            weft__by_numbers by;
+            weft__parameter_gradient by;
             const weft__state at = { .t = m.t, .y = m.y };
             uint64_t all = hash();
             ck_assert_int_eq(
@@ -304,8 +304,9 @@ START_TEST(several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loo
         make(number);
         const size_t stride = ALL * m.n;
         uint64_t seed = number + 1, plain = 0;
-        weft__spring_slope by
-            = { .ways = 0x2d, .damped = true, .drag = 0.1, .inverse_mass = masses };
+        weft__spring_derivative by = {
+            .orientations = 0x2d, .damped = true, .drag = 0.1, .inverse_mass = masses
+        };
         fill(by.gravity, 1.0, &seed);
         const size_t cols = m.def.cols, down = number % 2 == 0 ? cols : ALL * cols;
         const size_t part = number % 2 == 0 ? m.n : cols;
@@ -320,20 +321,21 @@ START_TEST(several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loo
         }
         for (size_t g = 0; g < WEFT_GROUPS; ++g) {
             by.laws[g]
-                = (weft__slope_law){ chance(&seed), chance(&seed), chance(&seed) };
+                = (weft__law_derivative){ chance(&seed), chance(&seed), chance(&seed) };
         }
-        weft__ways ways
+        weft__tangents tangents
             = { .y = z, .base = out, .stride = stride, .down = down, .count = ALL - 1 };
         for (size_t j = 0; j < ALL - 1; ++j) {
             const size_t at = (1 + j) * part;
-            ways.way[j] = (weft__way){ z + at, out + at, j == 1 ? &by : NULL };
+            tangents.tangent[j]
+                = (weft__tangent){ z + at, out + at, j == 1 ? &by : NULL };
         }
         for (size_t i = 0; i < form_count(); ++i) {
             const char *name = choose(m.cloth, i);
             const weft__springs *own = &m.cloth->springs;
             memset(out, 0xff, sizeof out);
-            ck_assert_int_eq(own->products(own, &m.cloth->body, &ways, 0, m.def.rows),
-                             0);
+            ck_assert_int_eq(
+                own->products(own, &m.cloth->body, &tangents, 0, m.def.rows), 0);
             const uint64_t found = test_hash(out, 6 * stride);
             plain = i == 0 ? found : plain;
             ck_assert_msg(found == plain, "%u: %zu x %zu on %s", (unsigned)number,
@@ -485,7 +487,7 @@ enum { KINDS = WEFT__EDGES + 1, PAIRS = 16384, PADDED = PAIRS + WEFT__BLOCK };
 typedef struct pair_list {
     weft__self_law law;
     int32_t particle[WEFT__NEAR_PLANES][PADDED];
-    double waits[PADDED], mass[PADDED], rest[PADDED];
+    double slack[PADDED], mass[PADDED], rest[PADDED];
     size_t count;
 } pair_list;
 
@@ -501,7 +503,7 @@ static bool keep_pair(void *ctx, const weft__pair *pair)
     of->particle[5][of->count] = (int32_t)pair->item[1];
     of->mass[of->count] = weft__pair_mass(of->law.own, pair);
     of->rest[of->count] = weft__pair_rest(&of->law, pair);
-    of->waits[of->count] = of->mass[of->count] == 0.0 ? (double)INFINITY
+    of->slack[of->count] = of->mass[of->count] == 0.0 ? (double)INFINITY
                            : of->count % 3 == 2       ? 1.0
                                                       : 0.0;
     ++of->count;
@@ -512,7 +514,7 @@ static bool keep_pair(void *ctx, const weft__pair *pair)
 static weft__near near_of(pair_list *of, size_t count)
 {
     const size_t first = of->count - count;
-    weft__near near = { .waits = of->waits + first,
+    weft__near near = { .slack = of->slack + first,
                         .mass = of->mass + first,
                         .rest = of->rest + first };
     for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
@@ -582,23 +584,25 @@ static void expect_same_push(weft__pair_kind kind, const weft__pushes *a,
     ck_assert_mem_eq(&a->friction[lane], &b->friction[lane], sizeof(double));
 }
 
-/* Of `count` pairs, the first of which are in spans of 0, 1, 2, ... that have moved. */
+/* Of `count` pairs, the first of which are in subsets of 0, 1, 2, ... that have moved.
+ */
 static void expect_same_pushes(const weft__self *at, weft__pair_kind kind,
                                const weft__near *near, size_t count, const double *y,
                                const weft__self_law *law, size_t *found)
 {
     static weft__pushes plain[PAIRS / WEFT__BLOCK], pushes[PAIRS / WEFT__BLOCK];
-    enum { SPANS = 12 };
-    weft__span spans[SPANS];
+    enum { SUBSETS = 12 };
+    weft__pair_subset subsets[SUBSETS];
     double bad = 0.0;
-    for (size_t i = 0, end = 0; i < SPANS; ++i) {
-        end = i + 1 < SPANS && end + i < count ? end + i : count;
-        spans[i].moved = i % 2 == 0 ? 0.5 : 2.0;
-        spans[i].end[kind] = end;
+    for (size_t i = 0, end = 0; i < SUBSETS; ++i) {
+        end = i + 1 < SUBSETS && end + i < count ? end + i : count;
+        subsets[i].moved = i % 2 == 0 ? 0.5 : 2.0;
+        subsets[i].end[kind] = end;
     }
     const size_t all
-        = weft__pushes_loops(law, kind, near, spans, SPANS, y, plain, &bad);
-    ck_assert_uint_eq(at->pushes(law, kind, near, spans, SPANS, y, pushes, &bad), all);
+        = weft__pushes_loops(law, kind, near, subsets, SUBSETS, y, plain, &bad);
+    ck_assert_uint_eq(at->pushes(law, kind, near, subsets, SUBSETS, y, pushes, &bad),
+                      all);
     ck_assert_double_eq(bad, 0.0);
     for (size_t i = 0; i < all; ++i) {
         expect_same_push(kind, &plain[i / WEFT__BLOCK], &pushes[i / WEFT__BLOCK],
@@ -614,10 +618,10 @@ static void expect_same_waits(const weft__self *at, weft__pair_kind kind, pair_l
     for (size_t first = 0; first < 10; ++first) {
         const size_t size = (of->count - first) * sizeof(double);
         weft__near near = near_of(of, of->count);
-        near.waits = plain[0];
-        weft__waits_loops(at, kind, &near, first, of->count, y, 0.01, plain[1]);
-        near.waits = found[0];
-        at->waits(at, kind, &near, first, of->count, y, 0.01, found[1]);
+        near.slack = plain[0];
+        weft__slack_loops(at, kind, &near, first, of->count, y, 0.01, plain[1]);
+        near.slack = found[0];
+        at->slack(at, kind, &near, first, of->count, y, 0.01, found[1]);
         ck_assert_mem_eq(plain[0] + first, found[0] + first, size);
         ck_assert_mem_eq(plain[1] + first, found[1] + first, size);
     }
@@ -715,12 +719,12 @@ static void drift_patches(const weft__self *at, bool loops, const double *y,
     for (size_t i = 0; i < weft__tile_count(at); ++i) {
         weft__range range = { NULL, y, n, n, { 0, 0 }, NULL, 0 };
         size_t more[2];
-        if (at->skin == NULL) {
+        if (at->surface == NULL) {
             (loops ? weft__drift_loops : at->drift)(at, NULL, y, level, i, i + 1, to);
             continue;
         }
-        weft__patch_points(at->skin, level, true, i, range.run, more);
-        range.more = at->skin->tile_point + more[0];
+        weft__patch_points(at->surface, level, true, i, range.run, more);
+        range.more = at->surface->tile_point + more[0];
         range.count = more[1] - more[0];
         (loops ? weft__range_loops : at->range)(&range, &to[i]);
     }
@@ -730,7 +734,7 @@ static void expect_same_bounds(const weft__self *at, double *y)
 {
     const size_t n = at->points, count = weft__tile_count(at);
     weft__drift tiles[2][4];
-    ck_assert_uint_eq(count, at->skin != NULL ? 3 : 4);
+    ck_assert_uint_eq(count, at->surface != NULL ? 3 : 4);
     const weft__range whole = { NULL, y, n, n, { 0, n }, NULL, 0 };
     weft__range_loops(&whole, tiles[0]);
     ck_assert_double_eq(weft__extent(at, NULL, y),

@@ -485,7 +485,7 @@ START_TEST(a_squeezed_sheet_needs_the_filter)
     }
     ck_assert_int_eq(of->linearise(0.0, y, planes, NULL, of->ctx), 0);
     ck_assert_double_lt(curvature(planes, gamma), 0.0);
-    weft__filter_bonds(planes, of->pair_count);
+    weft__filter_springs(planes, of->pair_count);
     ck_assert_double_gt(curvature(planes, gamma), 0.0);
     for (int i = 0; i < 2; ++i) {
         weft__linear *linear

@@ -498,11 +498,11 @@ END_TEST
 /* K x or C x by the links of a state: their 9 numbers from `first` on. */
 static void multiply_links(size_t first, const double *x, double *out)
 {
-    const size_t count = weft__list_links(m.cloth, NULL), n = m.n;
+    const size_t count = weft__list_block_couplings(m.cloth, NULL), n = m.n;
     weft_block_coupling *links = malloc(count * sizeof *links);
     double *numbers = malloc(WEFT_COUPLING_NUMBERS * count * sizeof *numbers);
-    (void)weft__list_links(m.cloth, links);
-    ck_assert_int_eq(weft__linearise_links(m.cloth, 0.0, m.y, numbers), 0);
+    (void)weft__list_block_couplings(m.cloth, links);
+    ck_assert_int_eq(weft__linearise_block_couplings(m.cloth, 0.0, m.y, numbers), 0);
     memset(out, 0, 3 * n * sizeof *out);
     for (size_t l = 0; l < count; ++l) {
         const double *a = numbers + WEFT_COUPLING_NUMBERS * l + first;

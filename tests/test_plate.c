@@ -1009,9 +1009,9 @@ START_TEST(ties_are_the_matrix)
     sample of;
     sample_init(&of, _i);
     const weft__plate *plate = &of.cloth->plate;
-    const size_t count = weft__plate_force.couplings.ties(plate, NULL);
+    const size_t count = weft__plate_force.couplings.scalar_couplings(plate, NULL);
     weft_scalar_coupling *ties = malloc(count * sizeof *ties);
-    ck_assert_uint_eq(weft__plate_force.couplings.ties(plate, ties), count);
+    ck_assert_uint_eq(weft__plate_force.couplings.scalar_couplings(plate, ties), count);
     push(&of, of.y, of.force);
     double apart = 0.0, size = 0.0;
     for (size_t j = 0; j < count; ++j) {

@@ -469,7 +469,7 @@ START_TEST(pairs_do_not_push_before_their_wait)
         for (size_t k = 0; k < 4; ++k) {
             at[k][0] = (int32_t)of->at[i].particle[k];
         }
-        cloth->self.waits(&cloth->self, (weft__pair_kind)of->at[i].kind, &one, 0, 1, y,
+        cloth->self.slack(&cloth->self, (weft__pair_kind)of->at[i].kind, &one, 0, 1, y,
                           most, &distance);
         ck_assert_double_eq(distance, weft__pair_distance(&of->at[i], y, N));
         ck_assert_double_ge(wait, distance - def.contact.thickness);

@@ -119,14 +119,14 @@ static const weft_plugin *find_linked(void *ctx, const char *id, weft_error *err
 /* A run of a scene, at its end. */
 typedef struct end {
     weft_scene *scene;
-    weft_scene_perturbed *twins;
+    weft_scene_perturbed *perturbed;
     weft_cloth *cloth;
     weft_sim *sim;
 } end;
 
 static end begin(const char *text, const char *const *sets, size_t count)
 {
-    end of = { .twins = NULL };
+    end of = { .perturbed = NULL };
     weft_error err = { 0 };
     weft_scene_def def = scene_of_text(text);
     def.find_plugin = find_linked;
@@ -134,14 +134,14 @@ static end begin(const char *text, const char *const *sets, size_t count)
     def.set_count = count;
     of.scene = good_scene(&def);
     of.cloth = test_cloth(weft_scene_cloth(of.scene));
-    ck_assert_msg(weft_scene_perturbed_create(of.scene, &def, &of.twins, &err)
+    ck_assert_msg(weft_scene_perturbed_create(of.scene, &def, &of.perturbed, &err)
                       == WEFT_OK,
                   "%s", err.message);
     weft_sim_def sim = weft_sim_def_default();
     sim.cloth = of.cloth;
     sim.method = weft_scene_method_type(of.scene);
     sim.config = *weft_scene_config(of.scene);
-    sim.sensitivity = weft_scene_perturbed_def(of.twins);
+    sim.sensitivity = weft_scene_perturbed_def(of.perturbed);
     ck_assert_msg(weft_sim_create(&sim, &of.sim, &err) == WEFT_OK, "%s", err.message);
     return of;
 }
@@ -162,7 +162,7 @@ static end run(const char *text, const char *const *sets, size_t count)
 static void finish(end *of)
 {
     weft_sim_destroy(of->sim);
-    weft_scene_perturbed_destroy(of->twins);
+    weft_scene_perturbed_destroy(of->perturbed);
     weft_cloth_destroy(of->cloth);
     weft_scene_destroy(of->scene);
 }
@@ -650,7 +650,7 @@ START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
     write_square(4);
     end of = run(text, NULL, 0);
     const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of.scene);
-    const weft_sensitivity_def *def = weft_scene_perturbed_def(of.twins);
+    const weft_sensitivity_def *def = weft_scene_perturbed_def(of.perturbed);
     const size_t dim = weft_cloth_dim(of.cloth);
     const double t = weft_sim_time(of.sim), *y = weft_sim_state(of.sim);
     double *out = malloc(2 * dim * sizeof *out), *slope = out + dim, rate = 0.0;
@@ -748,9 +748,9 @@ static uint64_t check_gradient(const char *text, const char *stepper)
     double by_parameter[WEFT_SENSITIVITIES], *slope = calloc(2 * dim, sizeof *slope);
     weft_error err = { 0 };
     weft_sim *sim;
-    static wide twins;
-    const weft_sensitivity_def *numbers = &twins.def;
-    const weft_sim_def run = definition(&of, text, stepper, &twins);
+    static wide perturbed;
+    const weft_sensitivity_def *numbers = &perturbed.def;
+    const weft_sim_def run = definition(&of, text, stepper, &perturbed);
     weft_gradient_def def = weft_gradient_def_default();
     def.sim = &run, def.count = numbers->count, def.parameters = numbers->parameters;
     def.frames = FRAMES, def.times = times;
@@ -781,7 +781,7 @@ static uint64_t check_gradient(const char *text, const char *stepper)
     }
     ck_assert_double_gt(most, 0.0);
     for (size_t i = 0; i < 2 * numbers->count; ++i) {
-        finish(&twins.ends[i]);
+        finish(&perturbed.ends[i]);
     }
     const uint64_t taken_back = weft_sim_vetoed(sim);
     weft_sim_destroy(sim);
@@ -883,11 +883,11 @@ START_TEST(gradient_of_a_fall_is_exact)
     size_t stops_at = 3;
     double value, by_parameter, by_start[12];
     weft_error err = { 0 };
-    wide twins = { .def = { 0, NULL, false } };
-    weft_sim_def run = definition(&of, NULL, "", &twins);
+    wide perturbed = { .def = { 0, NULL, false } };
+    weft_sim_def run = definition(&of, NULL, "", &perturbed);
     weft_gradient_def def = weft_gradient_def_default();
     def.sim = &run, def.count = 1,
-    def.parameters = weft_scene_perturbed_def(of.twins)->parameters;
+    def.parameters = weft_scene_perturbed_def(of.perturbed)->parameters;
     def.frames = 3, def.times = times, def.objective = height, def.ctx = &stops_at;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, by_start, &err),
                      WEFT_OK);
@@ -908,7 +908,7 @@ START_TEST(gradient_of_a_fall_is_exact)
                      WEFT_INVALID);
     ck_assert_ptr_nonnull(
         strstr(err.message, "gradient, parameter 0, unnamed: two cloths"));
-    def.parameters = weft_scene_perturbed_def(of.twins)->parameters;
+    def.parameters = weft_scene_perturbed_def(of.perturbed)->parameters;
     def.times = falling, def.frames = 2;
     ck_assert_int_eq(weft_gradient(&def, &value, &by_parameter, NULL, &err),
                      WEFT_INVALID);
@@ -1052,7 +1052,7 @@ START_TEST(what_has_no_derivative_is_refused)
     def.cloth = of.cloth;
     def.method = weft_scene_method_type(of.scene);
     def.config = *weft_scene_config(of.scene);
-    def.sensitivity = weft_scene_perturbed_def(of.twins);
+    def.sensitivity = weft_scene_perturbed_def(of.perturbed);
     start = def;
     def.correct = keep, refuse(&def, "`correct`"), def = start;
     def.force = push, refuse(&def, "`force`"), def = start;
@@ -1146,7 +1146,7 @@ START_TEST(numbers_that_cannot_change_alone_are_named)
         char set[80];
         const char *const sets[] = { set };
         weft_error err = { 0 };
-        weft_scene_perturbed *twins = NULL;
+        weft_scene_perturbed *perturbed = NULL;
         (void)snprintf(set, sizeof set, "sensitivity={of: [%s], scale: none}",
                        keys[i][0]);
         weft_scene_def def = scene_of_text(
@@ -1158,9 +1158,9 @@ START_TEST(numbers_that_cannot_change_alone_are_named)
             "spin: [0, 2, 0]}]}\n" RK4 "run: {duration: 1}\n");
         def.find_plugin = find_linked, def.sets = sets, def.set_count = 1;
         weft_scene *scene = good_scene(&def);
-        ck_assert_int_ne(weft_scene_perturbed_create(scene, &def, &twins, &err),
+        ck_assert_int_ne(weft_scene_perturbed_create(scene, &def, &perturbed, &err),
                          WEFT_OK);
-        ck_assert_ptr_null(twins);
+        ck_assert_ptr_null(perturbed);
         ck_assert_ptr_nonnull(strstr(err.message, keys[i][0]));
         ck_assert_ptr_nonnull(strstr(err.message, keys[i][1]));
         weft_scene_destroy(scene);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* tags: slow asan-long */
 /* test_skin.c -- contact of a mesh with itself in a given state: forces, the search,
- * weights, thickness, lips. What needs a simulation is in test_skin_time.c. */
+ * weights, thickness, slit edges. What needs a simulation is in test_skin_time.c. */
 #include "folded_mesh.h"
 
 #include "cloth/model.h"
@@ -391,31 +391,31 @@ START_TEST(a_grid_has_a_skin)
 {
     weft_allocator memory = weft_allocator_or_malloc(NULL);
     weft_cloth_def grid = weft_cloth_def_default();
-    weft__skin_draft draft;
+    weft__surface_draft draft;
     grid.rows = 4 - 3 * (size_t)_i, grid.cols = 6;
     grid.spacing[0] = 0.3, grid.spacing[1] = 0.2;
     cloth = test_cloth(&grid);
     const size_t n = count_of(), triangles = weft_cloth_triangles(cloth, NULL);
-    ck_assert(weft__skin_draft_create(&draft, n, triangles, &memory));
-    weft__skin_draft_grid(&draft, &cloth->mesh, &grid);
+    ck_assert(weft__surface_draft_create(&draft, n, triangles, &memory));
+    weft__surface_draft_grid(&draft, &cloth->mesh, &grid);
     draft.thickness = 0.05;
-    weft__skin *skin = weft__skin_create(&draft, &memory);
-    ck_assert_ptr_nonnull(skin);
-    ck_assert_uint_eq(skin->edges, weft_cloth_edges(cloth, NULL));
-    ck_assert_uint_eq(skin->triangle_first[n], triangles);
+    weft__contact_surface *surface = weft__contact_surface_create(&draft, &memory);
+    ck_assert_ptr_nonnull(surface);
+    ck_assert_uint_eq(surface->edges, weft_cloth_edges(cloth, NULL));
+    ck_assert_uint_eq(surface->triangle_first[n], triangles);
     double area = 0.0, square = 0.0;
     for (size_t i = 0; i < n; ++i) {
-        area += skin->area[i];
-        ck_assert_double_eq(skin->density[i], grid.density);
+        area += surface->area[i];
+        ck_assert_double_eq(surface->density[i], grid.density);
     }
-    for (size_t e = 0; e < skin->edges; ++e) {
-        square += skin->square[e];
+    for (size_t e = 0; e < surface->edges; ++e) {
+        square += surface->square[e];
     }
     ck_assert_double_eq_tol(area, _i == 0 ? 0.9 : 1.0, 1e-15);
     ck_assert_double_eq_tol(
         square, _i == 0 ? 20 * 0.04 + 18 * 0.09 + 15 * 0.13 : 5 * 0.04, 1e-12);
-    weft__skin_destroy(skin, &memory);
-    weft__skin_draft_destroy(&draft, &memory);
+    weft__contact_surface_destroy(surface, &memory);
+    weft__surface_draft_destroy(&draft, &memory);
 }
 END_TEST
 
@@ -473,7 +473,8 @@ START_TEST(a_notch_that_is_narrower_is_an_error)
 }
 END_TEST
 
-/* ---- lips ------------------------------------------------------------------------ */
+/* ---- slit edges
+ * ------------------------------------------------------------------------ */
 
 /* A sheet slit along column 3 from its first row on; `opens` [m]: how far it starts
  * open; right of it other vertices have the same place in the rest shape. */
@@ -522,11 +523,11 @@ START_TEST(lips_of_a_slit_do_not_push)
 {
     slit(_i == 0 ? 0.0 : 1e-4);
     expect_rest();
-    ck_assert_uint_gt(cloth->self.skin->lip_count, 0);
+    ck_assert_uint_gt(cloth->self.surface->slit_pair_count, 0);
 }
 END_TEST
 
-/* What is two rows from the slit pushes its lips. */
+/* What is two rows from the slit pushes its slit edges. */
 START_TEST(lips_push_the_rest_of_the_cloth)
 {
     slit(0.0);
@@ -547,7 +548,7 @@ START_TEST(a_seam_does_not_push)
     mesh_sew(&mesh, 3, 0.5, 0.8, 0.6);
     define(0.5 * mesh_least_height(&mesh));
     expect_rest();
-    ck_assert_uint_eq(cloth->self.skin->lip_count, 0);
+    ck_assert_uint_eq(cloth->self.surface->slit_pair_count, 0);
 }
 END_TEST
 

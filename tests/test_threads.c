@@ -360,7 +360,7 @@ START_TEST(bands_on_one_thread_have_the_bits_of_the_whole)
         y[j] += 1e-3 * sin((double)j);
     }
     weft__forces forces = weft__forces_create(cloth, 1, NULL);
-    ck_assert_uint_gt(forces.bands, 1);
+    ck_assert_uint_gt(forces.spans, 1);
     ck_assert_int_eq(weft_cloth_rhs(cloth, 0.0, y, whole), 0);
     ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, y, banded), 0);
     ck_assert_int_eq(memcmp(whole, banded, dim * sizeof *y), 0);

@@ -5,7 +5,7 @@
 
 #include "vectors.h"
 
-WIDE static void filter_bonds(double *planes, size_t count)
+WIDE static void filter_springs(double *planes, size_t count)
 {
     double *rest = planes + 3 * count, *q = planes + 4 * count;
     ELEMENTWISE
@@ -17,9 +17,9 @@ WIDE static void filter_bonds(double *planes, size_t count)
     }
 }
 
-void weft__filter_bonds(double *planes, size_t count)
+void weft__filter_springs(double *planes, size_t count)
 {
-    filter_bonds(planes, count);
+    filter_springs(planes, count);
 }
 
 /* One rotation of Jacobi's method, which makes a[p][q] 0 (Golub, Van Loan, Matrix

@@ -7,7 +7,7 @@
 
 /* q becomes one of [0, k], k stays. That leaves the pairs of bending, whose k - q is 0,
  * as they are. */
-void weft__filter_bonds(double *planes, size_t count);
+void weft__filter_springs(double *planes, size_t count);
 
 /* K becomes the nearest symmetric matrix that is never negative, in the first six
  * planes as xx xy xz yy yz zz. C stays where it is. */

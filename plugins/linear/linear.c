@@ -19,14 +19,14 @@ struct weft__linear {
     weft__pile pile;
     weft__network net;
     weft__network bend;         /* the runs of bending in net */
-    size_t bend_at;             /* their first bond */
+    size_t bend_at;             /* their first spring */
     double bend_damping;        /* [s] */
     weft__multigrid *multigrid; /* of springs; NULL: not wanted */
     weft__smoothed *smoothed;   /* of triangles; NULL: likewise */
     bool cycles;                /* it is the preconditioner of the present system */
     double gamma;               /* [s] */
     double *planes, *blocks;    /* of the structure, filtered */
-    double *numbers;            /* of its links */
+    double *numbers;            /* of its block couplings */
     double *place;              /* [m] where particles are; NULL: of springs */
     double *b, *x, *z, *p, *q;  /* of conjugate gradients */
     weft__linear_counts counts;
@@ -76,13 +76,13 @@ static void find_bending(weft__linear *self)
     }
 }
 
-static void find_links(weft__linear *self)
+static void find_couplings(weft__linear *self)
 {
     const weft_structure *of = self->of;
     if (WEFT_HAS(of, weft_structure, linearise_blocks)) {
-        self->net.links = of->block_couplings,
+        self->net.block_couplings = of->block_couplings,
         self->net.block_coupling_count = of->block_coupling_count;
-        self->net.ties = of->scalar_couplings,
+        self->net.scalar_couplings = of->scalar_couplings,
         self->net.scalar_coupling_count = of->scalar_coupling_count;
     }
 }
@@ -105,7 +105,7 @@ weft_status weft__linear_create(const weft_structure *structure,
                                          .run_count = structure->run_count,
                                          .pair_count = structure->pair_count,
                                          .runs = structure->runs } };
-        find_links(self);
+        find_couplings(self);
         find_bending(self);
         taken = take_memory(self);
         pile = self->pile;
@@ -147,7 +147,7 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
     if (self->place != NULL) {
         memcpy(self->place, y, 3 * of->particles * sizeof *y);
     }
-    weft__filter_bonds(self->planes, of->pair_count);
+    weft__filter_springs(self->planes, of->pair_count);
     if (blocks != NULL) {
         weft__filter_blocks(blocks, of->particles);
     }
@@ -156,7 +156,8 @@ int weft__linear_at(weft__linear *self, double t, const double *y)
 }
 
 /* (gamma c + gamma^2 (k - q)) u u^T + gamma^2 q I for every spring. */
-WIDE static void fill_bonds(const double *planes, size_t n, double gamma, double *bond)
+WIDE static void fill_springs(const double *planes, size_t n, double gamma,
+                              double *springs)
 {
     ELEMENTWISE
     for (size_t i = 0; i < n; ++i) {
@@ -164,12 +165,12 @@ WIDE static void fill_bonds(const double *planes, size_t n, double gamma, double
         const double along
             = gamma * planes[5 * n + i] + gamma * gamma * planes[3 * n + i];
         const double all = gamma * gamma * planes[4 * n + i];
-        bond[i] = along * x * x + all;
-        bond[n + i] = along * x * y;
-        bond[2 * n + i] = along * x * z;
-        bond[3 * n + i] = along * y * y + all;
-        bond[4 * n + i] = along * y * z;
-        bond[5 * n + i] = along * z * z + all;
+        springs[i] = along * x * x + all;
+        springs[n + i] = along * x * y;
+        springs[2 * n + i] = along * x * z;
+        springs[3 * n + i] = along * y * y + all;
+        springs[4 * n + i] = along * y * z;
+        springs[5 * n + i] = along * z * z + all;
     }
 }
 
@@ -180,19 +181,19 @@ static void add_bend_damping(weft__linear *self, double gamma)
     const double *q = self->planes + 4 * n;
     for (size_t i = first; self->bend_damping != 0.0 && i < n; ++i) {
         const double damping = gamma * self->bend_damping * q[i];
-        self->net.bond[i] += damping;
-        self->net.bond[3 * n + i] += damping;
-        self->net.bond[5 * n + i] += damping;
+        self->net.spring_entries[i] += damping;
+        self->net.spring_entries[3 * n + i] += damping;
+        self->net.spring_entries[5 * n + i] += damping;
     }
 }
 
-static void fill_links(weft__linear *self, double gamma)
+static void fill_block_couplings(weft__linear *self, double gamma)
 {
     for (size_t j = 0; j < 9 * self->net.block_coupling_count; ++j) {
         const double *a = self->numbers + j / 9 * WEFT_COUPLING_NUMBERS + j % 9;
-        self->net.link[j] = gamma * gamma * a[0] + gamma * a[9];
+        self->net.block_entries[j] = gamma * gamma * a[0] + gamma * a[9];
     }
-    self->net.tie_k = gamma * gamma, self->net.tie_c = gamma;
+    self->net.scalar_k = gamma * gamma, self->net.scalar_c = gamma;
 }
 
 /* m + gamma drag, and contact; of held particles too, whose rows nobody reads. */
@@ -218,9 +219,9 @@ static void fill_points(weft__linear *self, double gamma)
 void weft__linear_prepare(weft__linear *self, double gamma)
 {
     self->gamma = gamma;
-    fill_bonds(self->planes, self->of->pair_count, gamma, self->net.bond);
+    fill_springs(self->planes, self->of->pair_count, gamma, self->net.spring_entries);
     add_bend_damping(self, gamma);
-    fill_links(self, gamma);
+    fill_block_couplings(self, gamma);
     fill_points(self, gamma);
     const double stiffest = weft__network_invert(&self->net, self->of->mass);
     self->cycles = (self->multigrid != NULL || self->smoothed != NULL)
@@ -311,9 +312,9 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
     double *b = self->b, *known = self->z;
     memset(b, 0, 3 * n * sizeof *b);
     weft__network_add_stiffness(&self->net, self->planes, -self->gamma, rx, b);
-    weft__network_add_links(&self->net, self->numbers, WEFT_COUPLING_NUMBERS,
-                            -self->gamma, rx, b);
-    weft__network_add_ties(&self->net, -self->gamma, 0.0, rx, b);
+    weft__network_add_block_couplings(&self->net, self->numbers, WEFT_COUPLING_NUMBERS,
+                                      -self->gamma, rx, b);
+    weft__network_add_scalar_couplings(&self->net, -self->gamma, 0.0, rx, b);
     for (size_t i = 0; self->of->block_planes > 0 && i < n; ++i) {
         const double *k = self->blocks + i;
         const double g = -self->gamma, x = rx[i], y = rx[n + i], z = rx[2 * n + i];
@@ -332,9 +333,10 @@ static void right_side(weft__linear *self, const double *rx, const double *rv)
         weft__network_add_damping(&self->net, self->planes, -self->gamma, known, b);
         weft__network_add_stiffness(&self->bend, self->planes + self->bend_at,
                                     -self->gamma * self->bend_damping, known, b);
-        weft__network_add_links(&self->net, self->numbers + 9, WEFT_COUPLING_NUMBERS,
-                                -self->gamma, known, b);
-        weft__network_add_ties(&self->net, 0.0, -self->gamma, known, b);
+        weft__network_add_block_couplings(&self->net, self->numbers + 9,
+                                          WEFT_COUPLING_NUMBERS, -self->gamma, known,
+                                          b);
+        weft__network_add_scalar_couplings(&self->net, 0.0, -self->gamma, known, b);
     }
     add_momentum(n, self->of->mass, rv, b);
 }

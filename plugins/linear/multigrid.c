@@ -150,15 +150,15 @@ static void add_springs(const level *self, const double *mass, weft__network *co
             const size_t p = run->p + i, q = run->q + i;
             const bool free_p = mass == NULL || mass[p] > 0.0;
             const bool free_q = mass == NULL || mass[q] > 0.0;
-            if (fine->bond[e] < 0.0) { /* xx */
+            if (fine->spring_entries[e] < 0.0) { /* xx */
                 continue;
             }
             if (free_p != free_q) {
                 add_block(coarse->point, coarse->n, self->to[free_p ? p : q],
-                          fine->bond, fine->pair_count, e);
+                          fine->spring_entries, fine->pair_count, e);
             } else if (free_p && self->target[e] != WEFT__WITHIN) {
-                add_block(coarse->bond, coarse->pair_count, self->target[e], fine->bond,
-                          fine->pair_count, e);
+                add_block(coarse->spring_entries, coarse->pair_count, self->target[e],
+                          fine->spring_entries, fine->pair_count, e);
             }
         }
     }
@@ -168,7 +168,8 @@ static void galerkin(const level *self, const double *mass, weft__network *coars
 {
     const weft__network *fine = self->net;
     memset(coarse->point, 0, 6 * coarse->n * sizeof *coarse->point);
-    memset(coarse->bond, 0, 6 * coarse->pair_count * sizeof *coarse->bond);
+    memset(coarse->spring_entries, 0,
+           6 * coarse->pair_count * sizeof *coarse->spring_entries);
     for (size_t i = 0; i < fine->n; ++i) {
         if (mass == NULL || mass[i] > 0.0) {
             add_block(coarse->point, coarse->n, self->to[i], fine->point, fine->n, i);

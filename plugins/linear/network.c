@@ -12,8 +12,9 @@ void weft__network_take(weft__network *self, weft__pile *pile)
 {
     self->point = weft__pile_take(pile, self->n, 6 * sizeof(double));
     self->inverse = weft__pile_take(pile, self->n, 6 * sizeof(double));
-    self->bond = weft__pile_take(pile, self->pair_count, 6 * sizeof(double));
-    self->link = weft__pile_take(pile, self->block_coupling_count, 9 * sizeof(double));
+    self->spring_entries = weft__pile_take(pile, self->pair_count, 6 * sizeof(double));
+    self->block_entries
+        = weft__pile_take(pile, self->block_coupling_count, 9 * sizeof(double));
 }
 
 /* ---- the diagonal ---------------------------------------------------------------- */
@@ -41,19 +42,20 @@ static void add_links_diagonal(const weft__network *self, double *d)
     static const size_t place[6] = { 0, 1, 2, 4, 5, 8 };
     static const size_t mirror[6] = { 0, 3, 6, 4, 7, 8 }, square[3] = { 0, 3, 5 };
     for (size_t e = 0; e < self->block_coupling_count; ++e) {
-        const double *a = self->link + 9 * e;
+        const double *a = self->block_entries + 9 * e;
         for (size_t k = 0; k < 6; ++k) {
             const double entry = 0.5 * (a[place[k]] + a[mirror[k]]);
-            d[k * self->n + self->links[e].p] += entry;
-            d[k * self->n + self->links[e].q] += entry;
+            d[k * self->n + self->block_couplings[e].p] += entry;
+            d[k * self->n + self->block_couplings[e].q] += entry;
         }
     }
     for (size_t e = 0; e < self->scalar_coupling_count; ++e) {
-        const weft_scalar_coupling *tie = &self->ties[e];
-        const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
+        const weft_scalar_coupling *coupling = &self->scalar_couplings[e];
+        const double entry
+            = self->scalar_k * coupling->k + self->scalar_c * coupling->c;
         for (size_t k = 0; k < 3; ++k) {
-            d[square[k] * self->n + tie->p] += entry;
-            d[square[k] * self->n + tie->q] += entry;
+            d[square[k] * self->n + coupling->p] += entry;
+            d[square[k] * self->n + coupling->q] += entry;
         }
     }
 }
@@ -62,7 +64,7 @@ static void diagonal(const weft__network *self, double *d)
 {
     memcpy(d, self->point, 6 * self->n * sizeof *d);
     for (size_t plane = 0; plane < 6; ++plane) {
-        const double *bond = self->bond + plane * self->pair_count;
+        const double *bond = self->spring_entries + plane * self->pair_count;
         double *to = d + plane * self->n;
         const bool square = plane == 0 || plane == 3 || plane == 5; /* xx, yy, zz */
         for (size_t r = 0; r < self->run_count; ++r) {
@@ -132,9 +134,9 @@ void weft__network_precondition(const weft__network *self, const double *r, doub
 }
 
 /* The forces of `count` springs on their particles p, in f[3][PIECE]. */
-WIDE static void bond_forces(const double *a, size_t stride, const double *x,
-                             const double *to, size_t n, size_t count,
-                             double f[3][PIECE])
+WIDE static void spring_forces(const double *a, size_t stride, const double *x,
+                               const double *to, size_t n, size_t count,
+                               double f[3][PIECE])
 {
     ELEMENTWISE
     for (size_t i = 0; i < count; ++i) {
@@ -190,8 +192,8 @@ WIDE static void pull(double *p, double *q, size_t n, size_t count, double f[3][
     }
 }
 
-static void add_bonds(const weft__network *self, const part *of, const double *x,
-                      double *y)
+static void add_springs(const weft__network *self, const part *of, const double *x,
+                        double *y)
 {
     const size_t n = self->n, stride = self->pair_count;
     double f[3][PIECE];
@@ -201,7 +203,8 @@ static void add_bonds(const weft__network *self, const part *of, const double *x
             const size_t count = run->count - i < PIECE ? run->count - i : PIECE;
             const size_t p = run->p + i, q = run->q + i;
             if (of == NULL) {
-                bond_forces(self->bond + at + i, stride, x + p, x + q, n, count, f);
+                spring_forces(self->spring_entries + at + i, stride, x + p, x + q, n,
+                              count, f);
             } else {
                 part_forces(of, of->planes + at + i, stride, x + p, x + q, n, count, f);
             }
@@ -213,22 +216,23 @@ static void add_bonds(const weft__network *self, const part *of, const double *x
 void weft__network_add_stiffness(const weft__network *self, const double *planes,
                                  double scale, const double *x, double *y)
 {
-    add_bonds(self, &(part){ planes, 3, scale, scale }, x, y);
+    add_springs(self, &(part){ planes, 3, scale, scale }, x, y);
 }
 
 void weft__network_add_damping(const weft__network *self, const double *planes,
                                double scale, const double *x, double *y)
 {
-    add_bonds(self, &(part){ planes, 5, scale, 0.0 }, x, y);
+    add_springs(self, &(part){ planes, 5, scale, 0.0 }, x, y);
 }
 
-void weft__network_add_links(const weft__network *self, const double *blocks,
-                             size_t stride, double scale, const double *x, double *y)
+void weft__network_add_block_couplings(const weft__network *self, const double *blocks,
+                                       size_t stride, double scale, const double *x,
+                                       double *y)
 {
     const size_t n = self->n;
     for (size_t e = 0; e < self->block_coupling_count; ++e) {
         const double *a = blocks + stride * e;
-        const size_t p = self->links[e].p, q = self->links[e].q;
+        const size_t p = self->block_couplings[e].p, q = self->block_couplings[e].q;
         double d[3];
         for (size_t k = 0; k < 3; ++k) {
             d[k] = scale * (x[k * n + p] - x[k * n + q]);
@@ -240,15 +244,16 @@ void weft__network_add_links(const weft__network *self, const double *blocks,
     }
 }
 
-void weft__network_add_ties(const weft__network *self, double k, double c,
-                            const double *x, double *y)
+void weft__network_add_scalar_couplings(const weft__network *self, double k, double c,
+                                        const double *x, double *y)
 {
     for (size_t plane = 0; plane < 3; ++plane, x += self->n, y += self->n) {
         for (size_t e = 0; e < self->scalar_coupling_count; ++e) {
-            const weft_scalar_coupling *tie = &self->ties[e];
-            const double force = (k * tie->k + c * tie->c) * (x[tie->p] - x[tie->q]);
-            y[tie->p] += force;
-            y[tie->q] -= force;
+            const weft_scalar_coupling *coupling = &self->scalar_couplings[e];
+            const double force = (k * coupling->k + c * coupling->c)
+                                 * (x[coupling->p] - x[coupling->q]);
+            y[coupling->p] += force;
+            y[coupling->q] -= force;
         }
     }
 }
@@ -257,9 +262,9 @@ void weft__network_times(const weft__network *self, const double *x, double *y)
 {
     const size_t n = self->n;
     block_product(n, self->point, x, y);
-    add_bonds(self, NULL, x, y);
-    weft__network_add_links(self, self->link, 9, 1.0, x, y);
-    weft__network_add_ties(self, self->tie_k, self->tie_c, x, y);
+    add_springs(self, NULL, x, y);
+    weft__network_add_block_couplings(self, self->block_entries, 9, 1.0, x, y);
+    weft__network_add_scalar_couplings(self, self->scalar_k, self->scalar_c, x, y);
     for (size_t k = 0; k < self->held_count; ++k) {
         const size_t i = self->held[k];
         y[i] = y[n + i] = y[2 * n + i] = 0.0;
@@ -278,10 +283,12 @@ size_t weft__network_edges(const weft__network *self, uint32_t (*ends)[2])
         }
     }
     for (size_t e = 0; ends != NULL && e < self->block_coupling_count; ++e, ++at) {
-        ends[at][0] = self->links[e].p, ends[at][1] = self->links[e].q;
+        ends[at][0] = self->block_couplings[e].p,
+        ends[at][1] = self->block_couplings[e].q;
     }
     for (size_t e = 0; ends != NULL && e < self->scalar_coupling_count; ++e, ++at) {
-        ends[at][0] = self->ties[e].p, ends[at][1] = self->ties[e].q;
+        ends[at][0] = self->scalar_couplings[e].p,
+        ends[at][1] = self->scalar_couplings[e].q;
     }
     return self->pair_count + self->block_coupling_count + self->scalar_coupling_count;
 }
@@ -306,17 +313,18 @@ void weft__network_inverse(const weft__network *self, size_t i, double block[9])
 
 void weft__network_block(const weft__network *self, size_t half, double block[9])
 {
-    const size_t e = half / 2, links = self->pair_count + self->block_coupling_count;
+    const size_t e = half / 2, blocks = self->pair_count + self->block_coupling_count;
     if (e < self->pair_count) {
-        symmetric(self->bond, self->pair_count, e, block);
-    } else if (e < links) {
-        const double *a = self->link + 9 * (e - self->pair_count);
+        symmetric(self->spring_entries, self->pair_count, e, block);
+    } else if (e < blocks) {
+        const double *a = self->block_entries + 9 * (e - self->pair_count);
         for (size_t k = 0; k < 9; ++k) {
             block[k] = a[half % 2 == 0 ? k : k % 3 * 3 + k / 3];
         }
     } else {
-        const weft_scalar_coupling *tie = &self->ties[e - links];
-        const double entry = self->tie_k * tie->k + self->tie_c * tie->c;
+        const weft_scalar_coupling *coupling = &self->scalar_couplings[e - blocks];
+        const double entry
+            = self->scalar_k * coupling->k + self->scalar_c * coupling->c;
         for (size_t k = 0; k < 9; ++k) {
             block[k] = k % 4 == 0 ? entry : 0.0;
         }

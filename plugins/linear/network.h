@@ -2,8 +2,8 @@
 /* network.h -- a symmetric positive definite matrix as a network of n particles: a 3 x
  * 3 block for each particle, and one for each spring, which adds [A -A; -A A]. Blocks
  * of springs are never negative; a pair of bending has a multiple of I, also a negative
- * one, and only all pairs together are never negative. Likewise links and ties of
- * triangles (weft/stepper.h), whose blocks need not be symmetric.
+ * one, and only all pairs together are never negative. Likewise block and scalar
+ * couplings of triangles (weft/stepper.h), whose blocks need not be symmetric.
  * Products, the diagonal, and sums of products in a fixed order.
  *
  * Vectors have three planes of n numbers; symmetric blocks have six planes, xx xy xz yy
@@ -16,13 +16,14 @@ typedef struct weft__network {
     size_t n, run_count, pair_count;
     const weft_spring_run *runs;
     size_t block_coupling_count, scalar_coupling_count;
-    const weft_block_coupling *links;
-    const weft_scalar_coupling *ties;
-    double *point, *bond; /* 6 n, 6 pair_count */
-    double *link;         /* 9 block_coupling_count: the block of each, row by row */
-    double tie_k, tie_c;  /* a tie's block is (tie_k k + tie_c c) I */
-    double *inverse;      /* 6 n: of the blocks of the diagonal; 0 where that is 0 */
-    uint32_t *held;       /* NULL: none */
+    const weft_block_coupling *block_couplings;
+    const weft_scalar_coupling *scalar_couplings;
+    double *point, *spring_entries; /* 6 n, 6 pair_count */
+    double *block_entries; /* 9 block_coupling_count: the block of each, row by row */
+    double scalar_k,
+        scalar_c;    /* a scalar coupling's block is (scalar_k k + scalar_c c) I */
+    double *inverse; /* 6 n: of the blocks of the diagonal; 0 where that is 0 */
+    uint32_t *held;  /* NULL: none */
     size_t held_count;
 } weft__network;
 
@@ -47,15 +48,17 @@ void weft__network_add_stiffness(const weft__network *self, const double *planes
 void weft__network_add_damping(const weft__network *self, const double *planes,
                                double scale, const double *x, double *y);
 
-/* y_p += scale A (x_p - x_q), y_q += scale A^T (x_q - x_p) for each link, whose blocks
- * are `stride` apart; with A = (k tie.k + c tie.c) I for each tie. */
-void weft__network_add_links(const weft__network *self, const double *blocks,
-                             size_t stride, double scale, const double *x, double *y);
-void weft__network_add_ties(const weft__network *self, double k, double c,
-                            const double *x, double *y);
+/* y_p += scale A (x_p - x_q), y_q += scale A^T (x_q - x_p) for each block coupling,
+ * whose blocks are `stride` apart; with A = (k coupling.k + c coupling.c) I for each
+ * coupling. */
+void weft__network_add_block_couplings(const weft__network *self, const double *blocks,
+                                       size_t stride, double scale, const double *x,
+                                       double *y);
+void weft__network_add_scalar_couplings(const weft__network *self, double k, double c,
+                                        const double *x, double *y);
 
-/* Bonds, then links, then ties, by number: writes their ends to ends unless it is NULL;
- * returns how many there are. */
+/* Springs, then block couplings, then scalar couplings, by number: writes their ends to
+ * ends unless it is NULL; returns how many there are. */
 size_t weft__network_edges(const weft__network *self, uint32_t (*ends)[2]);
 
 /* The 3 x 3 blocks, row by row: of a particle, of its inverse diagonal, and of edge

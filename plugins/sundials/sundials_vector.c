@@ -323,8 +323,8 @@ static bool factors_of(const attempt *of, array *const x[], const recipe *sum,
 static bool begin_attempt(family *all, array *const x[], const recipe *sum)
 {
     attempt *of = &all->attempt;
-    const bool goes_on = of->stages > 0 && !of->made && x[0] == of->k[0];
-    if (sum->terms != 2 || sum->factors[1] != 1.0 || goes_on || x[0]->due
+    const bool continues = of->stages > 0 && !of->made && x[0] == of->k[0];
+    if (sum->terms != 2 || sum->factors[1] != 1.0 || continues || x[0]->due
         || x[1]->due) {
         return of->stages > 0 && !of->made;
     }

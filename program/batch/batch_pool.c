@@ -29,10 +29,10 @@ typedef struct batch_pool {
 /* ---- one run, in a child process ------------------------------------------------- */
 
 /* The output of a run goes into its directory. */
-static bool open_log(const char *directory, bool goes_on)
+static bool open_log(const char *directory, bool continues)
 {
     char path[RECORD_PATH];
-    const int start = O_NONBLOCK | (goes_on ? O_APPEND : O_TRUNC);
+    const int start = O_NONBLOCK | (continues ? O_APPEND : O_TRUNC);
     const int log = record_path(directory, "log.txt", path, NULL) == WEFT_OK
                         ? open(path, O_WRONLY | O_CREAT | O_NOFOLLOW | start, 0666)
                         : -1;
@@ -45,12 +45,12 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     weft_error err = { 0 };
     weft_scene *scene = NULL;
     const batch_status status = batch_look(self, one);
-    const bool goes_on = status == BATCH_PARTIAL || status == BATCH_IO_ERROR
-                         || status == BATCH_TIMEOUT;
+    const bool continues = status == BATCH_PARTIAL || status == BATCH_IO_ERROR
+                           || status == BATCH_TIMEOUT;
     if (status == BATCH_DONE) {
         return EXIT_DONE;
     }
-    if (!open_log(directory, goes_on)) {
+    if (!open_log(directory, continues)) {
         return EXIT_FILE;
     }
     if (weft_sweep_scene(one->scene->sweep, one->number, &scene, &err) != WEFT_OK) {
@@ -59,7 +59,7 @@ static int run_claimed(const batch *self, const batch_run *one, const char *dire
     arguments given = *self->given;
     given.quiet = true;
     given.mode = PROGRESS_NONE;
-    if (goes_on) {
+    if (continues) {
         return resume_scene(&given, NULL, directory, scene);
     }
     /* from the start, over the files of an earlier attempt */

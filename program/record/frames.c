@@ -22,7 +22,7 @@ typedef struct frames_file {
     char path[RECORD_PATH];
     hid_t file;
     hdf_set points, fields[WEFT_RECORD_PINNED]; /* velocity, strain */
-    hdf_set slopes[WEFT_SENSITIVITIES];
+    hdf_set sensitivities[WEFT_SENSITIVITIES];
     size_t n;
     char wrong[48]; /* a complaint */
 } frames_file;
@@ -267,7 +267,7 @@ static const char *load_fields(frames_file *self)
 }
 
 /* The sets s_KEY. */
-static const char *load_slopes(frames_file *self)
+static const char *load_sensitivities(frames_file *self)
 {
     H5G_info_t group = { .nlinks = 0 };
     (void)H5Gget_info_by_name(self->file, "/VTKHDF/PointData", &group, H5P_DEFAULT);
@@ -279,12 +279,12 @@ static const char *load_slopes(frames_file *self)
         if (length <= 2 || strncmp(name, "s_", 2) != 0) {
             continue;
         }
-        hdf_set *set = &self->slopes[self->seen.slopes];
-        if (length >= 2 + RECORD_KEY || self->seen.slopes == WEFT_SENSITIVITIES
+        hdf_set *set = &self->sensitivities[self->seen.sensitivities];
+        if (length >= 2 + RECORD_KEY || self->seen.sensitivities == WEFT_SENSITIVITIES
             || (*set = frame_set(self, path, 3)).id < 0) {
             return "PointData/s_... is wrong";
         }
-        strcpy(self->seen.keys[self->seen.slopes++], name + 2);
+        strcpy(self->seen.keys[self->seen.sensitivities++], name + 2);
     }
     return NULL;
 }
@@ -330,7 +330,7 @@ static const char *load(frames_file *self)
     wrong = wrong == NULL ? load_triangles(self) : wrong;
     wrong = wrong == NULL ? load_points(self) : wrong;
     wrong = wrong == NULL ? load_fields(self) : wrong;
-    wrong = wrong == NULL ? load_slopes(self) : wrong;
+    wrong = wrong == NULL ? load_sensitivities(self) : wrong;
     return wrong == NULL ? load_tables(self) : wrong;
 }
 
@@ -377,11 +377,11 @@ weft_status record_frames_field(record_frames *frames, weft_record_field field,
                                 "%s: not recorded (record.fields)", self->path);
 }
 
-weft_status record_frames_slope(record_frames *frames, size_t j, size_t i,
-                                double *values, weft_error *err)
+weft_status record_frames_sensitivity(record_frames *frames, size_t j, size_t i,
+                                      double *values, weft_error *err)
 {
     const frames_file *self = (frames_file *)frames;
-    return read_frame(self, &self->slopes[j], i, values, err);
+    return read_frame(self, &self->sensitivities[j], i, values, err);
 }
 
 /* ---- opening ---------------------------------------------------------------- */
@@ -398,8 +398,8 @@ static int read_some(void *ctx, size_t job)
         (void)record_frames_field(&self->seen, WEFT_RECORD_VELOCITY, frame, values,
                                   NULL);
         (void)record_frames_field(&self->seen, WEFT_RECORD_STRAIN, frame, values, NULL);
-        for (size_t j = 0; j < self->seen.slopes; ++j) {
-            (void)record_frames_slope(&self->seen, j, frame, values, NULL);
+        for (size_t j = 0; j < self->seen.sensitivities; ++j) {
+            (void)record_frames_sensitivity(&self->seen, j, frame, values, NULL);
         }
     }
     free(values);

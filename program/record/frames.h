@@ -100,7 +100,7 @@ typedef struct record_frames {
                                         record.every is not 1 */
     const double *rest;              /* [m] rest positions: x y z of each */
     const uint8_t *pinned;           /* 0 or 1 for each particle; NULL: not recorded */
-    size_t slopes;                   /* sensitivities, by their keys, in this order */
+    size_t sensitivities;            /* sensitivities, by their keys, in this order */
     char keys[WEFT_SENSITIVITIES][RECORD_KEY];
 } record_frames;
 
@@ -118,5 +118,5 @@ weft_status record_frames_positions(record_frames *frames, size_t i, double *xyz
 weft_status record_frames_field(record_frames *frames, weft_record_field field,
                                 size_t i, double *values, weft_error *err);
 /* [m] s of the positions by keys[j], 3 N doubles likewise. */
-weft_status record_frames_slope(record_frames *frames, size_t j, size_t i,
-                                double *values, weft_error *err);
+weft_status record_frames_sensitivity(record_frames *frames, size_t j, size_t i,
+                                      double *values, weft_error *err);

@@ -378,7 +378,7 @@ void player_page_describe(const player_page *self)
             fprintf(stream, "%s\"%s\"", comma(written++), player_fields[f].name);
         }
     }
-    for (size_t j = 0; j < self->slopes; ++j) {
+    for (size_t j = 0; j < self->sensitivities; ++j) {
         fputs(comma(written++), stream);
         fputs("\"s_", stream);
         page_characters(stream, self->runs[0].frames->keys[j]);

@@ -91,8 +91,8 @@ typedef struct player_page {
     size_t stride, shown_rows, shown_cols;
     size_t count, *particles; /* shown, of triangles all; their indices */
     bool present[PLAYER_FIELDS];
-    size_t slopes;          /* sensitivities */
-    size_t planes;          /* x, y, z, the fields that are present, the slopes */
+    size_t sensitivities; /* sensitivities */
+    size_t planes;        /* x, y, z, the fields that are present, the sensitivities */
     double *field, *values; /* 3 N as read, one plane as shown */
     unsigned char *block;
     FILE *stream; /* of the page */

@@ -158,8 +158,8 @@ weft_status player_page_encode(player_page *self, size_t run, size_t frame,
                       field->width == 3 ? LENGTH : 0);
         }
     }
-    for (size_t j = 0; j < self->slopes; ++j) {
-        TRY(record_frames_slope(frames, j, frame, self->field, err));
+    for (size_t j = 0; j < self->sensitivities; ++j) {
+        TRY(record_frames_sensitivity(frames, j, frame, self->field, err));
         put_plane(self, self->planes, plane++, self->field, 3, LENGTH);
     }
     return WEFT_OK;
@@ -182,15 +182,16 @@ weft_status player_page_open(player_page *self, const char *const *directories,
         }
         self->planes += self->present[f];
     }
-    self->slopes = self->runs[0].frames->slopes; /* those by which all runs have */
+    self->sensitivities
+        = self->runs[0].frames->sensitivities; /* those by which all runs have */
     for (size_t r = 1; r < count; ++r) {
         const record_frames *a = self->runs[0].frames, *b = self->runs[r].frames;
-        self->slopes
-            = a->slopes == b->slopes && memcmp(a->keys, b->keys, sizeof a->keys) == 0
-                  ? a->slopes
-                  : 0;
+        self->sensitivities = a->sensitivities == b->sensitivities
+                                      && memcmp(a->keys, b->keys, sizeof a->keys) == 0
+                                  ? a->sensitivities
+                                  : 0;
     }
-    self->planes += self->slopes;
+    self->planes += self->sensitivities;
     self->chosen = match(self->runs, self->run_count);
     if (self->chosen == 0) {
         return weft_error_set(err, WEFT_INVALID, "%s and %s have no time in common",

@@ -261,7 +261,7 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
     weft_status written = weft_scene_record(self->scene)->final
                               ? write_state(self, "final.csv", record_csv, err)
                               : WEFT_OK;
-    if (written == WEFT_OK && self->twins != NULL) {
+    if (written == WEFT_OK && self->perturbed != NULL) {
         written = record_sensitivities(self->out, self->scene, self->sim, err);
     }
     if (written != WEFT_OK && !failed) {
@@ -387,11 +387,11 @@ static weft_status create(run *self, weft_error *err)
         status = weft_cloth_create(weft_scene_cloth(self->scene), &self->whole, err);
     }
     TRY(run_agree(self, status, err));
-    TRY(twins_create(self->given, self->scene, &self->twins, err));
+    TRY(perturbed_create(self->given, self->scene, &self->perturbed, err));
     TRY(run_agree(self, band_create(self->scene, self->comm, &self->cloth, err), err));
     TRY(start_create(self->scene, self->cloth, self->from == NULL, &self->start, err));
     return band_sim_create(
-        self->scene, self->comm, weft_scene_perturbed_def(self->twins),
+        self->scene, self->comm, weft_scene_perturbed_def(self->perturbed),
         (weft_log){ on_log, self }, self->cloth, self->start, &self->sim, err);
 }
 
@@ -410,7 +410,7 @@ static int run_simulation(run *self)
         code = refuse(self, &err);
     }
     weft_sim_destroy(self->sim);
-    weft_scene_perturbed_destroy(self->twins);
+    weft_scene_perturbed_destroy(self->perturbed);
     weft_cloth_destroy(self->cloth);
     weft_cloth_destroy(self->whole);
     free(self->start);

@@ -20,7 +20,7 @@ typedef struct run {
     const weft_comm *comm; /* NULL: one process; else all functions are collective */
     weft_cloth *cloth;     /* of the sim: in bands, this one */
     weft_cloth *whole;     /* in bands, on rank 0; of a grid up to the first frame */
-    weft_scene_perturbed *twins; /* of sensitivities; NULL: none */
+    weft_scene_perturbed *perturbed; /* of sensitivities; NULL: none */
     double *start; /* of contact.untangle: relaxed, or what is left; else NULL */
     weft_sim *sim;
     record_series series;

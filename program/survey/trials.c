@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* trials.c -- tries an implicit method on the scene, up to a tenth of a second after
- * the cloth first touches something: how many of its steps contact takes back or
+ * the cloth first touches something: how many of its steps contact rejects or
  * rejects is not known otherwise. */
 #include "program/survey/survey.h"
 
@@ -68,15 +68,15 @@ static void try_to_touch(weft_sim *sim, double duration, survey_trial *out)
     trial_part all = { 0 }, touching = { 0 };
     double end = duration;
     bool touched = false;
-    bool goes_on = true;
-    while (goes_on) {
+    bool continues = true;
+    while (continues) {
         if (!touched && touches(sim)) {
             touching = (trial_part){ weft_sim_time(sim), work_of(sim), 0 };
             end = fmin(duration, touching.time + TOUCH_TIME);
             touched = true;
         }
-        goes_on = step_within(sim, end, work_allowed(sim));
-        all.steps += goes_on, touching.steps += goes_on && touched;
+        continues = step_within(sim, end, work_allowed(sim));
+        all.steps += continues, touching.steps += continues && touched;
     }
     measure_part(sim, &all, out);
     if (touched && touching.steps >= LEAST_STEPS) {

@@ -50,7 +50,7 @@ static double largest_eigenvalue(const double b[6])
 static weft__sides sides_of(const weft_cloth *cloth, const double *y)
 {
     weft__sides sides
-        = { .count = 3, .way = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
+        = { .count = 3, .direction = { { 1.0, 0.0 }, { 0.0, 1.0 }, { 0.0, -1.0 } } };
     if (y != NULL) {
         WEFT__EACH_FORCE(cloth, bounds.ratios, &sides)
     }
@@ -61,27 +61,30 @@ static weft__sides sides_of(const weft_cloth *cloth, const double *y)
 }
 
 /* Adds an upper bound of a K + b C to matrix[6]. */
-static void grip_add(const weft__grip *grip, double a, double b, double matrix[6])
+static void contact_stiffness_times(const weft__contact_stiffness *contact_stiffness,
+                                    double a, double b, double matrix[6])
 {
     for (size_t k = 0; k < 6; ++k) {
-        matrix[k]
-            += a * grip->press[k] + b * grip->damp[k] + fmax(0.0, b) * grip->slide[k];
+        matrix[k] += a * contact_stiffness->normal_stiffness[k]
+                     + b * contact_stiffness->normal_damping[k]
+                     + fmax(0.0, b) * contact_stiffness->friction_damping[k];
     }
     for (size_t k = 0; k < 3; ++k) {
-        matrix[k] += fabs(a) * grip->stiff + fabs(b) * grip->drag
-                     + fmax(0.0, -a) * grip->turn;
+        matrix[k] += fabs(a) * contact_stiffness->any_stiffness
+                     + fabs(b) * contact_stiffness->any_damping
+                     + fmax(0.0, -a) * contact_stiffness->negative_stiffness;
     }
 }
 
-/* Cuts from the polygon all beyond a w + b c <= most, (a, b) = way. */
-static void cut(weft_stiffness *from, const double way[2], double most)
+/* Cuts from the polygon all beyond a w + b c <= most, (a, b) = direction. */
+static void cut(weft_stiffness *from, const double direction[2], double most)
 {
     weft_stiffness left = *from;
     left.count = 0;
     for (size_t i = 0; i < from->count; ++i) {
         const double *p = from->corners[i], *q = from->corners[(i + 1) % from->count];
-        const double over_p = way[0] * p[0] + way[1] * p[1] - most;
-        const double over_q = way[0] * q[0] + way[1] * q[1] - most;
+        const double over_p = direction[0] * p[0] + direction[1] * p[1] - most;
+        const double over_q = direction[0] * q[0] + direction[1] * q[1] - most;
         if (over_p <= 0.0) {
             memcpy(left.corners[left.count++], p, sizeof *from->corners);
         }
@@ -127,21 +130,24 @@ typedef struct raising {
 } raising;
 
 /* Raises the bounds to those of free particles [first, end), whose contact is gathered
- * in `grips`. */
-static void raise_sides(const raising *of, size_t first, size_t end, weft__grip *grips)
+ * in `contact_stiffness`. */
+static void raise_sides(const raising *of, size_t first, size_t end,
+                        weft__contact_stiffness *contact_stiffness)
 {
     const weft_cloth *cloth = of->cloth;
     const weft__sides *sides = &of->sides;
     double sums[WEFT__SIDES][6];
-    memset(grips, 0, (end - first) * sizeof *grips);
-    WEFT__EACH_FORCE(cloth, bounds.grip, of->spaces != NULL ? of->spaces[k_] : NULL,
-                     of->at, first, end - first, grips)
+    memset(contact_stiffness, 0, (end - first) * sizeof *contact_stiffness);
+    WEFT__EACH_FORCE(cloth, bounds.contact_stiffness,
+                     of->spaces != NULL ? of->spaces[k_] : NULL, of->at, first,
+                     end - first, contact_stiffness)
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
             bound_of(cloth, of->at, i, sides, sums);
             for (size_t s = 0; s < sides->count; ++s) {
-                grip_add(&grips[i - first], sides->way[s][0], sides->way[s][1],
-                         sums[s]);
+                contact_stiffness_times(&contact_stiffness[i - first],
+                                        sides->direction[s][0], sides->direction[s][1],
+                                        sums[s]);
                 of->most[s] = fmax(of->most[s], largest_eigenvalue(sums[s]));
             }
         }
@@ -149,7 +155,7 @@ static void raise_sides(const raising *of, size_t first, size_t end, weft__grip 
 }
 
 void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
-                           weft__grip *room, double t, const double *y,
+                           weft__contact_stiffness *room, double t, const double *y,
                            double most[WEFT__SIDES])
 {
     const weft__mesh *mesh = &cloth->mesh;
@@ -157,7 +163,7 @@ void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
     const raising of = { cloth, spaces, &at, sides_of(cloth, y), most };
     const size_t first = weft__block(mesh, mesh->band.above);
     const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
-    weft__grip some[BLOCK];
+    weft__contact_stiffness some[BLOCK];
     const size_t each = room != NULL ? end - first : BLOCK;
     for (size_t s = 0; s < WEFT__SIDES; ++s) {
         most[s] = -INFINITY;
@@ -168,8 +174,9 @@ void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
     }
 }
 
-bool weft__grips_create(const weft_cloth *cloth, const weft_allocator *memory,
-                        weft__grip **out)
+bool weft__contact_stiffness_create(const weft_cloth *cloth,
+                                    const weft_allocator *memory,
+                                    weft__contact_stiffness **out)
 {
     const bool pairs = cloth->contact.law.self || cloth->bodies.pairs.law.self;
     *out
@@ -179,7 +186,8 @@ bool weft__grips_create(const weft_cloth *cloth, const weft_allocator *memory,
 
 weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double *y)
 {
-    const weft__sides sides = { .count = 2, .way = { { 1.0, 0.0 }, { 0.0, 1.0 } } };
+    const weft__sides sides
+        = { .count = 2, .direction = { { 1.0, 0.0 }, { 0.0, 1.0 } } };
     const weft__mesh *mesh = &cloth->mesh;
     const weft__state at = { .t = t, .y = y };
     const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
@@ -208,7 +216,7 @@ weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
     bound.corners[2][1] = bound.corners[3][1] = bound.damping;
     const bool finite = isfinite(bound.omega2) && isfinite(bound.damping);
     for (size_t s = 2; moves && finite && s < sides.count; ++s) {
-        cut(&bound, sides.way[s], most[s]);
+        cut(&bound, sides.direction[s], most[s]);
     }
     return bound;
 }
@@ -216,8 +224,9 @@ weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
     double most[WEFT__SIDES];
-    weft__grip *room; /* without it a search for every BLOCK particles does */
-    (void)weft__grips_create(cloth, &cloth->memory, &room);
+    weft__contact_stiffness
+        *room; /* without it a search for every BLOCK particles does */
+    (void)weft__contact_stiffness_create(cloth, &cloth->memory, &room);
     weft__stiffness_sides(cloth, NULL, room, t, y, most);
     weft__free(&cloth->memory, room);
     return weft__stiffness_within(cloth, y, most);
@@ -228,8 +237,9 @@ weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const dou
 /* The linearisation of all forces but contact, for particles at rest. */
 typedef struct matrix {
     weft_structure of;
-    void *lists;                  /* of `of` */
-    double *y, *planes, *numbers; /* the state; of bonds; of links */
+    void *lists; /* of `of` */
+    double *y, *planes,
+        *numbers; /* the state; of spring couplings; of block couplings */
 } matrix;
 
 static void bounds_free_matrix(const weft_cloth *cloth, matrix *of)
@@ -256,13 +266,13 @@ static bool find_matrix(const weft_cloth *cloth, const weft__state *at, matrix *
     memcpy(out->y, at->y, 3 * n * sizeof *out->y);
     const weft__state still = { .t = at->t, .y = out->y };
     (void)weft__linearise(cloth, NULL, &still, out->planes, of->pair_count, NULL);
-    (void)weft__linearise_links(cloth, at->t, out->y, out->numbers);
+    (void)weft__linearise_block_couplings(cloth, at->t, out->y, out->numbers);
     return true;
 }
 
 /* Slack springs are taken for straight ones: q is one of [0, k], as k is of bending. */
-static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
-                           double b, const double *x, double *out)
+static void multiply_springs(const weft_cloth *cloth, const matrix *of, double a,
+                             double b, const double *x, double *out)
 {
     const size_t n = cloth->mesh.particles, all = of->of.pair_count;
     for (size_t r = 0, e = 0; r < of->of.run_count; ++r) {
@@ -287,8 +297,8 @@ static void multiply_bonds(const weft_cloth *cloth, const matrix *of, double a,
     }
 }
 
-static void multiply_links(const matrix *of, size_t n, double a, double b,
-                           const double *x, double *out)
+static void multiply_block_couplings(const matrix *of, size_t n, double a, double b,
+                                     const double *x, double *out)
 {
     for (size_t j = 0; j < 9 * of->of.block_coupling_count; ++j) {
         const double *at = of->numbers + j / 9 * WEFT_COUPLING_NUMBERS + j % 9;
@@ -300,9 +310,9 @@ static void multiply_links(const matrix *of, size_t n, double a, double b,
         out[c + q] += entry * (x[r + q] - x[r + p]);
     }
     for (size_t j = 0; j < 3 * of->of.scalar_coupling_count; ++j) {
-        const weft_scalar_coupling *tie = &of->of.scalar_couplings[j / 3];
-        const size_t p = j % 3 * n + tie->p, q = j % 3 * n + tie->q;
-        const double force = (a * tie->k + b * tie->c) * (x[p] - x[q]);
+        const weft_scalar_coupling *coupling = &of->of.scalar_couplings[j / 3];
+        const size_t p = j % 3 * n + coupling->p, q = j % 3 * n + coupling->q;
+        const double force = (a * coupling->k + b * coupling->c) * (x[p] - x[q]);
         out[p] += force;
         out[q] -= force;
     }
@@ -310,16 +320,16 @@ static void multiply_links(const matrix *of, size_t n, double a, double b,
 
 /* M^-1 (a K + b C) x, zero on pins. */
 static void bounds_multiply(const weft_cloth *cloth, const weft__state *at,
-                            const matrix *of, const double way[2], const double *x,
-                            double *out)
+                            const matrix *of, const double direction[2],
+                            const double *x, double *out)
 {
     const size_t n = cloth->mesh.particles;
     for (size_t j = 0; j < 3 * n; ++j) {
-        out[j] = way[1] * cloth->body.drag * x[j];
+        out[j] = direction[1] * cloth->body.drag * x[j];
     }
-    multiply_bonds(cloth, of, way[0], way[1], x, out);
-    multiply_links(of, n, way[0], way[1], x, out);
-    WEFT__EACH_FORCE(cloth, bounds.multiply, at, way[0], way[1], x, out)
+    multiply_springs(cloth, of, direction[0], direction[1], x, out);
+    multiply_block_couplings(of, n, direction[0], direction[1], x, out);
+    WEFT__EACH_FORCE(cloth, bounds.multiply, at, direction[0], direction[1], x, out)
     for (size_t j = 0; j < 3 * n; ++j) {
         out[j] *= cloth->mesh.inverse_mass[j % n];
     }
@@ -354,8 +364,8 @@ typedef struct estimate {
 } estimate;
 
 static estimate bounds_power(const weft_cloth *cloth, const weft__state *at,
-                             const matrix *of, const double way[2], size_t iterations,
-                             double *x, double *z)
+                             const matrix *of, const double direction[2],
+                             size_t iterations, double *x, double *z)
 {
     estimate best = { 0.0, 0.0 };
     for (size_t j = 0; j < 3 * cloth->mesh.particles; ++j) {
@@ -367,7 +377,7 @@ static estimate bounds_power(const weft_cloth *cloth, const weft__state *at,
         for (size_t j = 0; norm > 0.0 && j < 3 * cloth->mesh.particles; ++j) {
             x[j] /= norm;
         }
-        bounds_multiply(cloth, at, of, way, x, z);
+        bounds_multiply(cloth, at, of, direction, x, z);
         const double value = bounds_product(&cloth->mesh, x, z),
                      square = bounds_product(&cloth->mesh, z, z);
         best = (estimate){ value, sqrt(fmax(0.0, square - value * value)) };
@@ -393,14 +403,14 @@ weft_status weft_cloth_stiffness_refined(const weft_cloth *cloth, double t,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the power method");
     }
     *out = weft_cloth_stiffness(cloth, t, y);
-    static const double ways[2][2] = { { 1.0, 0.0 }, { 0.0, 1.0 } };
+    static const double directions[2][2] = { { 1.0, 0.0 }, { 0.0, 1.0 } };
     double *values[2] = { &out->omega2, &out->damping };
     for (size_t i = 0; i < 2 && isfinite(*values[i]); ++i) {
         const estimate found
-            = bounds_power(cloth, &at, &of, ways[i], iterations > 0 ? iterations : 100,
-                           work, work + size);
+            = bounds_power(cloth, &at, &of, directions[i],
+                           iterations > 0 ? iterations : 100, work, work + size);
         *values[i] = fmin(*values[i], found.value);
-        cut(out, ways[i], found.value + 2.0 * found.spread);
+        cut(out, directions[i], found.value + 2.0 * found.spread);
     }
     bounds_free_matrix(cloth, &of);
     weft__free(&cloth->memory, work);

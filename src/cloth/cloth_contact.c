@@ -173,17 +173,17 @@ size_t weft_cloth_crossings(const weft_cloth *cloth, const double *y,
 {
     weft__self own = cloth->self;
     weft__crossings found = { .count = SIZE_MAX };
-    if (!own.law.self && own.mesh->triangles != NULL) { /* lips alone, at rest */
+    if (!own.law.self && own.mesh->triangles != NULL) { /* slit edges alone, at rest */
         own.law.thickness
             = fmin(own.law.thickness, 1e-3 * sqrt(weft__area(own.mesh, 0)));
     }
-    if (own.skin != NULL || own.mesh->triangles == NULL
+    if (own.surface != NULL || own.mesh->triangles == NULL
         || weft__self_cover(&own, &cloth->memory)) {
         const weft__quadtree tree = weft__tree_of(&own, y);
         found = weft__crossings_of(&tree, &(weft__search){ 0 });
     }
-    if (own.skin != cloth->self.skin) {
-        weft__skin_destroy(own.skin, &cloth->memory);
+    if (own.surface != cloth->self.surface) {
+        weft__contact_surface_destroy(own.surface, &cloth->memory);
     }
     for (size_t k = 0; pair != NULL && k < 2; ++k) {
         pair[k] = weft__primitive_of(&cloth->mesh, found.first.side[k]);

@@ -185,12 +185,14 @@ double weft__block_mass(const weft_cloth *cloth, size_t b); /* [kg] */
 
 /* bounds.c: weft_cloth_stiffness in two parts: bounds in several directions, each the
  * largest of the own particles; the polygon within them. spaces as of weft__rhs_all;
- * room: of weft__grips_create, or NULL, then pairs are sought several times. */
+ * room: of weft__contact_stiffness_create, or NULL, then pairs are sought several
+ * times. */
 void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
-                           weft__grip *room, double t, const double *y,
+                           weft__contact_stiffness *room, double t, const double *y,
                            double most[WEFT__SIDES]);
-bool weft__grips_create(const weft_cloth *cloth, const weft_allocator *memory,
-                        weft__grip **out); /* NULL without pairs; false: no memory */
+bool weft__contact_stiffness_create(
+    const weft_cloth *cloth, const weft_allocator *memory,
+    weft__contact_stiffness **out); /* NULL without pairs; false: no memory */
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES]);
 
@@ -205,20 +207,24 @@ weft__stiffest weft__stiffest_of(const weft_cloth *cloth, double t, const double
 void weft__stiffest_text(const weft_cloth *cloth, size_t i, char *text, size_t size);
 
 /* linearise.c: fills what weft_structure lists: the runs of all forces, bending's last,
- * and with `links` the links and ties. Returns the memory of the lists, NULL: none. */
-void *weft__list_structure(const weft_cloth *cloth, bool links,
+ * and with `block_couplings` the block couplings and scalar couplings. Returns the
+ * memory of the lists, NULL: none. */
+void *weft__list_structure(const weft_cloth *cloth, bool block_couplings,
                            const weft_allocator *memory, weft_structure *out);
 
-/* The links and the ties of all forces; NULL: their number alone. */
-size_t weft__list_links(const weft_cloth *cloth, weft_block_coupling *links);
-size_t weft__list_ties(const weft_cloth *cloth, weft_scalar_coupling *ties);
+/* The block couplings and the scalar couplings of all forces; NULL: their number alone.
+ */
+size_t weft__list_block_couplings(const weft_cloth *cloth,
+                                  weft_block_coupling *block_couplings);
+size_t weft__list_scalar_couplings(const weft_cloth *cloth,
+                                   weft_scalar_coupling *scalar_couplings);
 
-/* Writes numbers[18 links], as weft_structure::linearise_blocks. */
-int weft__linearise_links(const weft_cloth *cloth, double t, const double *y,
-                          double *numbers);
+/* Writes numbers[18 block couplings], as weft_structure::linearise_blocks. */
+int weft__linearise_block_couplings(const weft_cloth *cloth, double t, const double *y,
+                                    double *numbers);
 
-/* Writes planes[6 bonds] in that order, and unless NULL the contact to blocks[15 N], as
- * weft_structure::linearise; spaces as of weft__rhs_all. Returns 0, or 1 if a number is
- * not finite or a free particle is in a shape. */
+/* Writes planes[6 spring couplings] in that order, and unless NULL the contact to
+ * blocks[15 N], as weft_structure::linearise; spaces as of weft__rhs_all. Returns 0, or
+ * 1 if a number is not finite or a free particle is in a shape. */
 int weft__linearise(const weft_cloth *cloth, void *const *spaces, const weft__state *at,
-                    double *planes, size_t bonds, double *blocks);
+                    double *planes, size_t spring_couplings, double *blocks);

@@ -271,7 +271,7 @@ static void part_pair(relaxation *to, tangle *of, const weft__crossing *one)
     }
     const size_t wrong = wrong_end(of, edge, height, &side),
                  end = edge->particle[wrong];
-    const double way = fmin(BEYOND * dh - side * height[wrong], MOST * dh);
+    const double displacement = fmin(BEYOND * dh - side * height[wrong], MOST * dh);
     const double of_end = ease(of, end);
     double sum = of_end;
     for (size_t k = 0; k < 3; ++k) {
@@ -282,12 +282,13 @@ static void part_pair(relaxation *to, tangle *of, const weft__crossing *one)
     }
     to->depth += fabs(height[wrong]);
     if (of_end > 0.0) {
-        untangle_move(to, end, side * way * of_end / sum, normal);
+        untangle_move(to, end, side * displacement * of_end / sum, normal);
     }
     for (size_t k = 0; k < 3; ++k) {
         const double share = ease(of, triangle->particle[k]);
         if (share > 0.0) {
-            untangle_move(to, triangle->particle[k], -side * way * share / sum, normal);
+            untangle_move(to, triangle->particle[k], -side * displacement * share / sum,
+                          normal);
         }
     }
 }
@@ -299,12 +300,12 @@ static size_t part_shapes(relaxation *to)
     for (weft__touches at = weft__touches_of(&to->cloth->contact, 0.0, to->y, 0,
                                              to->cloth->mesh.particles);
          weft__each_touch(&at);) {
-        const double way = to->gap - at.touch.gap;
+        const double displacement = to->gap - at.touch.gap;
         inside += !(at.touch.gap > 0.0);
         to->depth += fmax(-at.touch.gap, 0.0);
         if (at.touch.gap < to->least
             && isfinite(weft__dot(at.touch.normal, at.touch.normal))) {
-            untangle_move(to, at.i, way, at.touch.normal);
+            untangle_move(to, at.i, displacement, at.touch.normal);
             ++to->near;
         }
     }
@@ -320,7 +321,7 @@ static void part_near(void *ctx, weft__pair_kind kind, const weft__pushes *pushe
     for (size_t i = 0; i < count; ++i) {
         const weft__pushes *from = &pushes[i / WEFT__BLOCK];
         const size_t lane = i % WEFT__BLOCK;
-        const double way = to->gap - from->gap[lane];
+        const double displacement = to->gap - from->gap[lane];
         const bool near = from->gap[lane] < to->least;
         double force[4][3], most = 0.0;
         for (size_t j = 0; j < 3 * points; ++j) {
@@ -332,7 +333,7 @@ static void part_near(void *ctx, weft__pair_kind kind, const weft__pushes *pushe
         for (size_t j = 0; near && most > 0.0 && j < points; ++j) {
             const size_t at = (size_t)from->particle[j][lane];
             if (at < n && to->cloth->mesh.inverse_mass[at] > 0.0) {
-                untangle_move(to, at, 0.5 * way / most, force[j]);
+                untangle_move(to, at, 0.5 * displacement / most, force[j]);
             }
         }
         to->near += near;
@@ -439,8 +440,8 @@ static bool untangle_create(relaxation *of, const weft_cloth *cloth, double *y)
         to->stop = &of->stop;
         to->own = k == 0 ? &cloth->self : &cloth->bodies.pairs;
         if (to->own->law.self) {
-            to->edges
-                = to->own->skin != NULL ? to->own->skin->edges : 3 * to->own->points;
+            to->edges = to->own->surface != NULL ? to->own->surface->edges
+                                                 : 3 * to->own->points;
             to->crossed = weft__alloc(memory, to->edges, sizeof *to->crossed);
             to->part = weft__alloc(memory, to->own->points, sizeof *to->part);
             to->points = weft__alloc(memory, to->own->points, sizeof *to->points);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* bounds.h -- what forces add to the bounds on stiffness and damping of one particle;
- * src/cloth/bounds.c makes the polygon. Matrices are xx, yy, zz, xy, xz, yz, by mass.
+ * src/cloth/bounds.c makes the polygon. Matrices are xx, yy, zz, xy, xz, yz, per unit
+ * mass.
  */
 #pragma once
 
@@ -17,7 +18,7 @@ enum { WEFT__RATIOS = 7, WEFT__SIDES = 3 + 3 * WEFT__RATIOS };
  * three for each ratio [s] of damping to stiffness that a force has. */
 typedef struct weft__sides {
     size_t count;
-    double way[WEFT__SIDES][2];
+    double direction[WEFT__SIDES][2];
 } weft__sides;
 
 /* For weft__force.ratios. One that is there already adds nothing; without those that
@@ -26,11 +27,12 @@ static inline void weft__sides_add(weft__sides *to, double ratio)
 {
     bool fresh = ratio > 0.0 && isfinite(ratio) && to->count < WEFT__SIDES;
     for (size_t s = 3; s < to->count; s += 3) {
-        fresh = fresh && to->way[s][0] != ratio;
+        fresh = fresh && to->direction[s][0] != ratio;
     }
     if (fresh) {
-        const double ways[3][2] = { { ratio, 1.0 }, { ratio, -1.0 }, { -ratio, 1.0 } };
-        memcpy(to->way[to->count], ways, sizeof ways);
+        const double directions[3][2]
+            = { { ratio, 1.0 }, { ratio, -1.0 }, { -ratio, 1.0 } };
+        memcpy(to->direction[to->count], directions, sizeof directions);
         to->count += 3;
     }
 }
@@ -45,26 +47,30 @@ static inline void weft__bound_add(double sum[6], double bound)
     }
 }
 
-/* Of contact (contact/contact_slopes.c), apart: it is sought for many particles at
+/* Of contact (contact/contact_derivatives.c), apart: it is sought for many particles at
  * once.
  */
-typedef struct weft__grip {
-    double press[6];    /* [1/s^2] sum of S n n^T */
-    double damp[6];     /* [1/s] sum of D n n^T */
-    double slide[6];    /* [1/s] upper bound of friction's damping, which is >= 0 */
-    double stiff, drag; /* [1/s^2], [1/s] in any direction, of either sign */
-    double turn;        /* [1/s^2] most negative stiffness, from the normal's turning */
-} weft__grip;
+typedef struct weft__contact_stiffness {
+    double normal_stiffness[6]; /* [1/s^2] sum of S n n^T */
+    double normal_damping[6];   /* [1/s] sum of D n n^T */
+    double friction_damping[6]; /* [1/s] upper bound of friction's damping, which is >=
+                                   0 */
+    double any_stiffness,
+        any_damping;           /* [1/s^2], [1/s] in any direction, of either sign */
+    double negative_stiffness; /* [1/s^2] most negative stiffness, from the normal's
+                                  turning */
+} weft__contact_stiffness;
 
 /* Adds S n n^T, D n n^T and T (I - n n^T). */
-static inline void weft__grip_add(weft__grip *to, const double n[3], double stiffness,
-                                  double damping, double drag)
+static inline void weft__contact_stiffness_add(weft__contact_stiffness *to,
+                                               const double n[3], double stiffness,
+                                               double damping, double friction_rate)
 {
     const double nn[6] = { n[0] * n[0], n[1] * n[1], n[2] * n[2],
                            n[0] * n[1], n[0] * n[2], n[1] * n[2] };
     for (size_t k = 0; k < 6; ++k) {
-        to->press[k] += stiffness * nn[k];
-        to->damp[k] += damping * nn[k];
-        to->slide[k] += drag * ((k < 3 ? 1.0 : 0.0) - nn[k]);
+        to->normal_stiffness[k] += stiffness * nn[k];
+        to->normal_damping[k] += damping * nn[k];
+        to->friction_damping[k] += friction_rate * ((k < 3 ? 1.0 : 0.0) - nn[k]);
     }
 }

@@ -13,12 +13,13 @@
 #include "mesh/slice.h"
 #include "weft/stepper.h"
 
-/* Numbers of a trail: two pulls in each column, and in some beside each tile. */
-enum { WEFT__TRAIL_TILE = 256, WEFT__TRAIL_LANES = 8 };
-static inline size_t weft__trail_length(size_t cols)
+/* Numbers that rows carry to the next ones: two pulls in each column, and in some
+ * beside each tile. */
+enum { WEFT__CARRY_TILE = 256, WEFT__CARRY_LANES = 8 };
+static inline size_t weft__carry_length(size_t cols)
 {
-    return (cols / WEFT__TRAIL_TILE + 1) * 6
-           * (WEFT__TRAIL_TILE + 3 * WEFT__TRAIL_LANES);
+    return (cols / WEFT__CARRY_TILE + 1) * 6
+           * (WEFT__CARRY_TILE + 3 * WEFT__CARRY_LANES);
 }
 
 /* A state of a cloth, at a time. */
@@ -30,8 +31,8 @@ typedef struct weft__state {
     const bool *families; /* in which the worst spring is sought; NULL: all */
     /* [N] of calls that each go on where the last one ended: what the last rows do to
      * the next, which then compute no spring above again; for fast forms. NULL: none */
-    double *trail;
-    bool goes_on; /* the trail is that of the rows above */
+    double *carry_rows;
+    bool continues; /* carry_rows is of the rows above */
 } weft__state;
 
 static inline double weft__piece(const weft__state *at)
@@ -66,7 +67,7 @@ typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
 typedef void weft__transposed_fn(const void *own, const weft__state *at, double *out);
 
 struct weft__sides; /* bounds.h: what bounds the modes of a particle */
-struct weft__grip;
+struct weft__contact_stiffness;
 
 /* What a cloth has of a force: its numbers and tables. */
 typedef struct weft__force_tables {
@@ -144,29 +145,31 @@ typedef struct weft__force_bounds {
     void (*ratios)(const void *own, struct weft__sides *to);
     void (*particle)(const void *own, const weft__state *at, size_t i,
                      const struct weft__sides *sides, double (*sums)[6]);
-    void (*grip)(const void *own, void *space, const weft__state *at, size_t first,
-                 size_t count, struct weft__grip *grips);
+    void (*contact_stiffness)(const void *own, void *space, const weft__state *at,
+                              size_t first, size_t count,
+                              struct weft__contact_stiffness *contact_stiffness);
     void (*multiply)(const void *own, const weft__state *at, double a, double b,
                      const double *x, double *out);
 } weft__force_bounds;
 
-/* Its linearisation, for weft_structure: its bonds that begin in block b, and what they
- * are in a state; or 3 x 3 blocks of particles, with a workspace or NULL. On triangles:
- * its links, which must be its alone, and their numbers; its ties. NULL as `to`: only
- * how many there are. */
+/* Its linearisation, for weft_structure: its spring couplings that begin in block b,
+ * and what they are in a state; or 3 x 3 blocks of particles, with a workspace or NULL.
+ * On triangles: its block couplings, which must be its alone, and their numbers; its
+ * scalar couplings. NULL as `to`: only how many there are. */
 typedef struct weft__force_couplings {
     size_t (*runs)(const void *own, size_t b, weft_spring_run *runs);
-    double *(*bonds)(const void *own, const weft__state *at, size_t b, double *planes,
-                     size_t bonds, double *bad);
+    double *(*springs)(const void *own, const weft__state *at, size_t b, double *planes,
+                       size_t spring_couplings, double *bad);
     int (*blocks)(const void *own, void *space, const weft__state *at, double *blocks);
-    size_t (*links)(const void *own, weft_block_coupling *to);
-    int (*link_numbers)(const void *own, const weft__state *at, double *numbers);
-    size_t (*ties)(const void *own, weft_scalar_coupling *to);
+    size_t (*block_couplings)(const void *own, weft_block_coupling *to);
+    int (*block_numbers)(const void *own, const weft__state *at, double *numbers);
+    size_t (*scalar_couplings)(const void *own, weft_scalar_coupling *to);
 } weft__force_couplings;
 
 /* Of a whole cloth, after all blocks, for forces between particles of any blocks: with
  * a workspace of a simulation (NULL: the same without one, slower), which may be that
- * of a twin: of a cloth with other numbers, whose pairs are near enough. */
+ * of a perturbed copy: of a cloth with other parameters, whose pairs are near enough.
+ */
 typedef struct weft__force_whole {
     int (*add)(const void *own, void *space, const weft__state *at, weft__unit unit,
                double *to);

@@ -31,34 +31,34 @@ typedef mask truth;
 #define CHOOSE(t, a, b) choose(t, a, b)
 #define MOST(a, b)      most(a, b)
 #define LAW             INLINE
-#elif defined LAW_OF_SLOPES
+#elif defined LAW_OF_DUALS
 #include <complex.h>
 #include <math.h>
 
 typedef double _Complex num;
 typedef int truth;
 #define NUM(a)          (a)
-#define ROOT(a)         slope_root(a)
-#define OVER(a, b)      slope_over(a, b)
+#define ROOT(a)         dual_root(a)
+#define OVER(a, b)      dual_over(a, b)
 #define LESS(a, b)      (creal(a) < creal(b))
 #define CHOOSE(t, a, b) ((t) ? (a) : (b))
 #define LAW             static inline
 
-static inline num slope_of(double value, double slope)
+static inline num dual_of(double value, double derivative)
 {
-    return value + slope * _Complex_I;
+    return value + derivative * _Complex_I;
 }
 
-static inline num slope_root(num a) /* of 0: its derivative is left out */
+static inline num dual_root(num a) /* of 0: its derivative is left out */
 {
     const double root = sqrt(creal(a));
-    return slope_of(root, root > 0.0 ? 0.5 * cimag(a) / root : 0.0);
+    return dual_of(root, root > 0.0 ? 0.5 * cimag(a) / root : 0.0);
 }
 
-static inline num slope_over(num a, num b)
+static inline num dual_over(num a, num b)
 {
     const double per = 1.0 / creal(b), ratio = creal(a) * per;
-    return slope_of(ratio, (cimag(a) - ratio * cimag(b)) * per);
+    return dual_of(ratio, (cimag(a) - ratio * cimag(b)) * per);
 }
 #else
 #include <math.h>

@@ -35,15 +35,15 @@ static void mark_log(weft__tree *tree, weft__sweep *sweep)
     }
 }
 
-typedef struct span {
+typedef struct interval {
     double least, most;
-} span;
+} interval;
 
 /* The smallest and largest number of a list; false: reported. */
-static bool find_span(weft__tree *tree, const weft__axis *axis, span *out)
+static bool find_interval(weft__tree *tree, const weft__axis *axis, interval *out)
 {
     const weft__node *list = axis->list;
-    *out = (span){ HUGE_VAL, -HUGE_VAL };
+    *out = (interval){ HUGE_VAL, -HUGE_VAL };
     for (size_t i = 0; i < list->count; ++i) {
         const weft__node *item = weft__item(list, i);
         double value;
@@ -66,7 +66,7 @@ static bool find_span(weft__tree *tree, const weft__axis *axis, span *out)
 }
 
 /* The number at a part x, from 0 to 1, of a range, in the fewest digits that are it. */
-static void print_at(const span *of, bool log, double x, char out[32])
+static void print_at(const interval *of, bool log, double x, char out[32])
 {
     const double there = log ? of->least * weft_pow(of->most / of->least, x)
                              : of->least + (of->most - of->least) * x;
@@ -81,8 +81,8 @@ static void print_at(const span *of, bool log, double x, char out[32])
 
 /* A number in each of `count` equal parts of the range, in random order. The numbers
  * depend on seed, key, count and range alone. NULL: reported, or no memory. */
-static const weft__node *draw(weft__tree *tree, const weft__axis *axis, const span *of,
-                              size_t count, uint64_t state)
+static const weft__node *draw(weft__tree *tree, const weft__axis *axis,
+                              const interval *of, size_t count, uint64_t state)
 {
     char text[32];
     uint32_t *part = weft__tree_take(tree, count, sizeof *part);
@@ -116,9 +116,9 @@ void weft__sweep_sample(weft__tree *tree, weft__sweep *sweep)
     }
     for (size_t i = 0; sweep->sample > 0 && i < sweep->keys; ++i) {
         weft__axis *axis = &sweep->axis[i];
-        span of;
+        interval of;
         const weft__node *drawn
-            = find_span(tree, axis, &of)
+            = find_interval(tree, axis, &of)
                   ? draw(tree, axis, &of, sweep->sample,
                          weft__hash_word(WEFT__HASH_START, sweep->seed))
                   : NULL;

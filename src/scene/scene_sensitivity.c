@@ -253,34 +253,36 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
     }
 }
 
-/* ---- twins ----------------------------------------------------------------------- */
+/* ---- perturbed copies
+ * ---------------------------------------------------------------- */
 
-typedef struct twin {
+typedef struct perturbed_copy {
     weft_scene *scene;
     weft_cloth *cloth;
-} twin;
+} perturbed_copy;
 
 struct weft_scene_perturbed {
     weft_allocator memory;
     weft_sensitivity_def def;
     weft_parameter numbers[WEFT_SENSITIVITIES];
-    twin of[WEFT_SENSITIVITIES][2];
+    perturbed_copy of[WEFT_SENSITIVITIES][2];
 };
 
-const weft_sensitivity_def *weft_scene_perturbed_def(const weft_scene_perturbed *twins)
+const weft_sensitivity_def *
+weft_scene_perturbed_def(const weft_scene_perturbed *perturbed)
 {
-    return twins != NULL && twins->def.count > 0 ? &twins->def : NULL;
+    return perturbed != NULL && perturbed->def.count > 0 ? &perturbed->def : NULL;
 }
 
-void weft_scene_perturbed_destroy(weft_scene_perturbed *twins)
+void weft_scene_perturbed_destroy(weft_scene_perturbed *perturbed)
 {
-    if (twins != NULL) {
-        const weft_allocator memory = twins->memory;
+    if (perturbed != NULL) {
+        const weft_allocator memory = perturbed->memory;
         for (size_t i = 0; i < 2 * WEFT_SENSITIVITIES; ++i) {
-            weft_cloth_destroy(twins->of[i / 2][i % 2].cloth);
-            weft_scene_destroy(twins->of[i / 2][i % 2].scene);
+            weft_cloth_destroy(perturbed->of[i / 2][i % 2].cloth);
+            weft_scene_destroy(perturbed->of[i / 2][i % 2].scene);
         }
-        weft__free(&memory, twins);
+        weft__free(&memory, perturbed);
     }
 }
 
@@ -298,8 +300,9 @@ static bool same_triangles(const weft_scene *a, const weft_scene *b)
 }
 
 /* The scene with another value of a key. */
-static weft_status load_twin(const weft_scene *scene, const weft_scene_def *given,
-                             size_t i, double value, twin *out, weft_error *err)
+static weft_status load_perturbed(const weft_scene *scene, const weft_scene_def *given,
+                                  size_t i, double value, perturbed_copy *out,
+                                  weft_error *err)
 {
     const char *key = scene->sensitivity.keys[i],
                *before = scene->sensitivity.before[i];
@@ -347,14 +350,14 @@ static weft_status make_pair(weft_scene_perturbed *of, const weft_scene *scene,
     double at[2] = { p - STEP * u, p + STEP * u };
     weft_status status = WEFT_OK, outside = WEFT_OK;
     for (size_t side = 0; status == WEFT_OK && side < 2; ++side) {
-        twin *one = &of->of[i][side];
-        status = load_twin(scene, def, i, at[side], one, err);
+        perturbed_copy *one = &of->of[i][side];
+        status = load_perturbed(scene, def, i, at[side], one, err);
         if (status == WEFT_BAD_SCENE || status == WEFT_INVALID) { /* out of range */
             outside = status;
             weft_scene_destroy(one->scene);
-            *one = (twin){ NULL, NULL };
+            *one = (perturbed_copy){ NULL, NULL };
             at[side] = p;
-            status = load_twin(scene, def, i, p, one, err);
+            status = load_perturbed(scene, def, i, p, one, err);
         }
     }
     of->numbers[i] = (weft_parameter){ key, of->of[i][0].cloth, of->of[i][1].cloth,

@@ -166,11 +166,11 @@ static int by_place(const void *a, const void *b)
 
 /* Vertices that start exactly where another does, as at seams that a program divided.
  */
-static void warn_of_twins(weft__obj *obj)
+static void warn_of_duplicates(weft__obj *obj)
 {
     const size_t count = obj->coarse > 0 ? obj->coarse : obj->def.vertices;
     spot *spots = weft__report_take(obj->report, count, sizeof *spots);
-    size_t twins = 0, first[2] = { 0 };
+    size_t duplicates = 0, first[2] = { 0 };
     if (spots == NULL) {
         return;
     }
@@ -182,16 +182,16 @@ static void warn_of_twins(weft__obj *obj)
     for (size_t i = 1, run = 0; i < count; ++i) { /* run: the first of one place */
         if (compare_places(&spots[i], &spots[run]) != 0) {
             run = i;
-        } else if (twins++ == 0 || spots[i].vertex < first[0]) {
+        } else if (duplicates++ == 0 || spots[i].vertex < first[0]) {
             first[0] = spots[i].vertex, first[1] = spots[run].vertex;
         }
     }
     weft__free(obj->report->memory, spots);
-    if (twins > 0) {
+    if (duplicates > 0) {
         char more[64] = "";
-        if (twins > 1) {
+        if (duplicates > 1) {
             (void)snprintf(more, sizeof more, ", the first of %zu such vertices",
-                           twins);
+                           duplicates);
         }
         weft__report_warning(
             obj->report, weft__obj_mark(obj, obj->vertex_byte[obj->name[first[0]]]),
@@ -281,7 +281,7 @@ void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth)
     const weft__node *unit = weft__value_of(mesh, "unit");
     weft__warn_of_size(reader, (unit != NULL ? unit : weft__value_of(mesh, "file"))->at,
                        "the cloth", size, scene->mesh_file.unit);
-    warn_of_twins(obj);
+    warn_of_duplicates(obj);
     warn_of_slivers(obj);
 }
 

@@ -29,7 +29,7 @@ typedef struct adjoint {
     weft_sim *sim;
     weft_allocator memory;
     weft__stages *table;
-    weft__slope *slopes; /* of each number */
+    weft__parameter_derivative *derivatives; /* of each number */
     recorded_step *steps;
     size_t count, room_for; /* steps */
     size_t *frame;          /* of each frame the step after it */
@@ -110,8 +110,9 @@ static weft_status adjoint_make_room(adjoint *of, weft_error *err)
     }
     of->vectors = weft__zeroed(&of->memory, (2 * end + 7) * dim, sizeof(double));
     of->frame = weft__zeroed(&of->memory, of->def->frames, sizeof *of->frame);
-    of->slopes = weft__zeroed(&of->memory, of->def->count, sizeof *of->slopes);
-    if (of->vectors == NULL || of->frame == NULL || of->slopes == NULL) {
+    of->derivatives
+        = weft__zeroed(&of->memory, of->def->count, sizeof *of->derivatives);
+    if (of->vectors == NULL || of->frame == NULL || of->derivatives == NULL) {
         return adjoint_no_memory(err);
     }
     double *next = of->vectors;
@@ -128,21 +129,21 @@ static weft_status adjoint_make_room(adjoint *of, weft_error *err)
     return WEFT_OK;
 }
 
-static weft_status make_slopes(adjoint *of, weft_error *err)
+static weft_status make_derivatives(adjoint *of, weft_error *err)
 {
     for (size_t j = 0; j < of->def->count; ++j) {
         const weft_parameter *number = &of->def->parameters[j];
         weft_error inner = { 0 };
-        const weft_status status
-            = weft__slope_init(&of->slopes[j], of->sim->cloth, number->less,
-                               number->more, number->span, 1.0, &of->memory, &inner);
+        const weft_status status = weft__parameter_derivative_init(
+            &of->derivatives[j], of->sim->cloth, number->less, number->more,
+            number->span, 1.0, &of->memory, &inner);
         if (status != WEFT_OK) {
             return weft_error_set(err, status, "gradient, parameter %zu, %.60s: %.200s",
                                   j, number->name == NULL ? "unnamed" : number->name,
                                   inner.message);
         }
         of->by_parameter[j] = 0.0;
-        if (of->slopes[j].inverse_mass != NULL) {
+        if (of->derivatives[j].inverse_mass != NULL) {
             of->net = of->room[2] + dim_of(of);
         }
     }
@@ -195,7 +196,7 @@ static weft_status leave_checkpoint(adjoint *of, weft_error *err)
 static weft_status record_step(adjoint *of, double t_end, weft_error *err)
 {
     weft_sim *sim = of->sim;
-    const uint64_t taken_back = sim->guard.vetoed;
+    const uint64_t rejected = sim->guard.rejected_for_contact;
     const bool begins = of->count == 0 || sim->piece_begins;
     if (of->count == of->room_for) {
         const size_t more = 2 * of->room_for + 64;
@@ -216,7 +217,8 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
     of->steps[of->count] = (recorded_step){ .t = sim->t };
     const weft_status status = weft_sim_step(sim, t_end, err);
     of->steps[of->count].piece = sim->piece;
-    of->steps[of->count].restarts = begins || sim->guard.vetoed > taken_back;
+    of->steps[of->count].restarts
+        = begins || sim->guard.rejected_for_contact > rejected;
     of->steps[of->count++].h = weft_sim_stats(sim).last_step;
     return status;
 }
@@ -251,11 +253,11 @@ static void find_state(const adjoint *of, size_t k, double h, const double *y,
 {
     const weft__mesh *mesh = &of->sim->cloth->mesh;
     const size_t n = mesh->particles, half = 3 * n;
-    const double way = h * of->table->c[k];
+    const double advance = h * of->table->c[k];
     for (size_t low = 0, high; low < half; low = high) {
         high = part_end(low, half);
         for (size_t i = low; i < high; ++i) {
-            to[i] = y[i] + way * y[half + i];
+            to[i] = y[i] + advance * y[half + i];
             to[half + i] = y[half + i];
         }
         for (size_t j = 0; j < k; ++j) {
@@ -419,12 +421,13 @@ static int go_through(adjoint *of, double t, const double *y, const double *w,
     const weft__state at = weft__forces_state(&of->sim->forces, t, y);
     const weft_cloth *cloth = of->sim->cloth;
     void *const *spaces = of->sim->forces.spaces;
-    weft__by_numbers by;
+    weft__parameter_gradient by;
     int failed
         = weft__rhs_transposed(cloth, spaces, &at, w, of->room[0], out, of->net, &by);
     for (size_t j = 0; j < of->def->count; ++j) {
-        failed |= weft__slope_product(&of->slopes[j], spaces, &at, w, &by, of->net,
-                                      of->room, &of->by_parameter[j]);
+        failed |= weft__parameter_derivative_product(&of->derivatives[j], spaces, &at,
+                                                     w, &by, of->net, of->room,
+                                                     &of->by_parameter[j]);
     }
     return failed;
 }
@@ -443,10 +446,10 @@ static void find_start(const adjoint *of, double h, double *to)
             to[half + i] = last[half + i] + h * last[i];
         }
         for (size_t k = end - 1; k > 0; --k) {
-            const double *g = of->by_state[k], way = of->table->c[k] * h;
+            const double *g = of->by_state[k], advance = of->table->c[k] * h;
             for (size_t i = low; needed[k] && i < high; ++i) {
                 to[i] += g[i];
-                to[half + i] += g[half + i] + way * g[i];
+                to[half + i] += g[half + i] + advance * g[i];
             }
         }
     }
@@ -469,9 +472,10 @@ static void jump_back(adjoint *of, size_t step)
     const double t = step + 1 < of->count ? of->steps[step + 1].t : of->sim->t;
     const double pieces[2] = { of->steps[step].piece, next_piece(of, step) };
     for (size_t j = 0; pieces[0] != pieces[1] && j < of->def->count; ++j) {
-        for (size_t i = 0; of->slopes[j].pins && i < mesh->pinned; ++i) {
+        for (size_t i = 0; of->derivatives[j].pins && i < mesh->pinned; ++i) {
             double jump[6];
-            weft__slope_jump(&of->slopes[j], mesh->pins[i], t, pieces, jump);
+            weft__parameter_derivative_jump(&of->derivatives[j], mesh->pins[i], t,
+                                            pieces, jump);
             for (size_t k = 0; k < 6; ++k) {
                 of->by_parameter[j] += g[k * n + mesh->pins[i]] * jump[k];
             }
@@ -520,18 +524,18 @@ static weft_status add_frames(adjoint *of, size_t count, const double *y, size_t
                               weft_error *err)
 {
     const size_t dim = dim_of(of);
-    double *slope = of->room[0], *to = of->by_state[of->table->count + 1];
+    double *gradient = of->room[0], *to = of->by_state[of->table->count + 1];
     while (*left > 0 && of->frame[*left - 1] == count) {
         const size_t frame = --*left;
         const double t = of->def->times[frame];
-        memset(slope, 0, dim * sizeof *slope);
-        if (of->def->objective(of->def->ctx, frame, t, y, of->value, slope) != 0) {
+        memset(gradient, 0, dim * sizeof *gradient);
+        if (of->def->objective(of->def->ctx, frame, t, y, of->value, gradient) != 0) {
             return weft_error_set(err, WEFT_STOPPED,
                                   "the objective stopped at frame %zu, t = %g s", frame,
                                   t);
         }
         for (size_t i = 0; i < dim; ++i) {
-            to[i] += slope[i];
+            to[i] += gradient[i];
         }
     }
     return WEFT_OK;
@@ -586,7 +590,7 @@ static weft_status adjoint_differentiate(adjoint *of, double *by_start, weft_err
     }
     TRY(adjoint_make_sim(of, err));
     TRY(adjoint_make_room(of, err));
-    TRY(make_slopes(of, err));
+    TRY(make_derivatives(of, err));
     TRY(record(of, err));
     TRY(go_back(of, err));
     finish(of, by_start);
@@ -610,13 +614,13 @@ weft_status weft_gradient(const weft_gradient_def *given, double *value,
                    .by_parameter = by_parameter };
     *value = 0.0;
     status = adjoint_differentiate(&of, by_start, err);
-    for (size_t j = 0; of.slopes != NULL && j < def.count; ++j) {
-        weft__slope_free(&of.slopes[j], &of.memory);
+    for (size_t j = 0; of.derivatives != NULL && j < def.count; ++j) {
+        weft__parameter_derivative_free(&of.derivatives[j], &of.memory);
     }
     for (size_t i = 0; i < of.made; ++i) {
         weft__free(&of.memory, of.checkpoints[i]);
     }
-    WEFT__FREE_ALL(&of.memory, of.checkpoints, of.steps, of.frame, of.slopes,
+    WEFT__FREE_ALL(&of.memory, of.checkpoints, of.steps, of.frame, of.derivatives,
                    of.segment, of.vectors, of.table);
     weft_sim_destroy(of.sim);
     return status;

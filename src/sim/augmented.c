@@ -29,16 +29,20 @@ static int augmented_linearise(double t, const double *y, double *planes,
     const weft_sim *sim = ctx;
     size_t parts;
     const weft_structure *of = augmented_parts_of(sim, &parts);
-    const size_t n = of->particles, bonds = of->pair_count, bend = of->bend_pairs;
-    double *own = sim->sensitivity.own, *touched = own + WEFT_PAIR_PLANES * bonds;
+    const size_t n = of->particles, spring_couplings = of->pair_count,
+                 bend = of->bend_pairs;
+    double *own = sim->sensitivity.own,
+           *touched = own + WEFT_PAIR_PLANES * spring_couplings;
     weft__sensitivity_state(sim, y, sim->sensitivity.room[0]);
     const int failed = of->linearise(t, sim->sensitivity.room[0], own,
                                      blocks != NULL ? touched : NULL, of->ctx);
     for (size_t i = 0; i < parts; ++i) {
-        augmented_repeat(own, WEFT_PAIR_PLANES, 0, bonds - bend, bonds, planes,
-                         parts * bonds, i * (bonds - bend));
-        augmented_repeat(own, WEFT_PAIR_PLANES, bonds - bend, bend, bonds, planes,
-                         parts * bonds, parts * (bonds - bend) + i * bend);
+        augmented_repeat(own, WEFT_PAIR_PLANES, 0, spring_couplings - bend,
+                         spring_couplings, planes, parts * spring_couplings,
+                         i * (spring_couplings - bend));
+        augmented_repeat(own, WEFT_PAIR_PLANES, spring_couplings - bend, bend,
+                         spring_couplings, planes, parts * spring_couplings,
+                         parts * (spring_couplings - bend) + i * bend);
         if (blocks != NULL) {
             augmented_repeat(touched, WEFT_BLOCK_PLANES, 0, n, n, blocks, parts * n,
                              i * n);

@@ -173,7 +173,7 @@ void weft__bands_sum(const weft__forces *forces, weft__numbers_fn *of, const voi
     const weft_band band = forces->cloth->mesh.band;
     number_job all = { of, ctx, band.above, count, (double *)(void *)forces->measures };
     assert(count * sizeof *sum <= sizeof *forces->measures);
-    weft__forces_bands(forces, write_numbers, &all);
+    weft__forces_spans(forces, write_numbers, &all);
     const double *rows = weft__bands_blocks(forces, all.own, count * sizeof *sum);
     memset(sum, 0, count * sizeof *sum);
     for (size_t j = 0; rows != NULL && j < count * band.rows; ++j) {
@@ -250,10 +250,10 @@ static size_t list_ghosts(weft__forces *forces, uint32_t *list)
 {
     const weft__mesh *mesh = &forces->cloth->mesh;
     size_t count = 0;
-    forces->mail.missing = 0;
+    forces->exchange.missing = 0;
     for (size_t i = 0; mesh->whole_of != NULL && i < mesh->particles; ++i) {
         if (is_ghost(mesh, i) && count > 0 && list[count - 1] == mesh->whole_of[i]) {
-            ++forces->mail.missing;
+            ++forces->exchange.missing;
         } else if (is_ghost(mesh, i)) {
             list[count++] = mesh->whole_of[i];
         }
@@ -262,50 +262,54 @@ static size_t list_ghosts(weft__forces *forces, uint32_t *list)
 }
 
 /* Parcels of the lists of all bands, one behind the other. False: no memory. */
-static bool make_mail(weft__forces *forces, const uint32_t *lists, const size_t *counts)
+static bool make_exchange(weft__forces *forces, const uint32_t *lists,
+                          const size_t *counts)
 {
     const weft__mesh *mesh = &forces->cloth->mesh;
     const weft_comm *comm = forces->comm;
     const size_t me = (size_t)comm->rank, size = (size_t)comm->size;
     const size_t skip = (mesh->band.first - mesh->band.above) * mesh->block;
-    weft__mail *mail = &forces->mail;
+    weft__exchange *exchange = &forces->exchange;
     size_t sent = 0, room = 0, first, end, low, high, at;
     const uint32_t *mine = lists, *list = lists;
     for (size_t r = 0; r < me; ++r) {
         mine += counts[r];
     }
     owned(mesh, comm, me, &first, &end);
-    mail->parcels = weft__zeroed(&forces->memory, size, sizeof *mail->parcels);
-    mail->edge = weft__zeroed(&forces->memory, mesh->band.own, sizeof *mail->edge);
-    for (size_t pass = 0; mail->parcels != NULL && pass < 2; ++pass, list = lists) {
-        double *out = mail->room, *in = out + 3 * sent;
-        mail->count = sent = 0;
+    exchange->parcels = weft__zeroed(&forces->memory, size, sizeof *exchange->parcels);
+    exchange->edge
+        = weft__zeroed(&forces->memory, mesh->band.own, sizeof *exchange->edge);
+    for (size_t pass = 0; exchange->parcels != NULL && pass < 2; ++pass, list = lists) {
+        double *out = exchange->room, *in = out + 3 * sent;
+        exchange->count = sent = 0;
         for (size_t r = 0; r < size; list += counts[r++]) {
             owned(mesh, comm, r, &low, &high);
             const size_t ins = 3 * bands_between(mine, counts[me], low, high, &at);
             const size_t outs = 3 * bands_between(list, counts[r], first, end, &at);
-            mail->before = r == me ? mail->count : mail->before;
+            exchange->before = r == me ? exchange->count : exchange->before;
             if (r == me || outs + ins == 0) {
                 continue;
             }
-            mail->parcels[mail->count++] = (weft_parcel){ (int)r, outs, ins, out, in };
+            exchange->parcels[exchange->count++]
+                = (weft_parcel){ (int)r, outs, ins, out, in };
             for (size_t j = 0; pass == 1 && j < outs / 3; ++j) {
-                mail->sent[sent + j] = (uint32_t)(list[at + j] - skip);
-                mail->edge[(list[at + j] - first) / mesh->block] = true;
+                exchange->sent[sent + j] = (uint32_t)(list[at + j] - skip);
+                exchange->edge[(list[at + j] - first) / mesh->block] = true;
             }
             sent += outs / 3;
             room += pass == 0 ? outs + ins : 0;
             out = pass == 1 ? out + outs : out, in = pass == 1 ? in + ins : in;
         }
         if (pass == 0) {
-            mail->sent = weft__alloc(&forces->memory, sent, sizeof *mail->sent);
-            mail->room = weft__alloc(&forces->memory, room, sizeof *mail->room);
+            exchange->sent = weft__alloc(&forces->memory, sent, sizeof *exchange->sent);
+            exchange->room = weft__alloc(&forces->memory, room, sizeof *exchange->room);
         }
-        if (mail->sent == NULL || mail->room == NULL || mail->edge == NULL) {
+        if (exchange->sent == NULL || exchange->room == NULL
+            || exchange->edge == NULL) {
             return false;
         }
     }
-    return mail->parcels != NULL;
+    return exchange->parcels != NULL;
 }
 
 static weft_status bands_no_memory(const weft_comm *comm, bool made, weft_error *err)
@@ -317,8 +321,8 @@ static weft_status bands_no_memory(const weft_comm *comm, bool made, weft_error 
 }
 
 /* All bands get the lists of all. */
-static weft_status bands_meet(weft__forces *forces, uint32_t *own, size_t *counts,
-                              uint32_t **lists, weft_error *err)
+static weft_status bands_handshake(weft__forces *forces, uint32_t *own, size_t *counts,
+                                   uint32_t **lists, weft_error *err)
 {
     const weft_comm *comm = forces->comm;
     size_t all = 0;
@@ -332,10 +336,10 @@ static weft_status bands_meet(weft__forces *forces, uint32_t *own, size_t *count
     TRY(bands_no_memory(comm, *lists != NULL, err));
     comm->gather(comm->self, own, mine * sizeof *own, *lists);
     comm->share(comm->self, *lists, all * sizeof **lists);
-    return bands_no_memory(comm, make_mail(forces, *lists, counts), err);
+    return bands_no_memory(comm, make_exchange(forces, *lists, counts), err);
 }
 
-weft_status weft__bands_meet(weft__forces *forces, weft_error *err)
+weft_status weft__bands_handshake(weft__forces *forces, weft_error *err)
 {
     const weft_comm *comm = forces->comm;
     const weft_allocator *memory = &forces->memory;
@@ -346,7 +350,8 @@ weft_status weft__bands_meet(weft__forces *forces, weft_error *err)
     uint32_t *own = weft__alloc(memory, forces->cloth->mesh.particles, sizeof *own);
     size_t *counts = weft__alloc(memory, (size_t)comm->size, sizeof *counts);
     weft_status status = bands_no_memory(comm, own != NULL && counts != NULL, err);
-    status = status == WEFT_OK ? bands_meet(forces, own, counts, &lists, err) : status;
+    status = status == WEFT_OK ? bands_handshake(forces, own, counts, &lists, err)
+                               : status;
     WEFT__FREE_ALL(memory, own, counts, lists);
     return status;
 }
@@ -398,7 +403,7 @@ static void do_kind(void *ctx, size_t i)
 {
     band_rhs *self = ctx;
     const weft_comm *comm = self->forces->comm;
-    const bool *edge = self->forces->mail.edge;
+    const bool *edge = self->forces->exchange.edge;
     const size_t own = self->end - self->first;
     const size_t last = own * (i + 1) / self->parts;
     for (size_t b = own * i / self->parts, end = b; b < last; b = end) {
@@ -418,7 +423,7 @@ static void do_kind(void *ctx, size_t i)
 static size_t inner_parts(const weft__forces *forces, size_t rows)
 {
     const size_t chunks = (rows + CHUNK - 1) / CHUNK;
-    const size_t shares = forces->bands < rows ? forces->bands : rows;
+    const size_t shares = forces->spans < rows ? forces->spans : rows;
     const size_t parts = chunks > shares ? chunks : shares;
     return parts < WEFT_PARTS ? parts : WEFT_PARTS;
 }
@@ -428,27 +433,27 @@ static void send(const weft__forces *forces, const double *dvdt)
 {
     const weft_comm *comm = forces->comm;
     const size_t n = forces->cloth->mesh.particles;
-    const weft__mail *mail = &forces->mail;
-    const uint32_t *sent = mail->sent;
-    double *out = mail->room;
-    for (size_t p = 0; p < mail->count; sent += mail->parcels[p++].outs / 3) {
-        for (size_t j = 0; j < mail->parcels[p].outs; ++j) {
+    const weft__exchange *exchange = &forces->exchange;
+    const uint32_t *sent = exchange->sent;
+    double *out = exchange->room;
+    for (size_t p = 0; p < exchange->count; sent += exchange->parcels[p++].outs / 3) {
+        for (size_t j = 0; j < exchange->parcels[p].outs; ++j) {
             *out++ = dvdt[j % 3 * n + sent[j / 3]];
         }
     }
-    comm->post(comm->self, mail->parcels, mail->count);
+    comm->post(comm->self, exchange->parcels, exchange->count);
 }
 
 static void receive(const weft__forces *forces, double *dvdt)
 {
     const weft__mesh *mesh = &forces->cloth->mesh;
-    const weft__mail *mail = &forces->mail;
+    const weft__exchange *exchange = &forces->exchange;
     const size_t n = mesh->particles;
-    size_t i = mail->missing;
+    size_t i = exchange->missing;
     forces->comm->end(forces->comm->self);
-    for (size_t p = 0; p < mail->count; ++p) {
-        const weft_parcel *from = &mail->parcels[p];
-        if (p == mail->before) {
+    for (size_t p = 0; p < exchange->count; ++p) {
+        const weft_parcel *from = &exchange->parcels[p];
+        if (p == exchange->before) {
             i = (mesh->band.above + mesh->band.own) * mesh->block;
         }
         for (size_t j = 0; j < from->ins; ++j) {
@@ -456,8 +461,8 @@ static void receive(const weft__forces *forces, double *dvdt)
         }
         i += from->ins / 3;
     }
-    for (size_t j = 0; j < 3 * mail->missing; ++j) {
-        dvdt[j % 3 * n + j / 3] = dvdt[j % 3 * n + mail->missing];
+    for (size_t j = 0; j < 3 * exchange->missing; ++j) {
+        dvdt[j % 3 * n + j / 3] = dvdt[j % 3 * n + exchange->missing];
     }
 }
 
@@ -467,7 +472,7 @@ static void do_rest(band_rhs *all, bool now)
 {
     const weft__forces *forces = all->forces;
     const weft__mesh *mesh = &forces->cloth->mesh;
-    const bool joins = forces->mail.joint.cloth != NULL;
+    const bool joins = forces->exchange.joint.cloth != NULL;
     all->edges = false;
     if (now == joins) {
         weft__pool_run(forces->pool, mesh->triangles != NULL ? do_kind : do_inner, all,
@@ -542,17 +547,17 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
 
 /* ---- shapes ---------------------------------------------------------------------- */
 
-void weft__bands_deepest(const weft_comm *comm, weft__breach *breach)
+void weft__bands_deepest(const weft_comm *comm, weft__penetration *penetration)
 {
     const double far = 0x1p53;
     if (comm == NULL) {
         return;
     }
     /* the earliest of the last calls, then the deepest in it, then the first */
-    const double before = far - (double)breach->call;
+    const double before = far - (double)penetration->call;
     const bool last = weft__bands_max(comm, before) == before;
-    const double depth = last && breach->found ? fabs(breach->gap) : 0.0;
+    const double depth = last && penetration->found ? fabs(penetration->gap) : 0.0;
     const bool deepest = weft__bands_max(comm, depth) == depth;
-    breach->found = weft__bands_first(comm, last && breach->found && deepest, breach,
-                                      sizeof *breach);
+    penetration->found = weft__bands_first(comm, last && penetration->found && deepest,
+                                           penetration, sizeof *penetration);
 }

@@ -35,14 +35,14 @@ bool weft__bands_is_first(const weft_comm *comm);
 void weft__bands_share(const weft_comm *comm, void *data, size_t bytes);
 
 /* Of triangles: who needs whose particles. */
-weft_status weft__bands_meet(weft__forces *forces, weft_error *err);
+weft_status weft__bands_handshake(weft__forces *forces, weft_error *err);
 
 /* As weft_cloth_rhs in own blocks; x' and the other bands' v' in ghosts. */
 int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *dydt);
 
-/* Of what the bands found, with its number in the whole cloth, the deepest breach in
- * the last right-hand side that all could evaluate. */
-void weft__bands_deepest(const weft_comm *comm, weft__breach *breach);
+/* Of what the bands found, with its number in the whole cloth, the deepest penetration
+ * in the last right-hand side that all could evaluate. */
+void weft__bands_deepest(const weft_comm *comm, weft__penetration *penetration);
 
 /* The sum of `count` numbers, as many as fit in weft_measures, over all blocks in
  * their order: `of` writes those of block b, on any thread. */

@@ -141,10 +141,11 @@ static void add_ends(const weft_sim *sim, const motion_weights *w, double *out)
     const motion_weights of = *w;
     double *x = out, *v = out + count;
     for (size_t i = 0; i < count; ++i) {
-        const double way = x1[i] - x0[i];
-        x[i] = 0.0 + x0[i] + of.x[3] * way + h * of.x[1] * v0[i] + h * of.x[4] * v1[i]
-               + h * h * of.x[2] * a0[i] + h * h * of.x[5] * a1[i];
-        v[i] = 0.0 + of.v[3] * way + h * of.v[1] * v0[i] + h * of.v[4] * v1[i]
+        const double displacement = x1[i] - x0[i];
+        x[i] = 0.0 + x0[i] + of.x[3] * displacement + h * of.x[1] * v0[i]
+               + h * of.x[4] * v1[i] + h * h * of.x[2] * a0[i]
+               + h * h * of.x[5] * a1[i];
+        v[i] = 0.0 + of.v[3] * displacement + h * of.v[1] * v0[i] + h * of.v[4] * v1[i]
                + h * h * of.v[2] * a0[i] + h * h * of.v[5] * a1[i];
     }
 }
@@ -159,9 +160,10 @@ static void add_cubic(const weft_sim *sim, const motion_weights *w, double *out)
     const motion_weights of = *w;
     double *x = out, *v = out + count;
     for (size_t i = 0; i < count; ++i) {
-        const double way = x1[i] - x0[i];
-        x[i] = x0[i] + of.x[2] * way + h * of.x[1] * v0[i] + h * of.x[3] * v1[i];
-        v[i] = of.v[2] * way + h * of.v[1] * v0[i] + h * of.v[3] * v1[i];
+        const double displacement = x1[i] - x0[i];
+        x[i] = x0[i] + of.x[2] * displacement + h * of.x[1] * v0[i]
+               + h * of.x[3] * v1[i];
+        v[i] = of.v[2] * displacement + h * of.v[1] * v0[i] + h * of.v[3] * v1[i];
     }
 }
 
@@ -240,7 +242,7 @@ static weft_status find_rates(weft_sim *sim, weft_error *err)
         }
         of->levels += failed == 0;
     }
-    sim->guard.refused.found = false;
+    sim->guard.penetration.found = false;
     sim->forces.piece = piece;
     return failed < 0 || of->levels == 0
                ? weft_error_set(err, failed < 0 ? WEFT_STOPPED : WEFT_NOT_FINITE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* checked_step.c -- steps of the stepper, taken back and halved until one is clear of
+/* checked_step.c -- steps of the stepper, rejected and halved until one is clear of
  * all shapes and of the cloth itself. */
 #include <math.h>
 
@@ -10,8 +10,8 @@
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
-/* Attempts among which the steps taken back are counted. */
-enum { WINDOW = 1000 };
+/* Attempts among which the rejected steps are counted. */
+enum { ATTEMPTS = 1000 };
 
 /* A fixed step is halved ten times. */
 #define LEAST_PART (1.0 / 1024.0)
@@ -45,16 +45,16 @@ static void take_back(weft_sim *sim, double t0)
     ++sim->earlier.rejected;
 }
 
-/* One attempt from t0: *again if it was taken back, or failed in a shape. */
+/* One attempt from t0: *again if it was rejected, or failed in a shape. */
 static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
                            weft_error *why)
 {
     const weft_status status = weft__sim_method_step(sim, end, why);
     *again = false;
     if (status != WEFT_OK) {
-        weft__bands_deepest(sim->def.comm, &sim->guard.refused);
-        *again = sim->guard.refused.found /* it failed for a stage in a shape */
-            = sim->guard.refused.found
+        weft__bands_deepest(sim->def.comm, &sim->guard.penetration);
+        *again = sim->guard.penetration.found /* it failed for a stage in a shape */
+            = sim->guard.penetration.found
               && (status == WEFT_NOT_FINITE || status == WEFT_STEP_TOO_SMALL
                   || status == WEFT_SOLVER);
         return status;
@@ -62,31 +62,32 @@ static weft_status attempt(weft_sim *sim, double t0, double end, bool *again,
     const weft__path path = { t0, sim->t, sim->guard.start, sim->y };
     const bool clear = weft__path_clear(&sim->forces, &path);
     if (weft__bands_max(sim->def.comm, clear ? 0.0 : 1.0) > 0.0) {
-        sim->guard.refused = weft__path_breach(&sim->forces, &path);
+        sim->guard.penetration = weft__path_penetration(&sim->forces, &path);
         const bool in_shape
-            = sim->guard.refused.found && sim->guard.refused.pair[0].count == 0;
-        if (!weft__bands_first(sim->def.comm, in_shape, &sim->guard.refused,
-                               sizeof sim->guard.refused)) {
-            (void)weft__bands_first(sim->def.comm, sim->guard.refused.found,
-                                    &sim->guard.refused, sizeof sim->guard.refused);
+            = sim->guard.penetration.found && sim->guard.penetration.pair[0].count == 0;
+        if (!weft__bands_first(sim->def.comm, in_shape, &sim->guard.penetration,
+                               sizeof sim->guard.penetration)) {
+            (void)weft__bands_first(sim->def.comm, sim->guard.penetration.found,
+                                    &sim->guard.penetration,
+                                    sizeof sim->guard.penetration);
         }
         take_back(sim, t0);
         *again = true;
     } else {
-        sim->guard.refused.found = false;
+        sim->guard.penetration.found = false;
     }
     return status;
 }
 
 static weft_status give_up(const weft_sim *sim, weft_error *why)
 {
-    const weft__breach *at = &sim->guard.refused;
+    const weft__penetration *at = &sim->guard.penetration;
     const weft__mesh *mesh = &sim->cloth->mesh;
-    char text[WEFT__BREACH_TEXT];
+    char text[WEFT__PENETRATION_TEXT];
     if (at->pair[0].count > 0) {
         return weft_error_set(why, WEFT_STEP_TOO_SMALL,
                               "%s cannot be kept apart: distance %.3g m after %.3g s",
-                              weft__breach_text(mesh, at, text), at->gap,
+                              weft__penetration_text(mesh, at, text), at->gap,
                               at->t - sim->t);
     }
     return weft_error_set(
@@ -97,34 +98,36 @@ static weft_status give_up(const weft_sim *sim, weft_error *why)
         at->shape, at->gap, at->t - sim->t);
 }
 
-/* Warns of a run that takes back more steps than it takes; again only after this share
+/* Warns of a run that rejects more steps than it takes; again only after this share
  * was less than a tenth. */
-static void checked_step_watch_pace(weft_sim *sim, bool vetoed, double t, double tried)
+static void checked_step_watch_pace(weft_sim *sim, bool rejected, double t,
+                                    double tried)
 {
-    char text[WEFT__BREACH_TEXT];
-    const bool crawls = (sim->guard.crawl.vetoed += vetoed) > WINDOW / 2;
-    if (++sim->guard.crawl.attempts < WINDOW || (crawls && !vetoed)) {
-        return; /* that of which it warns is one taken back */
+    char text[WEFT__PENETRATION_TEXT];
+    const bool stalls = (sim->guard.stall.rejected += rejected) > ATTEMPTS / 2;
+    if (++sim->guard.stall.attempts < ATTEMPTS || (stalls && !rejected)) {
+        return; /* that of which it warns is a rejected one */
     }
-    if (crawls && !sim->guard.crawl.told) {
+    if (stalls && !sim->guard.stall.told) {
         weft__log(
             &sim->def.log, WEFT_LOG_WARNING,
             "contact rolled back %u of the last %u steps at t = %.9g s, the last of "
             "%.3g s: %s, distance %.3g m; the run may take very long",
-            sim->guard.crawl.vetoed, sim->guard.crawl.attempts, t, tried,
-            weft__breach_text(&sim->cloth->mesh, &sim->guard.refused, text),
-            sim->guard.refused.gap);
+            sim->guard.stall.rejected, sim->guard.stall.attempts, t, tried,
+            weft__penetration_text(&sim->cloth->mesh, &sim->guard.penetration, text),
+            sim->guard.penetration.gap);
     }
-    sim->guard.crawl.told
-        = crawls || (sim->guard.crawl.told && sim->guard.crawl.vetoed >= WINDOW / 10);
-    sim->guard.crawl.attempts = sim->guard.crawl.vetoed = 0;
+    sim->guard.stall.told
+        = stalls
+          || (sim->guard.stall.told && sim->guard.stall.rejected >= ATTEMPTS / 10);
+    sim->guard.stall.attempts = sim->guard.stall.rejected = 0;
 }
 
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
     const double t0 = sim->t, fixed = sim->config.fixed_step;
     const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
-    char text[WEFT__BREACH_TEXT];
+    char text[WEFT__PENETRATION_TEXT];
     if (sim->forces.self != NULL) {
         TRY(weft_comm_agree(sim->def.comm, weft__self_list_grow(sim->forces.self, why),
                             why));
@@ -140,17 +143,19 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
             checked_step_watch_pace(sim, false, t0, 0.0);
             return status;
         }
-        const double tried = status == WEFT_OK ? sim->guard.refused.t - t0 : end - t0;
+        const double tried
+            = status == WEFT_OK ? sim->guard.penetration.t - t0 : end - t0;
         const double h = 0.5 * (fixed > 0.0 ? fmin(fixed, tried) : tried);
         const bool adapted = status != WEFT_OK && fixed == 0.0; /* as far as it could */
         if (adapted || !(h >= least) || !(t0 + h > t0)) {
             return give_up(sim, why);
         }
-        ++sim->guard.vetoed;
+        ++sim->guard.rejected_for_contact;
         checked_step_watch_pace(sim, true, t0, tried);
         end = t0 + h;
-        weft__log(&sim->def.log, WEFT_LOG_DEBUG,
-                  "t = %.9g s: a step of %.3g s rolled back: %s", t0, tried,
-                  weft__breach_text(&sim->cloth->mesh, &sim->guard.refused, text));
+        weft__log(
+            &sim->def.log, WEFT_LOG_DEBUG,
+            "t = %.9g s: a step of %.3g s rolled back: %s", t0, tried,
+            weft__penetration_text(&sim->cloth->mesh, &sim->guard.penetration, text));
     }
 }

@@ -131,25 +131,27 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
     const weft_measures measures = weft_sim_measure(sim);
     const weft__mesh *mesh = &sim->cloth->mesh;
     weft_failure *failure = &sim->failure;
-    *failure = (weft_failure){ .status = why->status,
-                               .time = sim->t,
-                               .last_step = weft_sim_stats(sim).last_step,
-                               .spring = measures.worst,
-                               .energy = weft_energy_total(measures.energy),
-                               .contact = sim->guard.refused.found
-                                          && sim->guard.refused.pair[0].count == 0 };
-    if (sim->guard.refused.found) {
-        failure->gap_particle = weft__vertex_of(mesh, sim->guard.refused.particle);
-        failure->gap_shape = sim->guard.refused.shape;
+    *failure
+        = (weft_failure){ .status = why->status,
+                          .time = sim->t,
+                          .last_step = weft_sim_stats(sim).last_step,
+                          .spring = measures.worst,
+                          .energy = weft_energy_total(measures.energy),
+                          .contact = sim->guard.penetration.found
+                                     && sim->guard.penetration.pair[0].count == 0 };
+    if (sim->guard.penetration.found) {
+        failure->gap_particle = weft__vertex_of(mesh, sim->guard.penetration.particle);
+        failure->gap_shape = sim->guard.penetration.shape;
         for (size_t k = 0; k < 2; ++k) {
             failure->self_pair[k]
-                = weft__primitive_of(mesh, sim->guard.refused.pair[k]);
+                = weft__primitive_of(mesh, sim->guard.penetration.pair[k]);
         }
-        failure->gap = sim->guard.refused.gap;
-        failure->gap_step = sim->guard.refused.t - sim->t;
+        failure->gap = sim->guard.penetration.gap;
+        failure->gap_step = sim->guard.penetration.t - sim->t;
     }
     find_force(sim, failure);
-    if (!sim->guard.refused.found && !failure->force && sim->config.fixed_step == 0.0
+    if (!sim->guard.penetration.found && !failure->force
+        && sim->config.fixed_step == 0.0
         && (why->status == WEFT_STEP_TOO_SMALL || why->status == WEFT_SOLVER)) {
         weft__sim_find_holder(sim, &measures, failure);
     }

@@ -9,16 +9,16 @@
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
  * thread that is awake; with contact of the cloth with itself, that of fewer. More
- * bands than threads, where a band costs little beside its blocks (it computes one row
+ * spans than threads, where a span costs little beside its blocks (it computes one row
  * twice), shorten the wait for a thread that is kept from running. One thread takes
- * bands where the state is beyond the caches: the kernel takes tile after tile of
+ * spans where the state is beyond the caches: the kernel takes tile after tile of
  * columns, and long tiles leave nothing there for the next (1000 x 1000: 8 % of a
  * step). */
 enum {
     PARTICLES_PER_THREAD = 2048,
     SELF_PER_THREAD = 128,
     PARTICLES_CACHED = 1 << 17,
-    BLOCKS_PER_BAND = 48
+    BLOCKS_PER_SPAN = 48
 };
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
@@ -34,12 +34,12 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     weft_measures *measures = weft__alloc(&memory, blocks, sizeof *measures);
     weft__pool *pool = weft__pool_create(threads < useful ? threads : useful, &memory);
     const size_t count = weft__pool_threads(pool);
-    const size_t each = blocks / (BLOCKS_PER_BAND * count);
+    const size_t each = blocks / (BLOCKS_PER_SPAN * count);
     const bool many = count > 1 || weft_cloth_particles(cloth) > PARTICLES_CACHED;
-    const size_t bands = count * (many && each > 1 ? each : 1);
+    const size_t spans = count * (many && each > 1 ? each : 1);
     weft__forces out = { .cloth = cloth,
                          .pool = pool,
-                         .bands = bands < WEFT_PARTS ? bands : WEFT_PARTS,
+                         .spans = spans < WEFT_PARTS ? spans : WEFT_PARTS,
                          .measures = measures,
                          .memory = memory,
                          .piece = (double)NAN };
@@ -49,8 +49,8 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     if (bodies) {
         out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
     }
-    if (!weft__grips_create(cloth, &memory, &out.grips) || touches != (out.self != NULL)
-        || bodies != (out.bodies != NULL)) {
+    if (!weft__contact_stiffness_create(cloth, &memory, &out.contact_stiffness)
+        || touches != (out.self != NULL) || bodies != (out.bodies != NULL)) {
         weft__free(&memory, measures);
         out.measures = NULL;
     }
@@ -64,36 +64,36 @@ void weft__forces_destroy(weft__forces *forces)
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
-    WEFT__FREE_ALL(&forces->memory, forces->grips, forces->measures, forces->all,
-                   forces->mail.parcels, forces->mail.sent, forces->mail.room,
-                   forces->mail.edge, forces->mail.joint.room,
-                   forces->mail.joint.parcels);
+    WEFT__FREE_ALL(&forces->memory, forces->contact_stiffness, forces->measures,
+                   forces->all, forces->exchange.parcels, forces->exchange.sent,
+                   forces->exchange.room, forces->exchange.edge,
+                   forces->exchange.joint.room, forces->exchange.joint.parcels);
 }
 
-/* The first block of a band, the last that of none. */
-static size_t first_block(const weft__forces *forces, size_t band)
+/* The first block of a span, the last that of none. */
+static size_t first_block(const weft__forces *forces, size_t span)
 {
     const weft_band own = forces->cloth->mesh.band;
-    const size_t each = own.own / forces->bands, more = own.own % forces->bands;
-    return own.above + band * each + (band < more ? band : more);
+    const size_t each = own.own / forces->spans, more = own.own % forces->spans;
+    return own.above + span * each + (span < more ? span : more);
 }
 
-typedef struct bands_job {
+typedef struct spans_job {
     const weft__forces *forces;
-    weft__band_fn *task;
+    weft__span_fn *task;
     void *ctx;
-} bands_job;
+} spans_job;
 
-static void forces_do_band(void *ctx, size_t i)
+static void forces_do_span(void *ctx, size_t i)
 {
-    const bands_job *of = ctx;
+    const spans_job *of = ctx;
     of->task(of->ctx, first_block(of->forces, i), first_block(of->forces, i + 1));
 }
 
-void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx)
+void weft__forces_spans(const weft__forces *forces, weft__span_fn *task, void *ctx)
 {
-    bands_job of = { forces, task, ctx };
-    weft__pool_run(forces->pool, forces_do_band, &of, forces->bands);
+    spans_job of = { forces, task, ctx };
+    weft__pool_run(forces->pool, forces_do_span, &of, forces->spans);
 }
 
 typedef struct call {
@@ -104,7 +104,7 @@ typedef struct call {
     weft__measure_fn *measure;
 } call;
 
-static void force_band(void *ctx, size_t first, size_t end)
+static void force_span(void *ctx, size_t first, size_t end)
 {
     call *of = ctx;
     if (weft__rhs_blocks(of->forces->cloth, of->at, of->dydt, first, end) != 0) {
@@ -120,13 +120,13 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
     if (forces->comm != NULL) {
         return weft__bands_rhs(forces, &at, dydt);
     }
-    weft__forces_bands(forces, force_band, &all);
+    weft__forces_spans(forces, force_span, &all);
     return atomic_load(&all.failed)
            | weft__rhs_all(forces->cloth, forces->spaces, &at, WEFT__ACCELERATION,
                            dydt + 3 * forces->cloth->mesh.particles);
 }
 
-static void measure_band(void *ctx, size_t first, size_t end)
+static void measure_span(void *ctx, size_t first, size_t end)
 {
     const call *of = ctx;
     const weft_cloth *cloth = of->forces->cloth;
@@ -146,7 +146,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
 {
     call all = { .forces = forces, .at = at, .measure = of };
     weft_measures sum = weft__measures_start;
-    weft__forces_bands(forces, measure_band, &all);
+    weft__forces_spans(forces, measure_span, &all);
     const weft_measures *blocks
         = weft__bands_blocks(forces, forces->measures, sizeof *forces->measures);
     for (size_t b = 0; blocks != NULL && b < forces->cloth->mesh.band.rows; ++b) {

@@ -5,20 +5,21 @@
 
 #include "cloth/model.h"
 #include "forces/self/self_list.h"
-#include "sim/mail.h"
+#include "sim/exchange.h"
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__pool *pool; /* NULL: one thread */
-    size_t bands;
+    size_t spans;
     weft__self_list *self;      /* NULL: none */
     weft__bodies_space *bodies; /* NULL: none */
     void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
-    weft__grip *grips;          /* of each particle, where pairs of primitives push */
-    weft_measures *measures;    /* of each own block; NULL: no memory */
-    const weft_comm *comm;      /* NULL: the cloth is whole */
-    weft_measures *all;         /* band 0: of all blocks of the whole cloth */
-    weft__mail mail;
+    weft__contact_stiffness
+        *contact_stiffness;  /* of each particle, where pairs of primitives push */
+    weft_measures *measures; /* of each own block; NULL: no memory */
+    const weft_comm *comm;   /* NULL: the cloth is whole */
+    weft_measures *all;      /* band 0: of all blocks of the whole cloth */
+    weft__exchange exchange;
     weft_allocator memory;
     double piece; /* [s] of tables and keys: that of the step under way (mesh/track.h);
                      NAN: none is, and that of the time counts */
@@ -40,8 +41,8 @@ void weft__forces_destroy(weft__forces *forces);
 
 /* Calls task(ctx, first, end) for ranges of blocks [first, end) that make up the
  * own ones, on any thread and in any order. */
-typedef void weft__band_fn(void *ctx, size_t first, size_t end);
-void weft__forces_bands(const weft__forces *forces, weft__band_fn *task, void *ctx);
+typedef void weft__span_fn(void *ctx, size_t first, size_t end);
+void weft__forces_spans(const weft__forces *forces, weft__span_fn *task, void *ctx);
 
 /* With the other bands, with a comm, to the end of the file. As weft_cloth_rhs. */
 int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
@@ -57,31 +58,34 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
  * threads of a simulation. */
 /* A free particle that is in a shape, or may have passed through it; or two primitives
  * that may have met. The functions below look at the own rows of a band. */
-typedef struct weft__breach {
+typedef struct weft__penetration {
     bool found;
     weft_primitive pair[2]; /* count 0: a particle and a shape */
     size_t particle, shape;
     double gap;    /* [m] */
     double t;      /* [s] of the gap */
     uint64_t call; /* number of the right-hand side that found it, or none, last */
-} weft__breach;
+} weft__penetration;
 
 /* On the threads; allocates nothing. */
 bool weft__path_clear(const weft__forces *forces, const weft__path *path);
 
 /* The first by particles, then shapes, for which a path is not clear, else the first
  * pair of primitives. */
-weft__breach weft__path_breach(const weft__forces *forces, const weft__path *path);
+weft__penetration weft__path_penetration(const weft__forces *forces,
+                                         const weft__path *path);
 
 /* The particle deepest in a shape: gap <= 0. A state that is not finite has none. */
-weft__breach weft__state_breach(const weft_cloth *cloth, double t, const double *y);
+weft__penetration weft__state_penetration(const weft_cloth *cloth, double t,
+                                          const double *y);
 
 /* That, else two primitives at the same place. */
-weft__breach weft__rhs_breach(const weft__forces *forces, double t, const double *y);
+weft__penetration weft__rhs_penetration(const weft__forces *forces, double t,
+                                        const double *y);
 
 /* Of one particle, free or not. */
-weft__breach weft__particle_breach(const weft_cloth *cloth, double t, const double *y,
-                                   size_t i);
+weft__penetration weft__particle_penetration(const weft_cloth *cloth, double t,
+                                             const double *y, size_t i);
 
 /* Halves each particle's displacement from `from` to y until its straight path cannot
  * enter or cross a shape, nor the cloth itself. */
@@ -89,10 +93,12 @@ void weft__hold_back(const weft__forces *forces, double t, const double *from,
                      double *y);
 
 /* "particle (3, 4) and shapes[1]", or both primitives, of the whole; returns text. */
-enum { WEFT__BREACH_TEXT = 160 };
-const char *weft__breach_text(const weft__mesh *mesh, const weft__breach *breach,
-                              char text[WEFT__BREACH_TEXT]);
+enum { WEFT__PENETRATION_TEXT = 160 };
+const char *weft__penetration_text(const weft__mesh *mesh,
+                                   const weft__penetration *penetration,
+                                   char text[WEFT__PENETRATION_TEXT]);
 
 /* "particle (3, 4) is 2 mm inside shapes[1]", of the present or `would be`. */
-weft_status weft__breach_error(const weft_cloth *cloth, const weft__breach *breach,
-                               const char *what, weft_error *err);
+weft_status weft__penetration_error(const weft_cloth *cloth,
+                                    const weft__penetration *penetration,
+                                    const char *what, weft_error *err);

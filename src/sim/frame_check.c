@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* frame_check.c -- cloth that passes through a shape between its particles, at frames
- * and within steps: no step is taken back for it, because only particles feel shapes
+ * and within steps: no step is rejected for it, because only particles feel shapes
  * that are no mesh. */
 #include "forces/contact/passage.h"
 
@@ -46,7 +46,7 @@ static look look_for(const weft_sim *sim, const look_job *job)
     const weft_comm *comm = forces->comm;
     look all = { 0.0, 0.0 }, *of = (look *)(void *)forces->all;
     _Static_assert(sizeof(look) <= sizeof(weft_measures), "a block's room for each");
-    weft__forces_bands(forces, frame_check_look_at, (void *)job);
+    weft__forces_spans(forces, frame_check_look_at, (void *)job);
     for (size_t b = 0; b < sim->cloth->mesh.band.own; ++b) {
         all.count += job->blocks[b].count;
         all.rate = fmax(all.rate, job->blocks[b].rate);

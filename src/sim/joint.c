@@ -45,7 +45,7 @@ static bool joint_make_room(weft__joint *of, const weft__forces *forces)
 bool weft__joint_create(weft__forces *forces, bool all)
 {
     const weft_cloth *cloth = forces->cloth;
-    weft__joint *of = &forces->mail.joint;
+    weft__joint *of = &forces->exchange.joint;
     if (forces->comm == NULL || !cloth->contact.law.self) {
         return true;
     }
@@ -66,7 +66,7 @@ bool weft__joint_create(weft__forces *forces, bool all)
 
 void weft__joint_begin(const weft__forces *forces, const double *y)
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     const weft_comm *comm = forces->comm;
     const size_t n = weft_cloth_particles(forces->cloth);
     for (size_t k = 0; of->cloth != NULL && k < 6; ++k) {
@@ -89,7 +89,7 @@ static void joint_put(const weft__joint *of, const double *planes, size_t first,
 
 const double *weft__joint_end(const weft__forces *forces, const double *y, size_t k)
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     const weft_comm *comm = forces->comm;
     if (of->cloth == NULL) {
         return y;
@@ -107,7 +107,7 @@ const double *weft__joint_end(const weft__forces *forces, const double *y, size_
 
 bool weft__joint_finite(const weft__forces *forces, const double *y)
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     return weft__all_finite(weft__joint_last(of, y, 0),
                             weft_cloth_dim(weft__joint_cloth(of, forces->cloth)));
 }
@@ -116,7 +116,7 @@ bool weft__joint_finite(const weft__forces *forces, const double *y)
 
 int weft__joint_add(const weft__forces *forces, double *dvdt)
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     const weft__self *own = &of->cloth->self;
     weft__self_sums sums = { .own = own,
                              .unit = WEFT__ACCELERATION,
@@ -134,7 +134,7 @@ int weft__joint_add(const weft__forces *forces, double *dvdt)
 void weft__joint_measure(const weft__forces *forces, const weft__state *at,
                          weft_measures *sum)
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     weft__state whole = *at;
     weft__joint_begin(forces, at->y);
     whole.y = weft__joint_end(forces, at->y, 0);
@@ -145,7 +145,7 @@ void weft__joint_measure(const weft__forces *forces, const weft__state *at,
 void weft__joint_sides(const weft__forces *forces, double t, const double *y,
                        double most[WEFT__SIDES])
 {
-    const weft__joint *of = &forces->mail.joint;
+    const weft__joint *of = &forces->exchange.joint;
     const weft_band band = forces->cloth->mesh.band;
     if (y != NULL) {
         weft__joint_begin(forces, y);
@@ -156,6 +156,6 @@ void weft__joint_sides(const weft__forces *forces, double t, const double *y,
         own.mesh.band.above = band.first;
         own.mesh.band.own = band.own;
     }
-    weft__stiffness_sides(&own, of->part ? NULL : forces->spaces, forces->grips, t, y,
-                          most);
+    weft__stiffness_sides(&own, of->part ? NULL : forces->spaces,
+                          forces->contact_stiffness, t, y, most);
 }

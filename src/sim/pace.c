@@ -147,7 +147,7 @@ void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
 
 /* ---- warnings -------------------------------------------------------------------- */
 
-static void warn_of_pace(weft_sim *sim, double way)
+static void warn_of_pace(weft_sim *sim, double covered)
 {
     weft_failure held = { .status = WEFT_OK };
     const weft_measures now = weft_sim_measure(sim);
@@ -155,7 +155,7 @@ static void warn_of_pace(weft_sim *sim, double way)
     weft__log(&sim->def.log, WEFT_LOG_WARNING,
               "%d steps advance %.3g s at t = %.9g s, %.2g of a frame: %s; the run may "
               "take very long",
-              WEFT__PACE, way, sim->t, way / sim->pace.frame, held.held);
+              WEFT__PACE, covered, sim->t, covered / sim->pace.frame, held.held);
     sim->pace.told = true;
 }
 
@@ -213,8 +213,8 @@ void weft__sim_look_ahead(weft_sim *sim)
 
 void weft__sim_look_back(weft_sim *sim)
 {
-    const double way = sim->t - sim->pace.since;
-    if (way >= 0.0 && way < LEAST_PART * sim->pace.frame && !sim->pace.told) {
-        warn_of_pace(sim, way);
+    const double covered = sim->t - sim->pace.since;
+    if (covered >= 0.0 && covered < LEAST_PART * sim->pace.frame && !sim->pace.told) {
+        warn_of_pace(sim, covered);
     }
 }

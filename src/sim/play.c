@@ -44,7 +44,7 @@ static double target(const weft_sim *sim, const weft_play *play, size_t i)
 }
 
 /* With `interpolate` the step's past is still needed, for the frames within it. */
-static bool goes_on(weft_sim *sim, const weft_play *play)
+static bool play_continues(weft_sim *sim, const weft_play *play)
 {
     unsigned *const calls = sim->def.interpolate ? &sim->callbacks : &sim->playing;
     ++*calls;
@@ -59,7 +59,7 @@ static weft_status play_to(weft_sim *sim, const weft_play *play, size_t i,
     const double t = weft_run_frame_time(play->run, i), end = target(sim, play, i);
     while (weft_sim_time(sim) < t && !sim->event.passed) {
         TRY(weft_sim_step(sim, end, err));
-        if (play->step != NULL && !goes_on(sim, play)) {
+        if (play->step != NULL && !play_continues(sim, play)) {
             return weft_error_set(err, WEFT_STOPPED, "stopped at t = %.9g s",
                                   weft_sim_time(sim));
         }

@@ -220,10 +220,11 @@ static weft_status check_gaps(const weft_sim *sim, const restored *from,
                               weft_error *err)
 {
     for (size_t i = 0; i < sim->cloth->mesh.particles; ++i) {
-        const weft__breach breach
-            = weft__particle_breach(&from->cloth, from->head.fields.t, from->y, i);
-        if (breach.found && from->holds[i] == WEFT__FREE) {
-            return weft__breach_error(&from->cloth, &breach, "was saved", err);
+        const weft__penetration penetration
+            = weft__particle_penetration(&from->cloth, from->head.fields.t, from->y, i);
+        if (penetration.found && from->holds[i] == WEFT__FREE) {
+            return weft__penetration_error(&from->cloth, &penetration, "was saved",
+                                           err);
         }
     }
     return WEFT_OK;
@@ -239,7 +240,7 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->limit.last_step = from->limit_step;
     sim->event.since = from->event_since;
     sim->limit.stats = from->limit;
-    sim->guard.vetoed = from->vetoed;
+    sim->guard.rejected_for_contact = from->vetoed;
     sim->passage.next = -INFINITY;
     sim->passage.told = (from->flags & WEFT__SAVED_PASSAGE) != 0;
 }

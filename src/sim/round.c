@@ -5,15 +5,15 @@
 
 #include "cloth/model.h"
 
-/* A block has so many rows and particles at least, a band so many rows. What the fast
+/* A block has so many rows and particles at least, a span so many rows. What the fast
  * forms read past the end of a row is in the next row, or in the next plane. */
 enum {
-    REACH = WEFT_GHOST_ROWS,
-    READ = REACH + 1,
+    STENCIL_ROWS = WEFT_GHOST_ROWS,
+    READ = STENCIL_ROWS + 1,
     BLOCK = 8,
     BLOCK_LEAST = 4096,
-    BAND = 32,
-    BANDS_PER_THREAD = 4,
+    SPAN = 32,
+    SPANS_PER_THREAD = 4,
     PARTICLES_LEAST = 20000,
     PARTICLES_ALONE = 1 << 15 /* on one thread */
 };
@@ -23,7 +23,7 @@ typedef struct round_job {
     const weft_cloth *cloth;
     const weft_round *of;
     weft_part *after;
-    size_t bands, block;
+    size_t spans, block;
     atomic_int failed;
     atomic_size_t sum;
 } round_job;
@@ -33,9 +33,9 @@ static size_t round_least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-static size_t round_start_of(const round_job *all, size_t band)
+static size_t round_start_of(const round_job *all, size_t span)
 {
-    return band * all->cloth->mesh.rows / all->bands;
+    return span * all->cloth->mesh.rows / all->spans;
 }
 
 /* Of rows [first, end). */
@@ -59,17 +59,17 @@ static void round_evaluate(round_job *all, size_t first, size_t end)
     }
 }
 
-static void round_do_band(void *ctx, size_t b)
+static void round_do_span(void *ctx, size_t b)
 {
     round_job *all = ctx;
     const size_t end = round_start_of(all, b + 1);
-    const bool alone = all->bands == 1;
-    const size_t above = b > 0 ? REACH : 0;
+    const bool alone = all->spans == 1;
+    const size_t above = b > 0 ? STENCIL_ROWS : 0;
     size_t made = round_start_of(all, b), done = made + above, used = done + above;
     while (made < end && atomic_load(&all->failed) == 0) {
         const size_t next = round_least(made + all->block, end);
-        const size_t to = next == end ? end - (alone ? 0 : READ) : next - REACH;
-        const size_t till = next == end && alone ? end : to - REACH;
+        const size_t to = next == end ? end - (alone ? 0 : READ) : next - STENCIL_ROWS;
+        const size_t till = next == end && alone ? end : to - STENCIL_ROWS;
         round_take(all, all->of->before, made, next);
         round_evaluate(all, done, to);
         round_take(all, all->after, used, till);
@@ -77,13 +77,14 @@ static void round_do_band(void *ctx, size_t b)
     }
 }
 
-/* Between bands s and s + 1, or at the end of the last. */
+/* Between spans s and s + 1, or at the end of the last. */
 static void do_seam(void *ctx, size_t s)
 {
     round_job *all = ctx;
     const size_t row = round_start_of(all, s + 1), rows = all->cloth->mesh.rows;
-    round_evaluate(all, row - READ, round_least(row + REACH, rows));
-    round_take(all, all->after, row - READ - REACH, round_least(row + 2 * REACH, rows));
+    round_evaluate(all, row - READ, round_least(row + STENCIL_ROWS, rows));
+    round_take(all, all->after, row - READ - STENCIL_ROWS,
+               round_least(row + 2 * STENCIL_ROWS, rows));
 }
 
 bool weft__round_can(const weft__forces *forces)
@@ -109,19 +110,19 @@ int weft__round_run(const weft__forces *forces, weft_round *round)
 {
     const weft__mesh *mesh = &forces->cloth->mesh;
     const size_t rows = BLOCK_LEAST / mesh->cols + 1;
-    const size_t most = mesh->cols < WEFT_PAST ? 1 : mesh->rows / BAND;
+    const size_t most = mesh->cols < WEFT_PAST ? 1 : mesh->rows / SPAN;
     const size_t threads = weft__pool_threads(forces->pool);
-    const size_t bands
-        = round_least(threads > 1 ? BANDS_PER_THREAD * threads : 1, most);
+    const size_t spans
+        = round_least(threads > 1 ? SPANS_PER_THREAD * threads : 1, most);
     round_job all = { .forces = forces,
                       .cloth = forces->cloth,
                       .of = round,
                       .after = round->f != NULL ? round->after : NULL,
-                      .bands = bands > 0 ? bands : 1,
+                      .spans = spans > 0 ? spans : 1,
                       .block = rows > BLOCK ? rows : BLOCK };
-    weft__pool_run(forces->pool, round_do_band, &all, all.bands);
-    if (all.bands > 1 && round->f != NULL && atomic_load(&all.failed) == 0) {
-        weft__pool_run(forces->pool, do_seam, &all, all.bands);
+    weft__pool_run(forces->pool, round_do_span, &all, all.spans);
+    if (all.spans > 1 && round->f != NULL && atomic_load(&all.failed) == 0) {
+        weft__pool_run(forces->pool, do_seam, &all, all.spans);
     }
     round->sum = atomic_load(&all.sum);
     return atomic_load(&all.failed);

@@ -3,8 +3,8 @@
  * does before and after it (weft_round), so that what it reads is still in the caches.
  *
  * A row needs the two on either side of it. So evaluations follow what comes before
- * them by two rows, and what comes after follows them by two. Each thread takes bands
- * of rows; the rows at their seams are taken when all bands are done. */
+ * them by two rows, and what comes after follows them by two. Each thread takes spans
+ * of rows; the rows at their seams are taken when all spans are done. */
 #pragma once
 
 #include "sim/forces.h"

@@ -122,9 +122,9 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
     for (size_t j = 0; j < of->count; ++j) {
         const weft_parameter *number = &def->parameters[j];
         weft_error inner = { 0 };
-        const weft_status status
-            = weft__slope_init(&of->of[j], sim->cloth, number->less, number->more,
-                               number->span, of->factor, &sim->memory, &inner);
+        const weft_status status = weft__parameter_derivative_init(
+            &of->of[j], sim->cloth, number->less, number->more, number->span,
+            of->factor, &sim->memory, &inner);
         if (status != WEFT_OK) {
             return weft_error_set(
                 err, status, "sensitivity, parameter %zu, %.60s: %.200s", j,
@@ -145,7 +145,7 @@ void weft__sensitivity_free(weft_sim *sim)
 {
     const weft__sensitivity *of = &sim->sensitivity;
     for (size_t j = 0; j < of->count; ++j) {
-        weft__slope_free(&of->of[j], &sim->memory);
+        weft__parameter_derivative_free(&of->of[j], &sim->memory);
     }
     WEFT__FREE_ALL(&sim->memory, of->z, of->room[0], of->room[1], of->room[2], of->runs,
                    of->masses, of->own);
@@ -250,8 +250,9 @@ void weft__sensitivity_jump(weft_sim *sim)
     for (size_t j = 0; j < of->count; ++j) {
         for (size_t i = 0; of->of[j].pins && i < mesh->pinned; ++i) {
             double jump[6];
-            weft__slope_jump(&of->of[j], mesh->pins[i], sim->t,
-                             (double[]){ sim->piece, sim->next_piece }, jump);
+            weft__parameter_derivative_jump(&of->of[j], mesh->pins[i], sim->t,
+                                            (double[]){ sim->piece, sim->next_piece },
+                                            jump);
             for (size_t k = 0; k < 6 && weft__pin_meets(mesh, mesh->pins[i]); ++k) {
                 double *s = &of->s[(6 * j + k) * n + mesh->pins[i]];
                 *s = (k < 3 ? *s : 0.0) + jump[k] / of->factor;
@@ -264,7 +265,7 @@ void weft__sensitivity_jump(weft_sim *sim)
 weft_status weft__sensitivity_step(weft_sim *sim, double t_end, weft_error *why)
 {
     weft__sensitivity *of = &sim->sensitivity;
-    const bool checks = weft__sim_checks(sim); /* which may take it back */
+    const bool checks = weft__sim_checks(sim); /* which may reject it */
     if (checks) {
         memcpy(of->before, of->z, size_of(sim));
     }
@@ -294,16 +295,18 @@ static int sweep(const job *of, size_t j, size_t count, size_t first, size_t end
     const weft__sensitivity *all = &of->sim->sensitivity;
     const size_t n = cloth->mesh.particles, cols = cloth->mesh.cols;
     const size_t part = all->direct ? all->row : 6 * n; /* from one of z to the next */
-    weft__ways ways = { .y = of->y,
-                        .base = all->direct && j == 0 ? of->out : NULL,
-                        .stride = all->direct ? n * (1 + all->count) : n,
-                        .down = all->row < n ? cols * (1 + all->count) : cols,
-                        .count = count };
+    weft__tangents tangents = { .y = of->y,
+                                .base = all->direct && j == 0 ? of->out : NULL,
+                                .stride = all->direct ? n * (1 + all->count) : n,
+                                .down = all->row < n ? cols * (1 + all->count) : cols,
+                                .count = count };
     for (size_t k = 0; k < count; ++k) {
         const size_t at = (1 + j + k) * part;
-        ways.way[k] = (weft__way){ of->y + at, of->out + at, &all->of[j + k].springs };
+        tangents.tangent[k]
+            = (weft__tangent){ of->y + at, of->out + at, &all->of[j + k].springs };
     }
-    return cloth->springs.products(&cloth->springs, &cloth->body, &ways, first, end);
+    return cloth->springs.products(&cloth->springs, &cloth->body, &tangents, first,
+                                   end);
 }
 
 /* What the other forces add to those of number j. */
@@ -317,7 +320,8 @@ static int add_others(const job *of, size_t j, size_t first, size_t end)
     double *out = of->out + (1 + j) * dim;
     return weft__rhs_others(of->sim->cloth, &along, WEFT__ACCELERATION, out + dim / 2,
                             first, end)
-           | weft__slope_blocks(&all->of[j], &still, out, all->room, first, end);
+           | weft__parameter_derivative_blocks(&all->of[j], &still, out, all->room,
+                                               first, end);
 }
 
 /* Writes the rates of pinned particles: of part i, 0 the state. */
@@ -335,7 +339,7 @@ static void move_pins(const job *of, size_t i, size_t low, size_t high)
         if (i == 0) {
             weft__pin_rate(mesh, p, at.t, weft__piece(&at), rate);
         } else {
-            weft__slope_pin(&all->of[i - 1], p, &at, rate);
+            weft__parameter_derivative_pin(&all->of[i - 1], p, &at, rate);
         }
         for (size_t k = 0; k < 6; ++k) {
             of->out[all->direct ? sensitivity_place(of->sim, k, i, row) + p % all->row
@@ -351,9 +355,10 @@ static void block_rates(void *ctx, size_t first, size_t end)
     const weft__sensitivity *all = &of->sim->sensitivity;
     const weft__mesh *mesh = &of->sim->cloth->mesh;
     int failed = 0;
-    for (size_t j = 0; j < all->count; j += WEFT__WAYS) {
+    for (size_t j = 0; j < all->count; j += WEFT__TANGENTS) {
         const size_t left = all->count - j;
-        failed |= sweep(of, j, left < WEFT__WAYS ? left : WEFT__WAYS, first, end);
+        failed
+            |= sweep(of, j, left < WEFT__TANGENTS ? left : WEFT__TANGENTS, first, end);
     }
     for (size_t j = 0; !all->direct && j < all->count; ++j) {
         failed |= add_others(of, j, first, end);
@@ -380,8 +385,8 @@ static int add_whole(const job *of)
         along.along = of->y + j * dim;
         failed |= weft__rhs_all(sim->cloth, sim->forces.spaces, &along,
                                 WEFT__ACCELERATION, out + dim / 2)
-                  | weft__slope_all(&all->of[j - 1], sim->forces.spaces, &still, out,
-                                    all->room);
+                  | weft__parameter_derivative_all(&all->of[j - 1], sim->forces.spaces,
+                                                   &still, out, all->room);
     }
     return failed;
 }
@@ -396,7 +401,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
         if (weft__sim_must_stop(sim)) {
             return -1;
         }
-        weft__forces_bands(&sim->forces, block_rates, &all);
+        weft__forces_spans(&sim->forces, block_rates, &all);
         return atomic_load(&all.failed);
     }
     all.y = of->states, all.out = of->rates;
@@ -405,7 +410,7 @@ int weft__sensitivity_rhs(double t, const double *z, double *dzdt, void *ctx)
     }
     int failed = weft__sim_rhs(t, of->states, of->rates, sim);
     if (failed == 0) {
-        weft__forces_bands(&sim->forces, block_rates, &all);
+        weft__forces_spans(&sim->forces, block_rates, &all);
         failed = atomic_load(&all.failed) | add_whole(&all);
     }
     for (size_t i = 0; i <= of->count; ++i) {

@@ -2,7 +2,7 @@
 /* sensitivity.h -- what a simulation with sensitivities has beside its state. */
 #pragma once
 
-#include "cloth/slope.h"
+#include "cloth/parameter_derivative.h"
 #include "weft/sim.h"
 
 /* sensitivity.c: derivatives of the state by numbers, which the stepper integrates with
@@ -14,7 +14,7 @@ typedef struct weft__sensitivity {
     bool passes;   /* more steps follow up to t_end, between which nobody sees y */
     bool direct;   /* no other forces than springs, weight and air, of z as it is */
     size_t row;    /* particles of such a row: of the grid's if direct, else N */
-    weft__slope of[WEFT_SENSITIVITIES];
+    weft__parameter_derivative of[WEFT_SENSITIVITIES];
     double *z, *before;       /* the stepper's state: now, before the step */
     double *s;                /* planes of each s, one after another; once unpacked */
     double *states, *rates;   /* unless direct, so with the state's before */

@@ -210,7 +210,7 @@ weft_status weft_sim_create(const weft_sim_def *given, weft_sim **out, weft_erro
     TRY(WEFT__DEF_READ(weft_sim_def, def, given, WEFT__DEF_MOST, err));
     TRY(weft__bands_comm_check(def->comm, err)); /* nobody can be told */
     weft_status status = weft_comm_agree(def->comm, sim_prepare(def, &sim, err), err);
-    status = status == WEFT_OK ? weft__bands_meet(&sim->forces, err) : status;
+    status = status == WEFT_OK ? weft__bands_handshake(&sim->forces, err) : status;
     if (status == WEFT_OK) {
         status = weft__sim_stepper(sim, 0.0, &sim->stepper, err);
         status = weft_comm_agree(def->comm, status, err);

@@ -100,10 +100,10 @@ weft_status weft_sim_set_state(weft_sim *sim, const double *positions,
     if (positions != NULL && weft__sim_checks(sim)) {
         memcpy(sim->guard.start, sim->y, 6 * n * sizeof *sim->y);
         set_planes(sim->cloth, positions, sim->guard.start);
-        const weft__breach breach
-            = weft__state_breach(sim->cloth, sim->t, sim->guard.start);
-        if (breach.found) {
-            return weft__breach_error(sim->cloth, &breach, "would be", err);
+        const weft__penetration penetration
+            = weft__state_penetration(sim->cloth, sim->t, sim->guard.start);
+        if (penetration.found) {
+            return weft__penetration_error(sim->cloth, &penetration, "would be", err);
         }
         TRY(weft__crossings_error(sim->cloth, sim->t, sim->guard.start,
                                   &(weft__search){ 0 }, err));
@@ -209,10 +209,10 @@ weft_status weft_sim_unpin(weft_sim *sim, size_t vertex, weft_error *err)
     TRY(check_particle(sim, "weft_sim_unpin", vertex, NULL, err));
     if (weft_cloth_pinned(sim->cloth, vertex)) {
         const size_t i = weft__particle_of(&sim->cloth->mesh, vertex);
-        const weft__breach breach
-            = weft__particle_breach(sim->cloth, sim->t, sim->y, i);
-        if (breach.found) {
-            return weft__breach_error(sim->cloth, &breach, "is", err);
+        const weft__penetration penetration
+            = weft__particle_penetration(sim->cloth, sim->t, sim->y, i);
+        if (penetration.found) {
+            return weft__penetration_error(sim->cloth, &penetration, "is", err);
         }
         TRY(weft__crossings_error(sim->cloth, sim->t, sim->y,
                                   &(weft__search){ .loose = i + 1 }, err));
@@ -256,9 +256,11 @@ static weft_status sim_change_put(weft_sim *sim, size_t k, const weft__shape *sh
     cloth->contact.shapes[k] = *shape;
     cloth->contact.shape_count = k < count ? count : count + 1;
     ++cloth->contact.changes;
-    const weft__breach breach = weft__state_breach(cloth, sim->t, sim->y);
+    const weft__penetration penetration
+        = weft__state_penetration(cloth, sim->t, sim->y);
     const weft_status crosses
-        = breach.found ? weft__breach_error(cloth, &breach, "would be", err)
+        = penetration.found
+              ? weft__penetration_error(cloth, &penetration, "would be", err)
           : shape->def.body != NULL ? weft__bodies_error(&cloth->bodies, sim->t, sim->y,
                                                          &(weft__search){ 0 }, err)
                                     : WEFT_OK;

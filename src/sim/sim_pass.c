@@ -50,7 +50,7 @@ static int count_calls(weft_sim *sim, int calls, int *counted)
 {
     if (weft__sim_checks(sim)) {
         sim->guard.calls += (uint64_t)calls;
-        sim->guard.refused = (weft__breach){ .call = sim->guard.calls };
+        sim->guard.penetration = (weft__penetration){ .call = sim->guard.calls };
     }
     for (*counted = 1; *counted <= calls; ++*counted) {
         if (weft__sim_must_stop(sim)) {

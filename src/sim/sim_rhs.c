@@ -31,14 +31,14 @@ static double accelerate(const weft_sim *sim, const double *y, double *dydt)
 
 /* With other bands a method also evaluates states that are not finite, where the whole
  * cloth would not be evaluated: these leave what was found before. */
-static void note_breach(weft_sim *sim, double t, const double *y, int failed)
+static void note_penetration(weft_sim *sim, double t, const double *y, int failed)
 {
     const uint64_t call = ++sim->guard.calls;
     if (failed == 0) {
-        sim->guard.refused = (weft__breach){ .call = call };
+        sim->guard.penetration = (weft__penetration){ .call = call };
     } else if (sim->def.comm == NULL || weft__joint_finite(&sim->forces, y)) {
-        sim->guard.refused = weft__rhs_breach(&sim->forces, t, y);
-        sim->guard.refused.call = call;
+        sim->guard.penetration = weft__rhs_penetration(&sim->forces, t, y);
+        sim->guard.penetration.call = call;
     }
 }
 
@@ -64,7 +64,7 @@ int weft__sim_rhs(double t, const double *y, double *dydt, void *ctx)
         memcpy(sim->rates, dydt, dim * sizeof *dydt);
     }
     if (weft__sim_checks(sim)) {
-        note_breach(sim, t, y, failed);
+        note_penetration(sim, t, y, failed);
     }
     if (sim->def.force != NULL) { /* what an earlier call left is no reason any more */
         memset(sim->added, 0, dim / 2 * sizeof *sim->added);

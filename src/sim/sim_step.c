@@ -22,9 +22,10 @@ static weft_status check_corrected(weft_sim *sim, bool jumped, weft_error *err)
         weft__sim_not_finite(sim, &why);
         return weft__sim_fail(sim, &why, err);
     }
-    sim->guard.refused = weft__state_breach(sim->cloth, sim->t, sim->y);
-    if (sim->guard.refused.found) {
-        weft__breach_error(sim->cloth, &sim->guard.refused, "was corrected to", &why);
+    sim->guard.penetration = weft__state_penetration(sim->cloth, sim->t, sim->y);
+    if (sim->guard.penetration.found) {
+        weft__penetration_error(sim->cloth, &sim->guard.penetration, "was corrected to",
+                                &why);
         return weft__sim_fail(sim, &why, err);
     }
     if (jumped) {
@@ -117,7 +118,7 @@ weft_status weft_sim_step(weft_sim *sim, double t_end, weft_error *err)
     weft_error why = { 0 };
     const double before = sim->t;
     sim->failure.status = WEFT_OK;
-    sim->guard.refused.found = false;
+    sim->guard.penetration.found = false;
     sim->event.passed = false;
     sim_step_watch_pace(sim, t_end);
     if (sim->between.start != NULL) {

@@ -37,16 +37,16 @@ typedef struct weft__ledger {
     double work_limit, work_outside; /* [J] */
 } weft__ledger;
 
-/* checked_step.c: steps that are taken back for a shape or for the cloth itself. */
+/* checked_step.c: steps that are rejected for a shape or for the cloth itself. */
 typedef struct weft__guard {
-    double *start;        /* as y, before a step; NULL until there are any */
-    uint64_t vetoed;      /* steps taken back */
-    uint64_t calls;       /* of the right-hand side, with shapes */
-    weft__breach refused; /* by the last one; of the whole cloth */
+    double *start;                 /* as y, before a step; NULL until there are any */
+    uint64_t rejected_for_contact; /* steps */
+    uint64_t calls;                /* of the right-hand side, with shapes */
+    weft__penetration penetration; /* that rejected the last one; of the whole cloth */
     struct {
-        unsigned attempts, vetoed; /* of the present WINDOW */
+        unsigned attempts, rejected; /* of the present ATTEMPTS */
         bool told;
-    } crawl;
+    } stall;
 } weft__guard;
 
 /* event.c: the function at present, which ended the last step if `passed`. */

@@ -20,7 +20,8 @@ static int structure_linearise(double t, const double *y, double *planes,
 
 static int linearise_blocks(double t, const double *y, double *numbers, void *ctx)
 {
-    return weft__linearise_links(((const weft_sim *)ctx)->cloth, t, y, numbers);
+    return weft__linearise_block_couplings(((const weft_sim *)ctx)->cloth, t, y,
+                                           numbers);
 }
 
 static size_t structure_modes(double t, const double *y, double (*corners)[2],
@@ -36,7 +37,8 @@ static size_t structure_modes(double t, const double *y, double (*corners)[2],
     return count;
 }
 
-/* Whether it would take a matrix without links and ties for one of all forces. */
+/* Whether it would take a matrix without block couplings and scalar couplings for one
+ * of all forces. */
 static bool takes_springs_alone(const weft_sim *sim)
 {
     const uint32_t flags = sim->def.method->flags;
@@ -56,8 +58,9 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
                             .modes = structure_modes,
                             .ctx = sim,
                             .bend_damping = sim->cloth->bending.damping };
-    const bool links = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0;
-    sim->lists = weft__list_structure(sim->cloth, links, &sim->memory, of);
+    const bool block_couplings
+        = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0;
+    sim->lists = weft__list_structure(sim->cloth, block_couplings, &sim->memory, of);
     sim->masses = weft__alloc(&sim->memory, n, 2 * sizeof *sim->masses);
     if (sim->lists == NULL || sim->masses == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");

@@ -25,7 +25,7 @@
 /* BLOCK rows at least, and BLOCK_LEAST particles, in a call of the forces. A window
  * has room for SLACK blocks: then it moves its last four rows to the front. */
 enum {
-    REACH = WEFT_GHOST_ROWS,
+    STENCIL_ROWS = WEFT_GHOST_ROWS,
     BLOCK = 8,
     BLOCK_LEAST = 2048,
     SLACK = 4,
@@ -37,28 +37,28 @@ enum {
     ROWS_PER_THREAD = 8 /* for each stage: a tenth of the rows is computed twice */
 };
 
-/* Stage i of a band. Rows [low, made) of its state are in z, those of its rates below
+/* Stage i of a span. Rows [low, made) of its state are in z, those of its rates below
  * `done` in a ring. */
 typedef struct window {
-    double *z, *k, *trail;
+    double *z, *k, *carry_rows;
     size_t ring; /* rows of k */
     size_t low, made, done, end_made, end_done;
     weft_cloth cloth; /* rows of the whole from `low` on */
 } window;
 
-typedef struct band {
+typedef struct span {
     window *windows; /* from 1 on */
     void *room;
     double *error; /* of a block; then come the windows */
     bool failed;
     double norm, most[2]; /* as in weft_attempt */
-} band;
+} span;
 
 struct weft__wave {
-    size_t bands, stages, block;
-    size_t stride; /* of planes of windows */
-    size_t trail;  /* numbers of one */
-    band *of;
+    size_t spans, stages, block;
+    size_t stride;     /* of planes of windows */
+    size_t carry_rows; /* numbers of one */
+    span *of;
     weft_allocator memory;
 };
 
@@ -83,13 +83,13 @@ static size_t wave_block_of(const weft_cloth *cloth)
 
 static size_t window_rows(size_t block)
 {
-    return SLACK * block + 2 * REACH;
+    return SLACK * block + 2 * STENCIL_ROWS;
 }
 
 /* Rows of rates that later stages and the error still need. */
 static size_t ring_rows(size_t block, size_t stages, size_t i)
 {
-    return (block + REACH * (stages - 1 - i) + block - 1) / block * block;
+    return (block + STENCIL_ROWS * (stages - 1 - i) + block - 1) / block * block;
 }
 
 /* So that planes do not meet in the same sets of a cache. */
@@ -105,14 +105,14 @@ static size_t stride_of(const weft_cloth *cloth, size_t stages)
     return n;
 }
 
-/* Numbers of a band: its error, its windows and what their alignment takes. */
+/* Numbers of a span: its error, its windows and what their alignment takes. */
 static size_t room_of(const weft__wave *wave)
 {
-    return wave->stride * (12 * wave->stages - 11) + wave->trail * (wave->stages - 1)
-           + LINE;
+    return wave->stride * (12 * wave->stages - 11)
+           + wave->carry_rows * (wave->stages - 1) + LINE;
 }
 
-static size_t bands_of(size_t threads, const weft_cloth *cloth, size_t stages)
+static size_t spans_of(size_t threads, const weft_cloth *cloth, size_t stages)
 {
     const size_t most = cloth->mesh.rows / (ROWS_PER_THREAD * stages);
     return threads < most ? threads : most > 0 ? most : 1;
@@ -123,14 +123,14 @@ bool weft__wave_pays(const weft__forces *forces, size_t stages)
     const size_t threads = weft__pool_threads(forces->pool);
     return weft__round_can(forces) && stages > 1 && stages <= WEFT__WAVE_STAGES
            && weft_cloth_particles(forces->cloth) >= PARTICLES_LEAST
-           && bands_of(threads, forces->cloth, stages) == threads;
+           && spans_of(threads, forces->cloth, stages) == threads;
 }
 
 size_t weft__wave_bytes(const weft__wave *wave)
 {
     return wave == NULL ? 0
-                        : wave->bands
-                              * (sizeof(band) + wave->stages * sizeof(window)
+                        : wave->spans
+                              * (sizeof(span) + wave->stages * sizeof(window)
                                  + room_of(wave) * sizeof(double));
 }
 
@@ -138,15 +138,15 @@ void weft__wave_destroy(weft__wave *wave)
 {
     if (wave != NULL) {
         const weft_allocator memory = wave->memory;
-        for (size_t b = 0; wave->of != NULL && b < wave->bands; ++b) {
-            band *of = &wave->of[b];
+        for (size_t b = 0; wave->of != NULL && b < wave->spans; ++b) {
+            span *of = &wave->of[b];
             WEFT__FREE_ALL(&memory, of->room, of->windows);
         }
         WEFT__FREE_ALL(&memory, wave->of, wave);
     }
 }
 
-static bool make_band(const weft__wave *wave, band *of)
+static bool make_span(const weft__wave *wave, span *of)
 {
     const size_t stride = wave->stride;
     of->windows = weft__zeroed(&wave->memory, wave->stages, sizeof *of->windows);
@@ -159,8 +159,8 @@ static bool make_band(const weft__wave *wave, band *of)
     for (size_t i = 1; i < wave->stages; ++i) {
         of->windows[i].z = of->error + stride * (12 * i - 11);
         of->windows[i].k = of->windows[i].z + 6 * stride;
-        of->windows[i].trail
-            = of->error + stride * (12 * wave->stages - 11) + wave->trail * (i - 1);
+        of->windows[i].carry_rows = of->error + stride * (12 * wave->stages - 11)
+                                    + wave->carry_rows * (i - 1);
     }
     return true;
 }
@@ -174,15 +174,15 @@ weft__wave *weft__wave_create(const weft__forces *forces, size_t stages,
         return NULL;
     }
     const size_t threads = weft__pool_threads(forces->pool);
-    *wave = (weft__wave){ .bands = bands_of(threads, forces->cloth, stages),
+    *wave = (weft__wave){ .spans = spans_of(threads, forces->cloth, stages),
                           .stages = stages,
                           .block = wave_block_of(forces->cloth),
                           .stride = stride_of(forces->cloth, stages),
-                          .trail = weft__trail_length(forces->cloth->mesh.cols),
+                          .carry_rows = weft__carry_length(forces->cloth->mesh.cols),
                           .memory = memory };
-    wave->of = weft__zeroed(&memory, wave->bands, sizeof *wave->of);
-    for (size_t b = 0; b < wave->bands; ++b) {
-        if (wave->of == NULL || !make_band(wave, &wave->of[b])) {
+    wave->of = weft__zeroed(&memory, wave->spans, sizeof *wave->of);
+    for (size_t b = 0; b < wave->spans; ++b) {
+        if (wave->of == NULL || !make_span(wave, &wave->of[b])) {
             weft__wave_destroy(wave);
             return NULL;
         }
@@ -316,39 +316,39 @@ typedef struct wave_job {
     weft_attempt *of;
 } wave_job;
 
-/* A band on its way. Before a round the front is `front`, and rows below `left` have
+/* A span on its way. Before a round the front is `front`, and rows below `left` have
  * left the wave. */
-typedef struct way {
+typedef struct wave_progress {
     const wave_job *of;
-    band *band;
+    span *span;
     size_t last; /* stage */
     size_t start, first, end, front, left;
-} way;
+} wave_progress;
 
 /* The first row of the rates of stage i. */
-static size_t first_of(const way *by, size_t i)
+static size_t first_of(const wave_progress *by, size_t i)
 {
-    return less(by->first, REACH * (by->last - i));
+    return less(by->first, STENCIL_ROWS * (by->last - i));
 }
 
-static size_t slot(const way *by, size_t i, size_t row)
+static size_t slot(const wave_progress *by, size_t i, size_t row)
 {
-    return (row - by->start + REACH * i) % by->band->windows[i].ring;
+    return (row - by->start + STENCIL_ROWS * i) % by->span->windows[i].ring;
 }
 
 /* Plane p of row `row` of the rates of stage i. */
-static const double *rates_at(const way *by, size_t i, size_t p, size_t row)
+static const double *rates_at(const wave_progress *by, size_t i, size_t p, size_t row)
 {
     const weft__mesh *mesh = &by->of->cloth->mesh;
     return i == 0 ? by->of->of->k + p * mesh->particles + row * mesh->cols
-                  : by->band->windows[i].k + p * by->of->wave->stride
+                  : by->span->windows[i].k + p * by->of->wave->stride
                         + slot(by, i, row) * mesh->cols;
 }
 
 /* The terms of a sum over `count` stages in plane p, and how many rows from `row` on
  * lie one behind the other in all of them; with_state: and then the state itself. */
-static terms terms_of(const way *by, const double *factors, size_t count, size_t p,
-                      size_t row, bool with_state)
+static terms terms_of(const wave_progress *by, const double *factors, size_t count,
+                      size_t p, size_t row, bool with_state)
 {
     const weft__mesh *mesh = &by->of->cloth->mesh;
     terms out = { .count = 0 };
@@ -366,19 +366,20 @@ static terms terms_of(const way *by, const double *factors, size_t count, size_t
 }
 
 /* Rows from `row` on that no ring of the first stages breaks off. */
-static size_t rows_together(const way *by, size_t count, size_t row, size_t end)
+static size_t rows_together(const wave_progress *by, size_t count, size_t row,
+                            size_t end)
 {
     size_t rows = end - row;
     for (size_t i = 1; i < count; ++i) {
-        rows = wave_least(rows, by->band->windows[i].ring - slot(by, i, row));
+        rows = wave_least(rows, by->span->windows[i].ring - slot(by, i, row));
     }
     return rows;
 }
 
 /* Moves the rows that are still needed to the front of the window. */
-static void slide(const way *by, window *at)
+static void slide(const wave_progress *by, window *at)
 {
-    const size_t cols = by->of->cloth->mesh.cols, keep = less(at->done, REACH);
+    const size_t cols = by->of->cloth->mesh.cols, keep = less(at->done, STENCIL_ROWS);
     for (size_t p = 0; keep > at->low && p < 6; ++p) {
         double *plane = at->z + p * by->of->wave->stride;
         memmove(plane, plane + (keep - at->low) * cols,
@@ -387,9 +388,9 @@ static void slide(const way *by, window *at)
     at->low = keep > at->low ? keep : at->low;
 }
 
-static bool wave_make_state(const way *by, size_t i, size_t end)
+static bool wave_make_state(const wave_progress *by, size_t i, size_t end)
 {
-    window *at = &by->band->windows[i];
+    window *at = &by->span->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, stride = by->of->wave->stride;
     const double *factors = by->of->of->a + i * (i - 1) / 2;
     bool good = true;
@@ -409,7 +410,7 @@ static bool wave_make_state(const way *by, size_t i, size_t end)
 }
 
 /* The window as a cloth: its forces see rows from at->low on. */
-static void wave_place(const way *by, window *at)
+static void wave_place(const wave_progress *by, window *at)
 {
     const weft__mesh *whole = &by->of->cloth->mesh;
     weft__mesh *mesh = &at->cloth.mesh;
@@ -427,13 +428,13 @@ static void wave_place(const way *by, window *at)
 
 /* Rates go from rows of z to those of a ring: from one place of the same room to
  * another. */
-static bool make_rates(const way *by, size_t i, size_t end)
+static bool make_rates(const wave_progress *by, size_t i, size_t end)
 {
-    window *at = &by->band->windows[i];
+    window *at = &by->span->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
     weft__state state = weft__forces_state(by->of->forces, t, at->z);
-    state.trail = at->trail, state.goes_on = at->done > first_of(by, i);
+    state.carry_rows = at->carry_rows, state.continues = at->done > first_of(by, i);
     double *to = at->k + slot(by, i, at->done) * cols;
     wave_place(by, at);
     const int failed
@@ -445,13 +446,13 @@ static bool make_rates(const way *by, size_t i, size_t end)
 }
 
 /* Rows that all stages have passed: the error is judged, state and rates are stored. */
-static void leave(const way *by, size_t end)
+static void leave(const wave_progress *by, size_t end)
 {
     const weft_attempt *of = by->of->of;
-    const window *at = &by->band->windows[by->last];
+    const window *at = &by->span->windows[by->last];
     const weft__mesh *mesh = &by->of->cloth->mesh;
     const size_t cols = mesh->cols, count = by->last + (of->k_end != NULL);
-    double *e = by->band->error;
+    double *e = by->span->error;
     for (size_t row = by->left, rows; row < end; row += rows) {
         rows = rows_together(by, count, row, end);
         const size_t n = rows * cols;
@@ -459,13 +460,13 @@ static void leave(const way *by, size_t end)
             const size_t to = p * mesh->particles + row * cols;
             if (of->e != NULL) {
                 const terms sum = terms_of(by, of->e, count, p, row, false);
-                by->band->failed |= !wave_add(&sum, e, n);
-                by->band->norm = judge(e, of->y + to, of->rtol, of->atol[p / 3], n,
-                                       by->band->norm);
+                by->span->failed |= !wave_add(&sum, e, n);
+                by->span->norm = judge(e, of->y + to, of->rtol, of->atol[p / 3], n,
+                                       by->span->norm);
             }
-            by->band->most[p / 3]
+            by->span->most[p / 3]
                 = take(at->z + p * by->of->wave->stride + (row - at->low) * cols,
-                       of->y_end + to, n, by->band->most[p / 3]);
+                       of->y_end + to, n, by->span->most[p / 3]);
             if (of->k_end != NULL) {
                 memcpy(of->k_end + to, rates_at(by, by->last, p, row), n * sizeof *e);
             }
@@ -473,17 +474,17 @@ static void leave(const way *by, size_t end)
     }
 }
 
-static void wave_begin(const way *by)
+static void wave_begin(const wave_progress *by)
 {
     const size_t rows = by->of->cloth->mesh.rows;
     for (size_t i = 1; i <= by->last; ++i) {
-        window *at = &by->band->windows[i];
-        const size_t halo = REACH * (by->last - i);
+        window *at = &by->span->windows[i];
+        const size_t halo = STENCIL_ROWS * (by->last - i);
         at->ring = ring_rows(by->of->wave->block, by->last + 1, i);
         at->done = first_of(by, i);
-        at->low = at->made = less(at->done, REACH);
+        at->low = at->made = less(at->done, STENCIL_ROWS);
         at->end_done = wave_least(rows, by->end + halo);
-        at->end_made = wave_least(rows, by->end + halo + REACH);
+        at->end_made = wave_least(rows, by->end + halo + STENCIL_ROWS);
         at->cloth = *by->of->cloth;
         at->cloth.mesh.particles = at->cloth.mesh.stride = by->of->wave->stride;
         at->cloth.mesh.band.above = 0;
@@ -493,28 +494,29 @@ static void wave_begin(const way *by)
     }
 }
 
-static void wave_do_band(void *ctx, size_t b)
+static void wave_do_span(void *ctx, size_t b)
 {
     const wave_job *of = ctx;
     const size_t rows = of->cloth->mesh.rows, last = (size_t)of->of->stages - 1;
-    const size_t first = b * rows / of->wave->bands;
-    way by = { .of = of,
-               .band = &of->wave->of[b],
-               .last = last,
-               .start = less(first, REACH * last),
-               .first = first,
-               .end = (b + 1) * rows / of->wave->bands,
-               .left = first };
-    by.band->failed = false;
-    by.band->norm = by.band->most[0] = by.band->most[1] = 0.0;
+    const size_t first = b * rows / of->wave->spans;
+    wave_progress by = { .of = of,
+                         .span = &of->wave->of[b],
+                         .last = last,
+                         .start = less(first, STENCIL_ROWS * last),
+                         .first = first,
+                         .end = (b + 1) * rows / of->wave->spans,
+                         .left = first };
+    by.span->failed = false;
+    by.span->norm = by.span->most[0] = by.span->most[1] = 0.0;
     wave_begin(&by);
-    for (by.front = by.start; by.left < by.end && !by.band->failed;) {
+    for (by.front = by.start; by.left < by.end && !by.span->failed;) {
         by.front += of->wave->block;
         for (size_t i = 1; i <= last; ++i) {
-            window *at = &by.band->windows[i];
+            window *at = &by.span->windows[i];
             const size_t made
-                = wave_least(at->end_made, less(by.front, REACH * (i - 1)));
-            const size_t done = wave_least(at->end_done, less(by.front, REACH * i));
+                = wave_least(at->end_made, less(by.front, STENCIL_ROWS * (i - 1)));
+            const size_t done
+                = wave_least(at->end_done, less(by.front, STENCIL_ROWS * i));
             bool good = made <= at->made || wave_make_state(&by, i, made);
             if (done > at->done) {
                 good = good
@@ -522,9 +524,9 @@ static void wave_do_band(void *ctx, size_t b)
                            || make_rates(&by, i, done));
                 at->done = done;
             }
-            by.band->failed |= !good;
+            by.span->failed |= !good;
         }
-        const size_t end = wave_least(by.end, by.band->windows[last].done);
+        const size_t end = wave_least(by.end, by.span->windows[last].done);
         if (end > by.left) {
             leave(&by, end);
             by.left = end;
@@ -535,11 +537,11 @@ static void wave_do_band(void *ctx, size_t b)
 int weft__wave_run(weft__wave *wave, const weft__forces *forces, weft_attempt *attempt)
 {
     wave_job of = { wave, forces, forces->cloth, attempt };
-    weft__pool_run(forces->pool, wave_do_band, &of, wave->bands);
+    weft__pool_run(forces->pool, wave_do_span, &of, wave->spans);
     bool failed = false;
     attempt->norm = attempt->most[0] = attempt->most[1] = 0.0;
-    for (size_t b = 0; b < wave->bands; ++b) {
-        const band *at = &wave->of[b];
+    for (size_t b = 0; b < wave->spans; ++b) {
+        const span *at = &wave->of[b];
         failed |= at->failed || isnan(at->norm);
         attempt->norm = fmax(attempt->norm, at->norm);
         for (size_t half = 0; half < 2; ++half) {

@@ -6,7 +6,7 @@
  * pass takes block after block of rows, and each stage follows the one before by two
  * rows. A stage has a window of rows, where its state goes in and its rates come out of
  * the unchanged forces. Windows of a few rows stay in the caches; only y and the first
- * rates are read from memory, and the last ones written to it. Each thread takes a band
+ * rates are read from memory, and the last ones written to it. Each thread takes a span
  * of rows; at its ends it computes up to two rows a stage that others compute too. */
 #pragma once
 

@@ -151,15 +151,16 @@ static void reference_tick(void *ctx)
     }
 }
 
-/* The growth of the twin's distance, by least squares of its logarithm over time, and
- * the energy at play. */
+/* The growth of the perturbed's distance, by least squares of its logarithm over time,
+ * and the energy at play. */
 static void find_scales(compare *self)
 {
     const size_t size = weft_cloth_dim(self->cloth);
     double low = self->energy[0], high = low, kinetic = 0.0;
     double t = 0.0, d = 0.0, tt = 0.0, td = 0.0, n = 0.0;
     for (size_t i = 0; i <= self->last; ++i) {
-        const double x = compare_time(self, i), y = log(fmax(self->twin[i], 1e-300));
+        const double x = compare_time(self, i),
+                     y = log(fmax(self->perturbed[i], 1e-300));
         n += 1.0, t += x, d += y, tt += x * x, td += x * y;
         low = fmin(low, self->energy[i]), high = fmax(high, self->energy[i]);
         kinetic = fmax(
@@ -323,9 +324,9 @@ static weft_status open_memory(compare *self, weft_error *err)
         self->calls[i] = process_memory(frames, sizeof(uint64_t));
         able = able && self->frames[i] != NULL && self->calls[i] != NULL;
     }
-    self->twin = process_memory(frames, sizeof(double));
+    self->perturbed = process_memory(frames, sizeof(double));
     self->energy = process_memory(frames, sizeof(double));
-    if (!able || self->twin == NULL || self->energy == NULL) {
+    if (!able || self->perturbed == NULL || self->energy == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for %zu frames", frames);
     }
     atomic_store(&self->shared->last, self->planned);

@@ -2,12 +2,12 @@
 /* compare.h -- weft compare: the cost of every method on a scene, at every accuracy.
  *
  * Errors are distances [m] from a reference: the scene with the best method available
- * at COMPARE_TIGHTEST, checked by the best method of another plugin. Both, and a twin
- * displaced by COMPARE_NUDGE at the start, run first; the divergence of the twin bounds
- * the time that is compared. Then every method runs its ladder: of tolerances, or of
- * fixed steps, halved from its largest stable one on. Each reference and each ladder
- * has its own process, which writes its numbers to shared memory. One process alone
- * measures times per evaluation, last of all.
+ * at COMPARE_TIGHTEST, checked by the best method of another plugin. Both, and a
+ * perturbed displaced by COMPARE_NUDGE at the start, run first; the divergence of the
+ * perturbed bounds the time that is compared. Then every method runs its ladder: of
+ * tolerances, or of fixed steps, halved from its largest stable one on. Each reference
+ * and each ladder has its own process, which writes its numbers to shared memory. One
+ * process alone measures times per evaluation, last of all.
  *
  * Methods are ranked by time: what an implicit method does besides evaluations has no
  * other measure. */
@@ -69,7 +69,7 @@ typedef struct compare_method {
 
 /* Shared by the processes. */
 typedef struct compare_shared {
-    _Atomic size_t last; /* frame, lowered when the twin diverges */
+    _Atomic size_t last; /* frame, lowered when the perturbed diverges */
     weft_error err[2];   /* of the references */
     sentence stiffness;  /* of the cloth, and the kind of method that it needs */
     /* [count], then the scene with its own method and settings: one point */
@@ -91,15 +91,15 @@ typedef struct compare {
     /* shared; frames of 6 N numbers, planned + 1 of them */
     compare_shared *shared;
     double *frames[2];  /* of the references */
-    double *twin;       /* [m] its distance, by frames */
+    double *perturbed;  /* [m] its distance, by frames */
     double *energy;     /* [J] kinetic, elastic and gravitational, by frames */
     uint64_t *calls[2]; /* RHS calls of the references up to each frame */
 
     size_t count;    /* of methods */
     double at_play;  /* [J] range of the energy, or the largest kinetic */
     double apart;    /* [m] between the references */
-    double growth;   /* [1/s] of the twin's distance */
-    bool chaotic;    /* `last` is where the twin has parted, */
+    double growth;   /* [1/s] of the perturbed's distance */
+    bool chaotic;    /* `last` is where the perturbed has parted, */
     bool parted;     /* or the references */
     size_t over;     /* of methods: their ladders */
     uint64_t budget; /* RHS calls of a run; not of `as_is` */
@@ -115,7 +115,7 @@ bool compare_is_implicit(const compare_method *method);
 /* Whether its tolerance of velocities is COMPARE_VELOCITY times that of positions. */
 bool compare_is_stiff(const weft_stepper_type *type);
 
-/* process_def.work. Frames, energies and twin of by[0]; frames of by[1]. */
+/* process_def.work. Frames, energies and perturbed of by[0]; frames of by[1]. */
 int compare_reference(void *ctx, size_t which);
 /* Writes shared->stiffness: methods are run for it. */
 int compare_stiffness(void *ctx, size_t unused);

@@ -181,7 +181,7 @@ sentence compare_horizon_text(const compare *self)
         "m away "
         "(rate %.3g 1/s",
         compare_time(self, self->last), self->chaotic ? "" : " at least", COMPARE_NUDGE,
-        self->twin[self->last], self->growth);
+        self->perturbed[self->last], self->growth);
     if (self->chaotic) {
         say(&out, ": 10 times every %.2g s); compared up to there, not to %.4g s",
             log(10.0) / self->growth, self->run.duration);

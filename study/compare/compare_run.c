@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* compare_run.c -- the runs of weft compare: references, twin, ladders. */
+/* compare_run.c -- the runs of weft compare: references, perturbed, ladders. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,11 +18,11 @@ enum { ITERATION_CALLS = 15, JACOBIAN_CALLS = 20 };
 /* One run against the reference. */
 typedef struct compare_trial {
     const compare *self;
-    weft_sim *sim, *twin; /* twin NULL: none */
-    uint64_t budget;      /* RHS calls; 0: as many as it takes */
-    size_t which;         /* the reference computed, 0 or 1 */
-    double judging;       /* [s] spent on comparing frames */
-    double square;        /* [m^2] summed over particles and frames */
+    weft_sim *sim, *perturbed; /* perturbed NULL: none */
+    uint64_t budget;           /* RHS calls; 0: as many as it takes */
+    size_t which;              /* the reference computed, 0 or 1 */
+    double judging;            /* [s] spent on comparing frames */
+    double square;             /* [m^2] summed over particles and frames */
     compare_point *point;
 } compare_trial;
 
@@ -93,18 +93,19 @@ static uint64_t work(const weft_stepper_stats *stats)
            + JACOBIAN_CALLS * stats->factorisations;
 }
 
-/* ---- references and twin --------------------------------------------------------- */
+/* ---- references and perturbed
+ * --------------------------------------------------------- */
 
 /* Displaces every free particle by COMPARE_NUDGE, always in the same directions. */
-static weft_status nudge(weft_sim *twin, weft_error *err)
+static weft_status nudge(weft_sim *perturbed, weft_error *err)
 {
-    const size_t n = weft_cloth_particles(weft_sim_cloth(twin));
+    const size_t n = weft_cloth_particles(weft_sim_cloth(perturbed));
     double *xyz = malloc(3 * n * sizeof *xyz);
     uint32_t state = 1;
     if (xyz == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a perturbed run");
     }
-    weft_sim_positions(twin, xyz);
+    weft_sim_positions(perturbed, xyz);
     for (size_t i = 0; i < n; ++i) {
         double d[3];
         for (size_t k = 0; k < 3; ++k) {
@@ -116,7 +117,7 @@ static weft_status nudge(weft_sim *twin, weft_error *err)
             xyz[3 * i + k] += COMPARE_NUDGE * d[k] / length;
         }
     }
-    const weft_status status = weft_sim_set_state(twin, xyz, NULL, err);
+    const weft_status status = weft_sim_set_state(perturbed, xyz, NULL, err);
     free(xyz);
     return status;
 }
@@ -144,12 +145,13 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     const double *y = weft_sim_state(of->sim);
     double square = 0.0;
     memcpy(self->frames[of->which] + i * 6 * n, y, 6 * n * sizeof *y);
-    if (of->twin != NULL) {
+    if (of->perturbed != NULL) {
         self->energy[i] = weft_energy_total(
             weft_cloth_energy(self->cloth, weft_sim_time(of->sim), y));
-        TRY(weft_sim_advance(of->twin, compare_time(self, i), err));
-        self->twin[i] = compare_farthest(y, weft_sim_state(of->twin), n, &square);
-        if (self->twin[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
+        TRY(weft_sim_advance(of->perturbed, compare_time(self, i), err));
+        self->perturbed[i]
+            = compare_farthest(y, weft_sim_state(of->perturbed), n, &square);
+        if (self->perturbed[i] > COMPARE_GROWTH * COMPARE_NUDGE) {
             atomic_store(&self->shared->last, i - 1);
         }
     }
@@ -157,7 +159,7 @@ static weft_status keep(void *ctx, size_t i, weft_error *err)
     return WEFT_OK;
 }
 
-/* One reference stops behind the frame at which the other's twin has diverged. */
+/* One reference stops behind the frame at which the other's perturbed has diverged. */
 static bool go_on(void *ctx)
 {
     const compare_trial *of = ctx;
@@ -193,13 +195,13 @@ int compare_reference(void *ctx, size_t which)
     const weft_play frames = { .last = self->planned, .frame = keep, .step = go_on };
     weft_status status = create(self, &self->by[which], &config, &of.sim, err);
     if (status == WEFT_OK && which == 0) {
-        status = create(self, &self->by[0], &config, &of.twin, err);
-        status = status == WEFT_OK ? nudge(of.twin, err) : status;
+        status = create(self, &self->by[0], &config, &of.perturbed, err);
+        status = status == WEFT_OK ? nudge(of.perturbed, err) : status;
     }
     status = status == WEFT_OK ? play(&of, frames, err) : status;
     err->status = status == WEFT_STOPPED ? WEFT_OK : status;
     weft_sim_destroy(of.sim);
-    weft_sim_destroy(of.twin);
+    weft_sim_destroy(of.perturbed);
     return EXIT_DONE;
 }
 

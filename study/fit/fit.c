@@ -62,7 +62,7 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
 }
 
 /* What the cloth has where a point was seen, of positions; or, of the outline, of
- * those if j is 0, and then of their slopes. */
+ * those if j is 0, and then of their jacobian. */
 static void look(const fit *self, fit_point *point, size_t j, double x[3])
 {
     shadow_point *at = &point->edge;
@@ -74,16 +74,17 @@ static void look(const fit *self, fit_point *point, size_t j, double x[3])
     } else {
         x[0] = at->of != NULL ? 0.0 : NAN;
         for (size_t k = 0; at->of != NULL && k < 6; ++k) {
-            x[0] += at->slope[k / 3][k % 3] * self->room[3 * at->of[k / 3] + k % 3];
+            x[0]
+                += at->derivative[k / 3][k % 3] * self->room[3 * at->of[k / 3] + k % 3];
         }
     }
 }
 
 /* What points [from, to), whose time it is, have to the part j of the results: 0 the
- * residuals, then the slopes. Returns the row behind them. */
+ * residuals, then the jacobian. Returns the row behind them. */
 static size_t compare_points(fit *self, size_t from, size_t to, size_t j, size_t row)
 {
-    double *results = j == 0 ? self->residuals : self->slopes + (j - 1) * self->rows;
+    double *results = j == 0 ? self->residuals : self->jacobian + (j - 1) * self->rows;
     for (size_t i = from; i < to; ++i) {
         fit_point *point = &self->points[i];
         double x[3] = { 0.0 };
@@ -124,18 +125,18 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
 {
     weft_cloth *cloth = NULL;
     weft_sim *sim = NULL;
-    weft_scene_perturbed *twins = NULL;
-    weft_status status = twins_create(self->given, scene, &twins, err);
+    weft_scene_perturbed *perturbed = NULL;
+    weft_status status = perturbed_create(self->given, scene, &perturbed, err);
     if (status == WEFT_OK) {
-        status = simulation_create(scene, weft_scene_perturbed_def(twins), &cloth, &sim,
-                                   err);
+        status = simulation_create(scene, weft_scene_perturbed_def(perturbed), &cloth,
+                                   &sim, err);
     }
     if (status == WEFT_OK) {
         status = follow(self, scene, sim, err);
     }
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
-    weft_scene_perturbed_destroy(twins);
+    weft_scene_perturbed_destroy(perturbed);
     for (size_t i = 0; status == WEFT_OK && i < self->rows * self->numbers; ++i) {
         const fit_point *point = &self->points[i % self->rows];
         if (self->shadow.ends != NULL && point->edge.of == NULL) {
@@ -143,7 +144,7 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
                                     "the shadow is not around the origin: there is "
                                     "none at %g degrees",
                                     point->angle);
-        } else if (!isfinite(self->slopes[i])) {
+        } else if (!isfinite(self->jacobian[i])) {
             status = weft_error_set(err, WEFT_SOLVER, "the sensitivities overflow");
         }
     }
@@ -181,9 +182,9 @@ typedef struct fit_part {
     size_t begun; /* at this run */
 } fit_part;
 
-/* cminpack_funcder_mn: `what` is 1 for the residuals, 2 for the slopes. */
+/* cminpack_funcder_mn: `what` is 1 for the residuals, 2 for the jacobian. */
 static int evaluate(void *ctx, int rows, int numbers, const double *at,
-                    double *residuals, double *slopes, int stride, int what)
+                    double *residuals, double *jacobian, int stride, int what)
 {
     fit_part *self = ctx;
     fit *of = self->of;
@@ -202,7 +203,8 @@ static int evaluate(void *ctx, int rows, int numbers, const double *at,
         residuals[i] = of->known ? of->residuals[i] : WORST;
     }
     for (size_t j = 0; what == 2 && j < n; ++j) {
-        memcpy(slopes + j * (size_t)stride, of->slopes + j * m, m * sizeof *slopes);
+        memcpy(jacobian + j * (size_t)stride, of->jacobian + j * m,
+               m * sizeof *jacobian);
     }
     return of->known || of->runs > self->begun + 1 ? 0 : -1;
 }
@@ -217,7 +219,7 @@ static weft_status minimise(fit *of, double tolerance, weft_error *err)
         *room = malloc((m * (n + 2) + n) * sizeof *room);
     int pivots[WEFT_SENSITIVITIES], calls, jacobians;
     if (room == NULL) {
-        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the slopes");
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory for the jacobian");
     }
     memcpy(self.base, of->at, sizeof of->at);
     for (size_t j = 0; j < n; ++j) {
@@ -264,11 +266,11 @@ static weft_status minimise_parts(fit *self, weft_error *err)
 
 /* ---- what the data say of the numbers -------------------------------------------- */
 
-/* Turns columns p and q of the slopes, and of the directions, to orthogonal ones;
+/* Turns columns p and q of the jacobian, and of the directions, to orthogonal ones;
  * returns the cosine between them before. */
 static double turn(fit *self, size_t p, size_t q)
 {
-    double *a = self->slopes + p * self->rows, *b = self->slopes + q * self->rows;
+    double *a = self->jacobian + p * self->rows, *b = self->jacobian + q * self->rows;
     double aa = 0.0, bb = 0.0, ab = 0.0;
     for (size_t i = 0; i < self->rows; ++i) {
         aa += a[i] * a[i], bb += b[i] * b[i], ab += a[i] * b[i];
@@ -289,8 +291,8 @@ static double turn(fit *self, size_t p, size_t q)
     return fabs(ab) / sqrt(aa * bb);
 }
 
-/* Singular values by Hestenes' method, which loses no digits of small ones: the slopes
- * become their left vectors times them. */
+/* Singular values by Hestenes' method, which loses no digits of small ones: the
+ * jacobian become their left vectors times them. */
 static void decompose(fit *self)
 {
     const size_t n = self->numbers;
@@ -307,7 +309,8 @@ static void decompose(fit *self)
     for (size_t k = 0; k < n; ++k) {
         double sum = 0.0;
         for (size_t i = 0; i < self->rows; ++i) {
-            sum += self->slopes[k * self->rows + i] * self->slopes[k * self->rows + i];
+            sum += self->jacobian[k * self->rows + i]
+                   * self->jacobian[k * self->rows + i];
         }
         self->singular[k] = sqrt(sum);
     }
@@ -372,10 +375,10 @@ static weft_status make_room(fit *self, weft_error *err)
     const size_t rows = self->coordinates, n = self->numbers;
     self->room = malloc((3 * self->particles + rows * (n + 1)) * sizeof *self->room);
     self->residuals = self->room + 3 * self->particles;
-    self->slopes = self->residuals + rows;
+    self->jacobian = self->residuals + rows;
     return self->room != NULL
                ? WEFT_OK
-               : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the slopes");
+               : weft_error_set(err, WEFT_NO_MEMORY, "no memory for the jacobian");
 }
 
 static weft_status results(fit *self, const char *directory, weft_error *err)

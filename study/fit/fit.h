@@ -37,13 +37,13 @@ typedef struct fit {
     size_t numbers, runs;
     double at[WEFT_SENSITIVITIES]; /* logarithms, less those of the start: of the run
                                       whose results are below */
-    double *residuals, *slopes;    /* (x - data) / sigma; d/d log p, columns */
+    double *residuals, *jacobian;  /* (x - data) / sigma; d/d log p, columns */
     double *room;                  /* of all particles */
     bool known, stale;             /* there was such a run; it was of other points */
     weft_error err;                /* or why not */
     bool converged;
 
-    double singular[WEFT_SENSITIVITIES], /* values of the slopes, per unit of log p */
+    double singular[WEFT_SENSITIVITIES], /* values of the jacobian, per unit of log p */
         direction[WEFT_SENSITIVITIES][WEFT_SENSITIVITIES],
         covariance[WEFT_SENSITIVITIES][WEFT_SENSITIVITIES]; /* of the logarithms */
 } fit;

@@ -285,7 +285,8 @@ static void bending_bound(const void *own, const weft__state *at, size_t i,
     const double most = row_sum(of, i) * of->mesh->inverse_mass[i];
     (void)at;
     for (size_t s = 0; s < sides->count; ++s) {
-        const double scale = sides->way[s][0] + sides->way[s][1] * of->damping;
+        const double scale
+            = sides->direction[s][0] + sides->direction[s][1] * of->damping;
         weft__bound_add(sums[s], fmax(0.0, scale) * most);
     }
 }
@@ -298,8 +299,10 @@ static double centred(size_t at, size_t count)
 }
 
 /* K as pairs: K x on p is the sum of -q (x_q - x_p), q = -K_pq of either sign. Those of
- * one of WEFT_GROUPS ways are a group without a law. [N/m] q of the one at (r, c): */
-static double bending_pull_of(const weft__bending *own, size_t way, size_t r, size_t c)
+ * one of WEFT_GROUPS orientations are a group without a law. [N/m] q of the one at (r,
+ * c): */
+static double bending_pull_of(const weft__bending *own, size_t orientation, size_t r,
+                              size_t c)
 {
     const size_t rows = own->mesh->rows, cols = own->mesh->cols;
     const weft__bending *k = own;
@@ -312,29 +315,30 @@ static double bending_pull_of(const weft__bending *own, size_t way, size_t r, si
             -k->twist,
             -across,
             -along };
-    return pulls[way];
+    return pulls[orientation];
 }
 
 static size_t runs(const void *own, size_t b, weft_spring_run *to)
 {
     const weft__mesh *mesh = ((const weft__bending *)own)->mesh;
     size_t count = 0;
-    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
+    for (size_t orientation = 0; orientation < WEFT_GROUPS; ++orientation) {
         weft__group of;
-        if (weft__group_init(mesh, way, &of)) {
+        if (weft__group_init(mesh, orientation, &of)) {
             count += weft__group_run(mesh, &of, b, to + count);
         }
     }
     return count;
 }
 
-static double *bonds(const void *own, const weft__state *at, size_t b, double *planes,
-                     size_t all, double *bad)
+static double *bending_spring_couplings(const void *own, const weft__state *at,
+                                        size_t b, double *planes, size_t all,
+                                        double *bad)
 {
     (void)at, (void)bad;
-    for (size_t way = 0; way < WEFT_GROUPS; ++way) {
+    for (size_t orientation = 0; orientation < WEFT_GROUPS; ++orientation) {
         weft__group of;
-        if (!weft__group_init(((const weft__bending *)own)->mesh, way, &of)
+        if (!weft__group_init(((const weft__bending *)own)->mesh, orientation, &of)
             || b >= of.end_row) {
             continue;
         }
@@ -342,23 +346,24 @@ static double *bonds(const void *own, const weft__state *at, size_t b, double *p
             for (size_t k = 0; k < 6; ++k) {
                 planes[k * all] = 0.0;
             }
-            planes[4 * all] = bending_pull_of(own, way, b, c);
+            planes[4 * all] = bending_pull_of(own, orientation, b, c);
         }
     }
     return planes;
 }
 
-size_t weft__bending_ties(const weft__bending *own, size_t first,
-                          weft_scalar_coupling *to)
+size_t weft__bending_scalar_couplings(const weft__bending *own, size_t first,
+                                      weft_scalar_coupling *to)
 {
     size_t count = 0;
-    for (size_t way = 0; own->present && way < WEFT_GROUPS; ++way) {
+    for (size_t orientation = 0; own->present && orientation < WEFT_GROUPS;
+         ++orientation) {
         weft__group of;
-        const bool has = weft__group_init(own->mesh, way, &of);
+        const bool has = weft__group_init(own->mesh, orientation, &of);
         for (size_t r = 0; has && r < of.end_row; ++r) {
             for (size_t c = of.first_col; c < of.end_col; ++c, ++count) {
                 const size_t p = first + r * own->mesh->cols + c;
-                const double k = bending_pull_of(own, way, r, c);
+                const double k = bending_pull_of(own, orientation, r, c);
                 if (to != NULL) {
                     to[count]
                         = (weft_scalar_coupling){ (uint32_t)p,
@@ -386,4 +391,4 @@ const weft__force weft__bending_force
         .bounds.ratios = bending_ratios,
         .bounds.particle = bending_bound,
         .couplings.runs = runs,
-        .couplings.bonds = bonds };
+        .couplings.springs = bending_spring_couplings };

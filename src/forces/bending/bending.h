@@ -38,7 +38,8 @@ static inline size_t weft__after(size_t at, size_t count)
 
 extern const weft__force weft__bending_force;
 
-/* As weft__force.ties of particles from `first` on, of a grid among triangles. */
-size_t weft__bending_ties(const weft__bending *own, size_t first,
-                          weft_scalar_coupling *to);
+/* As weft__force.scalar_couplings of particles from `first` on, of a grid among
+ * triangles. */
+size_t weft__bending_scalar_couplings(const weft__bending *own, size_t first,
+                                      weft_scalar_coupling *to);
 WEFT_FORMS(weft__add_fn, bending);

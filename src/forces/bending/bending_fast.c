@@ -39,12 +39,12 @@ typedef struct line {
 } line;
 
 /* What a block leaves to the next one on its right. */
-typedef struct trail {
+typedef struct carried {
     vec ahead, turn, moment, rise;
-} trail;
+} carried;
 
 /* The resistance [N] of the row before in the block at j; rim: see `right2`. */
-INLINE vec bending_fast_block(line of, ptrdiff_t j, trail *left, const mask *rim)
+INLINE vec bending_fast_block(line of, ptrdiff_t j, carried *left, const mask *rim)
 {
     const vec here = left->ahead, ahead = load(of.here + j + LANES);
     const vec next = NEXT_1(here, ahead), slope = NEXT_2(here, ahead) - next;
@@ -58,13 +58,13 @@ INLINE vec bending_fast_block(line of, ptrdiff_t j, trail *left, const mask *rim
     const vec force = pull + load(of.waiting + j);
     store(of.waiting + j, (rise - SHIFT_1(left->rise, rise)) - pull);
     store(of.moment + j, p);
-    *left = (trail){ ahead, turn, moment, rise };
+    *left = (carried){ ahead, turn, moment, rise };
     return force;
 }
 
 /* The last columns of a row. */
-INLINE void bending_fast_row_end(strip *self, line of, trail *left, const double *mass,
-                                 double *to)
+INLINE void bending_fast_row_end(strip *self, line of, carried *left,
+                                 const double *mass, double *to)
 {
     const size_t count = self->own->mesh->cols - self->inner;
     double change[2 * LANES];
@@ -131,7 +131,7 @@ static void bending_fast_row(strip *self, size_t r, size_t k, const double *mass
     const line of = bending_fast_line_of(self, r, k);
     const ptrdiff_t count = (ptrdiff_t)(self->end - self->first);
     const ptrdiff_t begin = self->first > 0 ? -LANES : 0;
-    trail left = { .ahead = load(of.here + begin) };
+    carried left = { .ahead = load(of.here + begin) };
     vec bad = self->bad;
     if (self->first == 0 && self->own->mesh->cols > 1) {
         left.turn[LANES - 1] = of.here[1] - of.here[0];

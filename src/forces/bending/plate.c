@@ -81,7 +81,7 @@ static void plate_bound(const void *own, const weft__state *at, size_t i,
     const double *tau = of->matrix.tau;
     (void)at;
     for (size_t s = 0; s < sides->count; ++s) {
-        const double a = sides->way[s][0], b = sides->way[s][1];
+        const double a = sides->direction[s][0], b = sides->direction[s][1];
         const double scale = fmax(a + b * tau[0], a + b * tau[1]);
         const double most
             = of->matrix.damping != NULL && a >= 0.0 && b >= 0.0
@@ -250,7 +250,7 @@ static int plate_add(const void *own, const weft__state *at, weft__unit unit,
     int failed = 0;
     for (size_t b = first; b < end; ++b) {
         const size_t near = weft__block(of->mesh, b + 1) - weft__block(of->mesh, b)
-                            + of->matrix.reach[b + 1] - of->matrix.reach[b];
+                            + of->matrix.halo_first[b + 1] - of->matrix.halo_first[b];
         weft__add_fn *form = near > WEFT__PLATE_ROOM ? weft__plate_loops : of->fast;
         failed |= form(own, at, unit, to, b, b + 1);
     }
@@ -322,7 +322,7 @@ static void plate_power(const void *own, const weft__state *at, size_t b,
 }
 
 /* A pair of two blocks is taken from the row of its lower end. */
-static size_t ties(const void *own, weft_scalar_coupling *to)
+static size_t plate_scalar_couplings(const void *own, weft_scalar_coupling *to)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
     size_t count = 0;
@@ -355,15 +355,15 @@ static size_t plate_bytes(const void *own)
     const size_t tables = k->damping != NULL ? 2 : 1;
     const size_t each = sizeof *k->column + tables * sizeof *k->entry;
     return k->first[groups] * each + (groups + 1) * sizeof *k->first
-           + k->reach[blocks] * sizeof *k->halo + (blocks + 1) * sizeof *k->reach
-           + 2 * k->particles * sizeof *of->most;
+           + k->halo_first[blocks] * sizeof *k->halo
+           + (blocks + 1) * sizeof *k->halo_first + 2 * k->particles * sizeof *of->most;
 }
 
 static size_t plate_halo(const void *own, size_t b, const uint32_t **particles)
 {
     const weft__plate_matrix *of = &((const weft__plate *)own)->matrix;
-    *particles = of->halo + of->reach[b];
-    return of->reach[b + 1] - of->reach[b];
+    *particles = of->halo + of->halo_first[b];
+    return of->halo_first[b + 1] - of->halo_first[b];
 }
 
 /* Of `count` offsets those from `from` on become those from `to` on, up to `end`; all
@@ -389,8 +389,8 @@ static bool slice_matrix(void *own, const weft__slice *slice)
     const size_t after = (slice->first + slice->own) * GROUPS;
     const size_t begin = of->first[slice->first * GROUPS];
     const size_t entries = of->first[after < whole ? after : whole] - begin;
-    const size_t halo_begin = of->reach[slice->first];
-    const size_t halos = of->reach[slice->first + slice->own] - halo_begin;
+    const size_t halo_begin = of->halo_first[slice->first];
+    const size_t halos = of->halo_first[slice->first + slice->own] - halo_begin;
     double *most = weft__alloc(slice->memory, slice->particles, 2 * sizeof *most);
     if (most == NULL) {
         return false;
@@ -415,26 +415,27 @@ static bool slice_matrix(void *own, const weft__slice *slice)
     const size_t blocks = (of->particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
     move_offsets(of->first, slice->first * GROUPS, above * GROUPS,
                  end * GROUPS < groups ? end * GROUPS : groups, groups);
-    move_offsets(of->reach, slice->first, above, end, blocks);
+    move_offsets(of->halo_first, slice->first, above, end, blocks);
     weft__slice_range(slice, &of->first, 0, groups + 1, sizeof *of->first);
     return true;
 }
 
-const weft__force weft__plate_force = { .name = "plate",
-                                        .tables.check = plate_check,
-                                        .tables.init = plate_init,
-                                        .tables.hash = plate_hash_of,
-                                        .tables.choose = plate_choose,
-                                        .tables.copy = plate_copy,
-                                        .tables.free = plate_free_matrix,
-                                        .tables.bytes = plate_bytes,
-                                        .tables.halo = plate_halo,
-                                        .tables.slice = slice_matrix,
-                                        .present = plate_present,
-                                        .law.add = plate_add,
-                                        .law.linear = true,
-                                        .measures.energy = plate_energy,
-                                        .measures.power = plate_power,
-                                        .bounds.ratios = plate_ratios,
-                                        .bounds.particle = plate_bound,
-                                        .couplings.ties = ties };
+const weft__force weft__plate_force
+    = { .name = "plate",
+        .tables.check = plate_check,
+        .tables.init = plate_init,
+        .tables.hash = plate_hash_of,
+        .tables.choose = plate_choose,
+        .tables.copy = plate_copy,
+        .tables.free = plate_free_matrix,
+        .tables.bytes = plate_bytes,
+        .tables.halo = plate_halo,
+        .tables.slice = slice_matrix,
+        .present = plate_present,
+        .law.add = plate_add,
+        .law.linear = true,
+        .measures.energy = plate_energy,
+        .measures.power = plate_power,
+        .bounds.ratios = plate_ratios,
+        .bounds.particle = plate_bound,
+        .couplings.scalar_couplings = plate_scalar_couplings };

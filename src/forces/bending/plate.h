@@ -18,14 +18,14 @@ enum { WEFT__PLATE_ROWS = 4, WEFT__PLATE_RECORD = 4 };
 
 typedef struct weft__plate_matrix {
     size_t particles;
-    size_t *first;    /* pair of each group of rows, and their number */
-    uint32_t *column; /* the other end in its block's list, own particles, then halo:
-                         where its record begins, of WEFT__PLATE_RECORD numbers */
-    double *entry;    /* [N/m] */
-    double tau[2];    /* [s] the least and the largest damping of its triangles */
-    double *damping;  /* [N s/m] as `entry`, where they differ; else tau of each */
-    size_t *reach;    /* the first of each block's halo, and their number */
-    uint32_t *halo;   /* particles beyond a block that its rows have as columns */
+    size_t *first;      /* pair of each group of rows, and their number */
+    uint32_t *column;   /* the other end in its block's list, own particles, then halo:
+                           where its record begins, of WEFT__PLATE_RECORD numbers */
+    double *entry;      /* [N/m] */
+    double tau[2];      /* [s] the least and the largest damping of its triangles */
+    double *damping;    /* [N s/m] as `entry`, where they differ; else tau of each */
+    size_t *halo_first; /* the first of each block's halo, and their number */
+    uint32_t *halo;     /* particles beyond a block that its rows have as columns */
 } weft__plate_matrix;
 
 /* `pin` is not 0 of pinned particles. All NULL where no triangle resists bending.
@@ -70,8 +70,9 @@ static inline weft__plate_pair weft__plate_pair_of(const weft__plate_matrix *of,
     const size_t left = of->particles - first;
     const size_t own = left < WEFT__MESH_BLOCK ? left : WEFT__MESH_BLOCK;
     const uint32_t column = of->column[pair] / WEFT__PLATE_RECORD;
-    return (weft__plate_pair){ column < own ? first + column
-                                            : of->halo[of->reach[b] + (column - own)],
+    return (weft__plate_pair){ column < own
+                                   ? first + column
+                                   : of->halo[of->halo_first[b] + (column - own)],
                                column < own };
 }
 
@@ -107,17 +108,17 @@ static inline size_t weft__plate_terms(const weft__plate_matrix *of, const doubl
 extern const weft__force weft__plate_force;
 WEFT_FORMS(weft__add_fn, plate);
 
-/* plate_slope.c: the slope of triangles across an edge, rebuilt from the positions of
- * particles nearby: g = sum of share x_i, along the normal n = (t_v, -t_u) in the plane
- * (u, v), t from the first end of the edge to the second. The fit is exact for
+/* plate_edge_slope.c: the slope of triangles across an edge, rebuilt from the positions
+ * of particles nearby: g = sum of share x_i, along the normal n = (t_v, -t_u) in the
+ * plane (u, v), t from the first end of the edge to the second. The fit is exact for
  * quadratics wherever the mesh allows it (docs/theory/bending.md,
  * "Triangles"). */
-typedef struct weft__slopes {
+typedef struct weft__edge_slopes {
     size_t *first;                  /* of each edge, and their number */
     uint32_t *particle;             /* may come twice in an edge */
     double *share;                  /* [1/m] */
     size_t count, room, share_room; /* of particles and shares */
-} weft__slopes;
+} weft__edge_slopes;
 
 /* Whether the cloth bends across a seam. Other edges of one triangle are rims. */
 static inline bool weft__bends(const weft__triangles *mesh, const weft__edge *edge)
@@ -136,6 +137,7 @@ bool *weft__held_triangles(const weft__triangles *of, const uint32_t *pin,
  * fit of few points, have none. False: no memory, or it was stopped. Free them in
  * either case. */
 enum { WEFT__CURVE_PARTS = 40 };
-bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         bool curved, weft__stop *stop, const weft_allocator *memory);
-void weft__slopes_free(weft__slopes *of, const weft_allocator *memory);
+bool weft__edge_slopes_create(weft__edge_slopes *out, const weft__triangles *of,
+                              const bool *held, bool curved, weft__stop *stop,
+                              const weft_allocator *memory);
+void weft__edge_slopes_free(weft__edge_slopes *of, const weft_allocator *memory);

@@ -31,7 +31,7 @@ static block plate_fast_block_of(const weft__plate_matrix *of, size_t b)
                     .b = b,
                     .first = first,
                     .own = left < WEFT__MESH_BLOCK ? left : WEFT__MESH_BLOCK,
-                    .halo = of->reach[b + 1] - of->reach[b] };
+                    .halo = of->halo_first[b + 1] - of->halo_first[b] };
 }
 
 /* What a term multiplies, of one particle. */
@@ -49,7 +49,7 @@ INLINE void plate_fast_take(const double *x, size_t n, double tau, nearby *to,
 INLINE void take_all(const block *p, const double *x, double tau, nearby *to)
 {
     const size_t n = p->of->particles;
-    const uint32_t *halo = p->of->halo + p->of->reach[p->b];
+    const uint32_t *halo = p->of->halo + p->of->halo_first[p->b];
     for (size_t j = 0; j < p->own; ++j) {
         plate_fast_take(x + p->first + j, n, tau, to, RECORD * j);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* plate_matrix.c -- the second derivatives of each triangle by Morley's element (L. S.
- * D. Morley, Aeronautical Quarterly 19, 1968), whose slopes come from plate_slope.c,
- * and the sum of their squares. */
+ * D. Morley, Aeronautical Quarterly 19, 1968), whose slopes come from
+ * plate_edge_slope.c, and the sum of their squares. */
 #include "forces/bending/plate.h"
 
 #include "base/grow.h"
@@ -14,7 +14,7 @@ typedef struct stencils {
     const weft__triangles *mesh;
     const weft_allocator *memory;
     weft__stop *stop;
-    weft__slopes slopes;
+    weft__edge_slopes slopes;
     bool *held;     /* triangles whose corners are all pinned */
     uint32_t *slot; /* of particles: 1 + their place in a list; 0 between two lists */
     size_t *first;  /* of each triangle, and their number: */
@@ -201,13 +201,13 @@ static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
     of->slot = weft__zeroed(of->memory, particles, sizeof *of->slot);
     of->first = weft__zeroed(of->memory, mesh->count + 1, sizeof *of->first);
     bool made = of->held != NULL && of->slot != NULL && of->first != NULL
-                && weft__slopes_create(&of->slopes, mesh, of->held, false, of->stop,
-                                       of->memory);
+                && weft__edge_slopes_create(&of->slopes, mesh, of->held, false,
+                                            of->stop, of->memory);
     for (uint32_t t = 0; made && t < mesh->count; ++t) {
         made = !weft__stops(of->stop) && (of->held[t] || stencil(of, t));
         of->first[t + 1] = of->count;
     }
-    weft__slopes_free(&of->slopes, of->memory);
+    weft__edge_slopes_free(&of->slopes, of->memory);
     return made;
 }
 
@@ -275,7 +275,7 @@ static bool resize_entries(const stencils *of, growth *to, size_t room)
 static uint32_t column_of(const stencils *of, growth *to, uint32_t particle)
 {
     uint32_t *slot = &of->slot[particle];
-    const size_t start = to->out->reach[to->first / WEFT__MESH_BLOCK];
+    const size_t start = to->out->halo_first[to->first / WEFT__MESH_BLOCK];
     if (particle >= to->first && particle < to->first + to->own) {
         return (uint32_t)(particle - to->first);
     }
@@ -421,10 +421,10 @@ static bool plate_matrix_add_rows(const stencils *of, growth *to)
         if (!add_block(of, to)) {
             return false;
         }
-        for (size_t j = out->reach[b]; j < to->halo; ++j) {
+        for (size_t j = out->halo_first[b]; j < to->halo; ++j) {
             of->slot[out->halo[j]] = 0;
         }
-        out->reach[b + 1] = to->halo;
+        out->halo_first[b + 1] = to->halo;
     }
     (void)resize_entries(of, to, to->entries); /* gives back what is not needed */
     return true;
@@ -458,10 +458,10 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
         return true;
     }
     out->first = weft__zeroed(memory, groups + 1, sizeof *out->first);
-    out->reach = weft__zeroed(memory, blocks + 1, sizeof *out->reach);
+    out->halo_first = weft__zeroed(memory, blocks + 1, sizeof *out->halo_first);
     grown.seat = weft__zeroed(memory, particles, sizeof *grown.seat);
-    const bool made = out->first != NULL && out->reach != NULL && grown.seat != NULL
-                      && stencils_create(&all, pin, particles)
+    const bool made = out->first != NULL && out->halo_first != NULL
+                      && grown.seat != NULL && stencils_create(&all, pin, particles)
                       && plate_matrix_turn(&all, particles)
                       && plate_matrix_add_rows(&all, &grown);
     stencils_free(&all);
@@ -474,7 +474,7 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
 
 void weft__plate_matrix_free(weft__plate_matrix *of, const weft_allocator *memory)
 {
-    WEFT__FREE_ALL(memory, of->first, of->column, of->entry, of->damping, of->reach,
-                   of->halo);
+    WEFT__FREE_ALL(memory, of->first, of->column, of->entry, of->damping,
+                   of->halo_first, of->halo);
     *of = (weft__plate_matrix){ .particles = 0 };
 }

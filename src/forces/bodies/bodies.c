@@ -103,8 +103,8 @@ static weft__self_list *list_of(weft__bodies_space *space)
     return space->list;
 }
 
-/* The points of a twin of the workspace's cloth, where a step's start was. */
-static const double *points_of_twin(const weft__bodies *own, weft__bodies_space *space,
+/* The points of a perturbed copy of the workspace's cloth, where a step's start was. */
+static const double *points_of_copy(const weft__bodies *own, weft__bodies_space *space,
                                     const weft__state *at)
 {
     space->before.placed = false;
@@ -119,7 +119,7 @@ int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
 {
     double *once;
     const double *near = points_at(space != NULL ? space->own : own, space, at, &once);
-    *y = space != NULL && space->own != own ? points_of_twin(own, space, at) : near;
+    *y = space != NULL && space->own != own ? points_of_copy(own, space, at) : near;
     weft__self_pass all
         = { .law = weft__self_law_of(&own->pairs), .y = *y, .each = visit, .ctx = ctx };
     all.law.along = at->along;
@@ -319,7 +319,7 @@ void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
 /* ---- steps ----------------------------------------------------------------------- */
 
 bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
-                        weft__bodies_breach *out)
+                        weft__bodies_penetration *out)
 {
     const weft__bodies *own = space->own;
     if (weft__self_list_far(list_of(space), path->y0, path->y1, path->t1 - path->t0)) {
@@ -358,16 +358,17 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-static void grip(const void *own, void *space, const weft__state *at, size_t first,
-                 size_t count, weft__grip *grips)
+static void bodies_contact_stiffness(const void *own, void *space,
+                                     const weft__state *at, size_t first, size_t count,
+                                     weft__contact_stiffness *contact_stiffness)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = at->y != NULL ? space : NULL;
     double *once;
     const weft__state all = { .t = at->t, .y = points_at(of, in, at, &once) };
     if (at->y == NULL || all.y != NULL) {
-        weft__self_grip(&of->pairs, in != NULL ? list_of(in) : NULL, &all, first, count,
-                        grips);
+        weft__self_contact_stiffness(&of->pairs, in != NULL ? list_of(in) : NULL, &all,
+                                     first, count, contact_stiffness);
     }
     weft__free(&of->memory, once);
 }
@@ -401,7 +402,7 @@ static int blocks(const void *own, void *space, const weft__state *at, double *t
 /* ---- its part of a cloth --------------------------------------------------------- */
 
 /* Adds the triangles of a body, whose points begin at `first`. */
-static void draft_body(weft__skin_draft *to, const weft_body *body, size_t triangle,
+static void draft_body(weft__surface_draft *to, const weft_body *body, size_t triangle,
                        size_t first)
 {
     for (size_t j = 0; j < 3 * body->triangles; ++j) {
@@ -420,18 +421,18 @@ static bool cover(weft__bodies *of, const weft_cloth_def *def,
     const weft__mesh *mesh = of->pairs.mesh;
     size_t point = mesh->particles, triangle = weft__surface_triangles(mesh, NULL),
            all = triangle;
-    weft__skin_draft draft;
+    weft__surface_draft draft;
     for (size_t k = 0; k < of->contact->shape_count; ++k) {
         const weft_body *body = of->contact->shapes[k].def.body;
         all += body != NULL ? body->triangles : 0;
     }
-    if (weft__skin_draft_create(&draft, of->pairs.points, all, memory)) {
+    if (weft__surface_draft_create(&draft, of->pairs.points, all, memory)) {
         draft.particles = point;
         draft.thickness = of->pairs.law.thickness;
         if (mesh->triangles != NULL) {
-            weft__skin_draft_parts(&draft, mesh->triangles);
+            weft__surface_draft_parts(&draft, mesh->triangles);
         } else {
-            weft__skin_draft_grid(&draft, mesh, def);
+            weft__surface_draft_grid(&draft, mesh, def);
         }
         for (size_t i = point; i < draft.points; ++i) {
             draft.density[i] = (double)INFINITY;
@@ -443,10 +444,10 @@ static bool cover(weft__bodies *of, const weft_cloth_def *def,
                 triangle += body->triangles, point += body->vertices;
             }
         }
-        of->pairs.skin = weft__skin_create(&draft, memory);
+        of->pairs.surface = weft__contact_surface_create(&draft, memory);
     }
-    weft__skin_draft_destroy(&draft, memory);
-    return of->pairs.skin != NULL;
+    weft__surface_draft_destroy(&draft, memory);
+    return of->pairs.surface != NULL;
 }
 
 /* Of points, if bodies have others than the contact. */
@@ -454,12 +455,12 @@ static bool find_friction(weft__bodies *of, const weft_allocator *memory)
 {
     const double usual = of->pairs.law.friction;
     bool same = true;
-    of->pairs.rough = 0.0;
+    of->pairs.max_friction = 0.0;
     for (size_t k = 0; k < of->contact->shape_count; ++k) {
         const weft__shape *shape = &of->contact->shapes[k];
         if (shape->def.body != NULL) {
             same = same && shape->friction == usual;
-            of->pairs.rough = fmax(of->pairs.rough, shape->friction);
+            of->pairs.max_friction = fmax(of->pairs.max_friction, shape->friction);
         }
     }
     if (same) {
@@ -498,7 +499,7 @@ static void bodies_free_own(void *own, const weft_allocator *memory)
 {
     weft__bodies *of = own;
     if (!of->pairs.shared) {
-        weft__skin_destroy(of->pairs.skin, memory);
+        weft__contact_surface_destroy(of->pairs.surface, memory);
         weft__free(memory, of->friction);
     }
 }
@@ -506,7 +507,8 @@ static void bodies_free_own(void *own, const weft_allocator *memory)
 static size_t bodies_bytes(const void *own)
 {
     const weft__bodies *of = own;
-    return of->pairs.skin != NULL ? weft__skin_bytes(of->pairs.skin) : 0;
+    return of->pairs.surface != NULL ? weft__contact_surface_bytes(of->pairs.surface)
+                                     : 0;
 }
 
 weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
@@ -544,17 +546,18 @@ static void bodies_leave_out(void *own)
     ((weft__bodies *)own)->pairs.law.self = false;
 }
 
-const weft__force weft__bodies_force = { .name = "bodies",
-                                         .tables.init = bodies_init,
-                                         .tables.choose = weft__self_choose,
-                                         .tables.copy = weft__self_copy,
-                                         .tables.free = bodies_free_own,
-                                         .tables.leave_out = bodies_leave_out,
-                                         .tables.bytes = bodies_bytes,
-                                         .present = bodies_present,
-                                         .bounds.grip = grip,
-                                         .bounds.multiply = bodies_multiply,
-                                         .couplings.blocks = blocks,
-                                         .whole.add = bodies_add_all,
-                                         .whole.transposed = bodies_transposed_all,
-                                         .whole.measure = bodies_measure_all };
+const weft__force weft__bodies_force
+    = { .name = "bodies",
+        .tables.init = bodies_init,
+        .tables.choose = weft__self_choose,
+        .tables.copy = weft__self_copy,
+        .tables.free = bodies_free_own,
+        .tables.leave_out = bodies_leave_out,
+        .tables.bytes = bodies_bytes,
+        .present = bodies_present,
+        .bounds.contact_stiffness = bodies_contact_stiffness,
+        .bounds.multiply = bodies_multiply,
+        .couplings.blocks = blocks,
+        .whole.add = bodies_add_all,
+        .whole.transposed = bodies_transposed_all,
+        .whole.measure = bodies_measure_all };

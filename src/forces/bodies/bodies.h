@@ -41,14 +41,14 @@ weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__poo
 void weft__bodies_space_destroy(weft__bodies_space *space); /* NULL is allowed */
 
 /* A free particle or, of its primitive, the first, and a shape that may have met. */
-typedef struct weft__bodies_breach {
+typedef struct weft__bodies_penetration {
     size_t particle, shape;
     double gap; /* [m] at the end */
-} weft__bodies_breach;
+} weft__bodies_penetration;
 
 /* As weft__self_list_clear and weft__self_list_hold, at the times of a path. */
 bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
-                        weft__bodies_breach *out);
+                        weft__bodies_penetration *out);
 void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
                        double *y);
 

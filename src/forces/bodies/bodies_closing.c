@@ -64,8 +64,8 @@ static double apart_at(const closing_spots *of, const closing_spot *a,
     double p[3], q[3];
     bodies_closing_move(of, a, t, p);
     bodies_closing_move(of, b, t, q);
-    const double way[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
-    return weft__dot(way, b->normal);
+    const double displacement[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
+    return weft__dot(displacement, b->normal);
 }
 
 static void compare(closing_spots *of, const closing_spot *a, const closing_spot *b)

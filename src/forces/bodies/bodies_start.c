@@ -113,13 +113,15 @@ static bool is_inside(closed_body *of, const double x[3])
 
 /* Labels particles that edges with a free end join by their lowest one; pinned ones
  * that no such edge joins get WEFT__NONE. */
-static void connect(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label)
+static void connect(const weft__mesh *mesh, const weft__contact_surface *surface,
+                    uint32_t *label)
 {
-    for (uint32_t i = 0; i < skin->particles; ++i) {
+    for (uint32_t i = 0; i < surface->particles; ++i) {
         label[i] = mesh->pin[i] == 0 ? i : WEFT__NONE;
     }
-    for (size_t e = 0; e < skin->edges && skin->edge[e][0] < skin->particles; ++e) {
-        uint32_t a = skin->edge[e][0], b = skin->edge[e][1];
+    for (size_t e = 0; e < surface->edges && surface->edge[e][0] < surface->particles;
+         ++e) {
+        uint32_t a = surface->edge[e][0], b = surface->edge[e][1];
         if (mesh->pin[a] != 0 && mesh->pin[b] != 0) {
             continue;
         }
@@ -170,7 +172,8 @@ static weft_status inside_error(const weft__bodies *own, const double *y,
     return WEFT_OK;
 }
 
-typedef void label_fn(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label);
+typedef void label_fn(const weft__mesh *mesh, const weft__contact_surface *surface,
+                      uint32_t *label);
 
 static weft_status named_inside(const weft__bodies *own, const double *y,
                                 label_fn *find, const weft__search *how,
@@ -181,7 +184,7 @@ static weft_status named_inside(const weft__bodies *own, const double *y,
     if (label == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state");
     }
-    find(own->pairs.mesh, own->pairs.skin, label);
+    find(own->pairs.mesh, own->pairs.surface, label);
     const weft_status status = inside_error(own, y, label, how, what, err);
     weft__free(&own->memory, label);
     return status;
@@ -207,14 +210,16 @@ weft_status weft__bodies_error(const weft__bodies *own, double t, const double *
 }
 
 /* Pinned particles beside a free one. */
-static void label_pins(const weft__mesh *mesh, const weft__skin *skin, uint32_t *label)
+static void label_pins(const weft__mesh *mesh, const weft__contact_surface *surface,
+                       uint32_t *label)
 {
-    for (uint32_t i = 0; i < skin->particles; ++i) {
+    for (uint32_t i = 0; i < surface->particles; ++i) {
         label[i] = WEFT__NONE;
     }
-    for (size_t e = 0; e < skin->edges && skin->edge[e][0] < skin->particles; ++e) {
+    for (size_t e = 0; e < surface->edges && surface->edge[e][0] < surface->particles;
+         ++e) {
         for (size_t k = 0; k < 2; ++k) {
-            const uint32_t i = skin->edge[e][k], other = skin->edge[e][1 - k];
+            const uint32_t i = surface->edge[e][k], other = surface->edge[e][1 - k];
             label[i] = mesh->pin[i] != 0 && mesh->pin[other] == 0 ? i : label[i];
         }
     }

@@ -67,8 +67,8 @@ static void body_bound(const void *own, const weft__state *at, size_t i,
     const weft__body *of = own;
     (void)at;
     for (size_t s = 0; s < sides->count; ++s) {
-        weft__bound_add(sums[s],
-                        sides->way[s][1] * (of->drag * of->mesh->inverse_mass[i]));
+        weft__bound_add(sums[s], sides->direction[s][1]
+                                     * (of->drag * of->mesh->inverse_mass[i]));
     }
 }
 

@@ -12,11 +12,11 @@ void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
 {
     const law_touch of
-        = law_press(law, friction, touch->gap, touch->share, touch->speed,
-                    weft__dot(touch->slip, touch->slip), touch->steepness);
+        = law_normal_force(law, friction, touch->gap, touch->share, touch->speed,
+                           weft__dot(touch->slip, touch->slip), touch->steepness);
     touch->push = of.push, touch->factor = of.factor;
     touch->stiffness = of.stiffness,
-    touch->drag = law_drag(law, friction, of.most, of.under);
+    touch->friction_rate = law_friction_rate(law, friction, of.most, of.under);
 }
 
 /* Of a particle at r from the shape with velocity v, whose gap is there. */
@@ -145,7 +145,7 @@ static void contact_power(const void *own, const weft__state *at, size_t b,
         }
         sum->power[WEFT_POWER_CONTACT] += m * (taken * touch->speed);
         sum->power[WEFT_POWER_FRICTION]
-            += m * (touch->drag * weft__dot(touch->slip, touch->slip));
+            += m * (touch->friction_rate * weft__dot(touch->slip, touch->slip));
         sum->power[WEFT_POWER_SHAPES] += m * work;
     }
 }
@@ -333,27 +333,28 @@ static bool contact_present(const void *own)
     return ((const weft__contact *)own)->shape_count > 0;
 }
 
-const weft__force weft__contact_force = { .name = "contact",
-                                          .tables.check = weft__contact_def_check,
-                                          .tables.init = contact_init,
-                                          .tables.hash = contact_hash_of,
-                                          .tables.choose = contact_choose,
-                                          .tables.copy = contact_copy,
-                                          .tables.free = free_shapes,
-                                          .tables.leave_out = contact_leave_out,
-                                          .tables.slows = contact_slows,
-                                          .changes.words = weft__contact_words,
-                                          .changes.put = weft__contact_put,
-                                          .changes.take = weft__contact_take,
-                                          .changes.exchange = weft__contact_exchange,
-                                          .changes.drop = weft__contact_drop,
-                                          .present = contact_present,
-                                          .law.add = contact_add,
-                                          .law.change = weft__contact_change,
-                                          .law.transposed = weft__contact_transposed,
-                                          .law.piece = contact_piece,
-                                          .measures.energy = contact_energy,
-                                          .measures.power = contact_power,
-                                          .bounds.grip = weft__contact_grip,
-                                          .bounds.multiply = weft__contact_multiply,
-                                          .couplings.blocks = weft__contact_blocks };
+const weft__force weft__contact_force
+    = { .name = "contact",
+        .tables.check = weft__contact_def_check,
+        .tables.init = contact_init,
+        .tables.hash = contact_hash_of,
+        .tables.choose = contact_choose,
+        .tables.copy = contact_copy,
+        .tables.free = free_shapes,
+        .tables.leave_out = contact_leave_out,
+        .tables.slows = contact_slows,
+        .changes.words = weft__contact_words,
+        .changes.put = weft__contact_put,
+        .changes.take = weft__contact_take,
+        .changes.exchange = weft__contact_exchange,
+        .changes.drop = weft__contact_drop,
+        .present = contact_present,
+        .law.add = contact_add,
+        .law.change = weft__contact_change,
+        .law.transposed = weft__contact_transposed,
+        .law.piece = contact_piece,
+        .measures.energy = contact_energy,
+        .measures.power = contact_power,
+        .bounds.contact_stiffness = weft__shapes_contact_stiffness,
+        .bounds.multiply = weft__contact_multiply,
+        .couplings.blocks = weft__contact_blocks };

@@ -97,7 +97,7 @@ typedef struct weft__ccd {
     double h;       /* [s] */
     double between; /* [m/s] beyond what its velocity is at the ends */
     double fastest; /* [m/s] of its velocity, without spin */
-    double shift;   /* [m] its way */
+    double shift;   /* [m] its displacement */
     bool spins, turns;
     weft__matrix rotation; /* from one end to the other */
     double twist;          /* [rad/s] as between, of its turn */
@@ -141,7 +141,7 @@ typedef struct weft__touch {
     double push;                   /* [m/s^2] N0 / m */
     double factor;                 /* f */
     double stiffness;              /* [1/s^2] kn / m */
-    double drag;                   /* [1/s] friction / (m w) */
+    double friction_rate;          /* [1/s] friction / (m w) */
 } weft__touch;
 
 /* The touches of particles first to end - 1, shape after shape:
@@ -170,28 +170,30 @@ bool weft__each_touch(weft__touches *at);
 static inline double weft__touch_acceleration(const weft__touch *touch, size_t k)
 {
     return touch->push * touch->factor * touch->gradient[k]
-           - touch->drag * touch->slip[k];
+           - touch->friction_rate * touch->slip[k];
 }
 
-/* push, factor, stiffness and drag from what is before them. */
+/* push, factor, stiffness and friction_rate from what is before them. */
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch);
 
-/* contact_slopes.c: for weft__force. */
+/* contact_derivatives.c: for weft__force. */
 weft__add_fn weft__contact_change;
 weft__transposed_fn weft__contact_transposed;
 int weft__contact_blocks(const void *own, void *space, const weft__state *at,
                          double *blocks);
 
-/* ---- contact_slopes.c: what it adds to stiffness and damping; docs/theory/contact.md
+/* ---- contact_derivatives.c: what it adds to stiffness and damping;
+ * docs/theory/contact.md
  * ------
  */
 
 /* In a state; at->y NULL: of any free particle that touches one shape at a time, with a
  * kinetic energy relative to it and a contact energy that together are at most m
  * stopping_speed^2 / 2. */
-void weft__contact_grip(const void *own, void *space, const weft__state *at,
-                        size_t first, size_t count, weft__grip *grips);
+void weft__shapes_contact_stiffness(const void *own, void *space, const weft__state *at,
+                                    size_t first, size_t count,
+                                    weft__contact_stiffness *contact_stiffness);
 
 /* Without mass and without what turning normals and the coupling of friction to
  * pressure add. */
@@ -200,8 +202,9 @@ void weft__contact_multiply(const void *own, const weft__state *at, double a, do
 
 /* Adds to *most, number by number, the largest of layers, `share` of the law, with
  * phi(s) up to `phi`. */
-void weft__grip_most(const weft_contact_def *law, const weft__pose *pose, double share,
-                     double phi, weft__grip *most);
+void weft__contact_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
+                                  double share, double phi,
+                                  weft__contact_stiffness *most);
 
 /* ---- measures -------------------------------------------------------------------- */
 

@@ -81,12 +81,13 @@ void weft__contact_check(const weft_contact_def *law, const weft__faults *to)
 }
 
 /* Of spin along a direction, which is not 0: all of it. */
-static bool contact_check_along(const double spin[3], const double way[3])
+static bool contact_check_along(const double spin[3], const double displacement[3])
 {
-    const double cross[3]
-        = { spin[1] * way[2] - spin[2] * way[1], spin[2] * way[0] - spin[0] * way[2],
-            spin[0] * way[1] - spin[1] * way[0] };
-    return weft__length(cross) <= 1e-9 * weft__length(spin) * weft__length(way);
+    const double cross[3] = { spin[1] * displacement[2] - spin[2] * displacement[1],
+                              spin[2] * displacement[0] - spin[0] * displacement[2],
+                              spin[0] * displacement[1] - spin[1] * displacement[0] };
+    return weft__length(cross)
+           <= 1e-9 * weft__length(spin) * weft__length(displacement);
 }
 
 /* The first rule between its numbers that a shape breaks; NULL: none. */

@@ -31,9 +31,9 @@ typedef struct slice {
     size_t n;
 } slice;
 
-/* Those from i on, within reach of a shape, between the stages find, press and add.
- * Root and division are slow, so that each stage takes a whole block: processors then
- * work on several vectors at a time. */
+/* Those from i on, within reach of a shape, between the stages find, touch_forces and
+ * add. Root and division are slow, so that each stage takes a whole block: processors
+ * then work on several vectors at a time. */
 typedef struct touch {
     size_t i;
     mask near;
@@ -68,8 +68,8 @@ INLINE bool contact_fast_find(touch *self, const slice *of, const weft__pose *po
     return any(self->near);
 }
 
-INLINE void press(touch *self, const slice *of, const weft__pose *pose,
-                  const weft_contact_def *law, bool joined)
+INLINE void touch_forces(touch *self, const slice *of, const weft__pose *pose,
+                         const weft_contact_def *law, bool joined)
 {
     const vec *gradient = self->at.gradient, one = splat(1.0);
     const vec steepness
@@ -89,8 +89,8 @@ INLINE void press(touch *self, const slice *of, const weft__pose *pose,
         self->slip[k] = moving[k] - speed * normal[k];
     }
     const law_touch of_law
-        = law_press(law, splat(pose->friction), self->at.gap, one, speed,
-                    law_dot(self->slip, self->slip), steepness);
+        = law_normal_force(law, splat(pose->friction), self->at.gap, one, speed,
+                           law_dot(self->slip, self->slip), steepness);
     self->force = of_law.push * of_law.factor;
     self->most = of_law.most, self->under = of_law.under;
 }
@@ -99,11 +99,11 @@ INLINE void press(touch *self, const slice *of, const weft__pose *pose,
 INLINE vec contact_fast_add(const touch *self, const slice *of,
                             const weft_contact_def *law, double friction)
 {
-    const vec drag = law_drag(law, friction, self->most, self->under);
+    const vec friction_rate = law_friction_rate(law, friction, self->most, self->under);
     vec sums = splat(0.0);
     for (size_t k = 0; k < 3; ++k) {
         const vec push = self->force * self->at.gradient[k];
-        const vec more = friction == 0.0 ? push : push - drag * self->slip[k];
+        const vec more = friction == 0.0 ? push : push - friction_rate * self->slip[k];
         double *to = of->to + k * of->n + self->i;
         const vec sum = load(to) + only(more, self->near);
         store(to, sum);
@@ -131,9 +131,9 @@ INLINE vec push_block(const slice *particles, size_t count, const weft__pose *sh
     }
     for (touch *at = found; at < next; ++at) {
         if (joins && any(at->near & at->at.joined)) {
-            press(at, &of, &pose, &law, true);
+            touch_forces(at, &of, &pose, &law, true);
         } else {
-            press(at, &of, &pose, &law, false);
+            touch_forces(at, &of, &pose, &law, false);
         }
     }
     for (const touch *at = found; at < next; ++at) {
@@ -326,22 +326,22 @@ static bool block_clear(const weft__contact *own, const weft__ccd *of,
 }
 
 /* Around both ends of the paths of a block, the highest speed at an end and the longest
- * way. */
+ * displacement. */
 INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t end,
-                          vec *speed, vec *way)
+                          vec *speed, vec *displacement)
 {
     const extent a = contact_fast_bounds_of(path->y0, n, first, end);
     const extent b = contact_fast_bounds_of(path->y1, n, first, end);
-    vec square = splat(0.0), way2 = splat(0.0);
+    vec square = splat(0.0), displacement2 = splat(0.0);
     for (size_t i = first; i < end && LANES <= end; i += LANES) {
         const size_t at = i + LANES <= end ? i : end - LANES, to = 3 * n + at;
         const vec3 v0 = load3(path->y0 + to, n), v1 = load3(path->y1 + to, n);
         const vec3 moved = minus(load3(path->y1 + at, n), load3(path->y0 + at, n));
-        way2 = most(dot(moved, moved), way2);
+        displacement2 = most(dot(moved, moved), displacement2);
         square = most(most(dot(v0, v0), dot(v1, v1)), square);
     }
     *speed = root(square);
-    *way = root(way2);
+    *displacement = root(displacement2);
     return (extent){ { least(a.low.x, b.low.x), least(a.low.y, b.low.y),
                        least(a.low.z, b.low.z) },
                      { most(a.high.x, b.high.x), most(a.high.y, b.high.y),
@@ -352,9 +352,10 @@ INLINE extent path_bounds(const weft__path *path, size_t n, size_t first, size_t
 /* Whether both gaps of all particles exceed half of what they may move: the box is that
  * much wider. A spin or a turn makes a surface faster far away. */
 INLINE bool passes_far(const weft__ccd *of, const target targets[2], double thickness,
-                       const extent *box, vec speed, vec way)
+                       const extent *box, vec speed, vec displacement)
 {
-    const vec half = 0.5 * most(of->h * (speed + of->fastest), way + of->shift);
+    const vec half
+        = 0.5 * most(of->h * (speed + of->fastest), displacement + of->shift);
     const vec3 wider = { half, half, half };
     const extent around
         = { minus(box->low, wider), plus(box->high, wider), box->size + 6.0 * half };
@@ -385,10 +386,11 @@ bool NAME(clear, LEVEL)(const weft__contact *own, const weft__path *path, size_t
         }
         for (size_t i = weft__block(own->mesh, first); any && i < end; i += BLOCK) {
             const size_t stop = end - i < BLOCK ? end : i + BLOCK;
-            vec speed, way;
-            const extent box = path_bounds(path, n, i, stop, &speed, &way);
+            vec speed, displacement;
+            const extent box = path_bounds(path, n, i, stop, &speed, &displacement);
             for (size_t k = 0; k < count; ++k) {
-                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed, way)
+                if (!passes_far(&shapes[k], targets[k], thickness, &box, speed,
+                                displacement)
                     && !block_clear(own, &shapes[k], path, i, stop)) {
                     return false;
                 }

@@ -11,7 +11,7 @@ LAW num law_dot(const num a[3], const num b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-#ifndef LAW_OF_SLOPES /* contact_slopes.c has those of shapes */
+#ifndef LAW_OF_DUALS /* contact_derivatives.c has those of shapes */
 /* ---- shapes ---------------------------------------------------------------------- */
 
 /* Where a particle is to a shape. */
@@ -155,9 +155,10 @@ LAW num law_bend(const weft__ccd *of, num x[2][3], num v[2][3])
            + (0.125 * of->h * of->fast) * ROOT(law_dot(change, change));
 }
 
-/* The way of x against X, the point of a shape that turns nearest to it at the start,
- * which moves with the shape. */
-LAW void law_way(const weft__ccd *of, num r[2][3], const law_spot *start, num way[3])
+/* The displacement of x against X, the point of a shape that turns nearest to it at the
+ * start, which moves with the shape. */
+LAW void law_displacement(const weft__ccd *of, num r[2][3], const law_spot *start,
+                          num displacement[3])
 {
     num from[3], to[3];
     for (size_t k = 0; k < 3; ++k) {
@@ -165,7 +166,7 @@ LAW void law_way(const weft__ccd *of, num r[2][3], const law_spot *start, num wa
     }
     law_rotate(&of->rotation, false, from, to);
     for (size_t k = 0; k < 3; ++k) {
-        way[k] = (r[1][k] - to[k]) - (r[0][k] - from[k]);
+        displacement[k] = (r[1][k] - to[k]) - (r[0][k] - from[k]);
     }
 }
 
@@ -175,7 +176,7 @@ LAW void law_way(const weft__ccd *of, num r[2][3], const law_spot *start, num wa
 LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num v[2][3],
                     num gap[2])
 {
-    num r[2][3], way[3], square = NUM(0.0);
+    num r[2][3], displacement[3], square = NUM(0.0);
     law_spot spot[2];
     for (size_t e = 0; e < 2; ++e) {
         const weft__pose *pose = &of->pose[e];
@@ -196,15 +197,16 @@ LAW truth law_clear(const weft__ccd *of, weft_shape_kind kind, num x[2][3], num 
         gap[e] = spot[e].gap;
     }
     for (size_t k = 0; k < 3; ++k) {
-        way[k] = r[1][k] - r[0][k];
+        displacement[k] = r[1][k] - r[0][k];
     }
     num between = NUM(of->between);
     if (of->turns) {
         between += law_bend(of, x, v);
-        law_way(of, r, &spot[0], way);
+        law_displacement(of, r, &spot[0], displacement);
     }
     const num reach = gap[0] + gap[1];
-    const truth outside = gap[1] > 0.0, straight = ROOT(law_dot(way, way)) < reach;
+    const truth outside = gap[1] > 0.0,
+                straight = ROOT(law_dot(displacement, displacement)) < reach;
     const truth slow = of->h * (ROOT(square) + between) < reach;
     return outside & straight & slow;
 }
@@ -229,8 +231,8 @@ typedef struct law_touch {
 } law_touch;
 
 /* slip2: the square of |w| */
-LAW law_touch law_press(const weft_contact_def *law, num friction, num gap, num share,
-                        num speed, num slip2, num steepness)
+LAW law_touch law_normal_force(const weft_contact_def *law, num friction, num gap,
+                               num share, num speed, num slip2, num steepness)
 {
     const double half = 0.5 * law->stopping_speed * law->stopping_speed;
     const double per = 1.0 / law->thickness, p = law->exponent;
@@ -255,7 +257,8 @@ LAW law_touch law_press(const weft_contact_def *law, num friction, num gap, num 
 }
 
 /* [1/s] friction / (m w) */
-LAW num law_drag(const weft_contact_def *law, double friction, num most, num under)
+LAW num law_friction_rate(const weft_contact_def *law, double friction, num most,
+                          num under)
 {
     const num length = ROOT(under), y = length * (1.0 / law->slip);
     if (friction == 0.0) {

@@ -18,25 +18,26 @@ enum { CUTS = 128 };
 /* ---- an edge --------------------------------------------------------------------- */
 
 typedef struct passing_spot {
-    double s, gap, slope; /* gap [m] at a + s way, and its derivative by s */
+    double s, gap, slope; /* gap [m] at a + s displacement, and its derivative by s */
 } passing_spot;
 
 static passing_spot place_on(const weft__pose *pose, const double a[3],
-                             const double way[3], double s)
+                             const double displacement[3], double s)
 {
     double r[3];
     law_spot at = { .gap = 0.0 };
     for (size_t k = 0; k < 3; ++k) {
-        r[k] = (a[k] + s * way[k]) - pose->at[k];
+        r[k] = (a[k] + s * displacement[k]) - pose->at[k];
     }
     law_spot_of(pose, pose->kind, r, &at);
-    return (passing_spot){ s, at.gap, weft__dot(at.gradient, way) };
+    return (passing_spot){ s, at.gap, weft__dot(at.gradient, displacement) };
 }
 
 bool weft__edge_enters(const weft__pose *pose, const double a[3], const double b[3])
 {
-    const double way[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-    passing_spot low = place_on(pose, a, way, 0.0), high = place_on(pose, a, way, 1.0);
+    const double displacement[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    passing_spot low = place_on(pose, a, displacement, 0.0),
+                 high = place_on(pose, a, displacement, 1.0);
     bool enters = low.gap < 0.0 || high.gap < 0.0;
     for (int i = 0; i < CUTS && !enters && low.slope < 0.0 && high.slope > 0.0; ++i) {
         const double wide = high.s - low.s;
@@ -46,7 +47,7 @@ bool weft__edge_enters(const weft__pose *pose, const double a[3], const double b
             return false;
         }
         const double s = low.s + (i % 2 == 0 ? meet : 0.5 * wide);
-        const passing_spot at = place_on(pose, a, way, s);
+        const passing_spot at = place_on(pose, a, displacement, s);
         enters = at.gap < 0.0;
         *(at.slope < 0.0 ? &low : &high) = at;
     }
@@ -164,8 +165,9 @@ typedef struct passing {
     const weft__pose *pose;
     const double *y;
     size_t shape;
-    double half;       /* [m] of the shape where it is thinnest */
-    double way, rate2; /* [m] the shortest; [1/s^2] the largest (speed / way)^2 */
+    double half; /* [m] of the shape where it is thinnest */
+    double displacement,
+        rate2; /* [m] the shortest; [1/s^2] the largest (speed / displacement)^2 */
     weft__passages *found;
 } passing;
 
@@ -258,9 +260,11 @@ static void add_neighbour(const passing *of, vantage *to, size_t i)
 {
     double x[3];
     passage_place(of, i, x);
-    const double way[3] = { x[0] - to->x[0], x[1] - to->x[1], x[2] - to->x[2] };
-    to->reach2 = fmax(to->reach2, weft__dot(way, way));
-    to->least = fmin(to->least, to->spot.gap + weft__dot(to->spot.gradient, way));
+    const double displacement[3]
+        = { x[0] - to->x[0], x[1] - to->x[1], x[2] - to->x[2] };
+    to->reach2 = fmax(to->reach2, weft__dot(displacement, displacement));
+    to->least
+        = fmin(to->least, to->spot.gap + weft__dot(to->spot.gradient, displacement));
 }
 
 /* Whether something between a particle and its neighbours may enter. */
@@ -269,7 +273,7 @@ static bool passage_is_near(passing *of, const vantage *at, size_t i)
     const double gap = at->spot.gap;
     const weft__pose *pose = of->pose;
     const bool far = gap > 0.0 && gap * gap > at->reach2;
-    const double way = fmax(of->half, far ? gap - sqrt(at->reach2) : 0.0);
+    const double displacement = fmax(of->half, far ? gap - sqrt(at->reach2) : 0.0);
     const double arm[3]
         = { at->x[0] - pose->at[0], at->x[1] - pose->at[1], at->x[2] - pose->at[2] };
     double turned[3], v[3];
@@ -278,8 +282,8 @@ static bool passage_is_near(passing *of, const vantage *at, size_t i)
         v[k] = of->y[(3 + k) * of->mesh->particles + i]
                - (pose->velocity[k] + turned[k]);
     }
-    of->way = fmin(of->way, way);
-    of->rate2 = fmax(of->rate2, weft__dot(v, v) / (way * way));
+    of->displacement = fmin(of->displacement, displacement);
+    of->rate2 = fmax(of->rate2, weft__dot(v, v) / (displacement * displacement));
     return !far && !(at->least >= 0.0);
 }
 
@@ -396,10 +400,11 @@ weft__passages weft__block_passages(const weft__contact *own, const weft__state 
                        .y = at->y,
                        .shape = k,
                        .half = weft__shape_half(shape),
-                       .way = (double)INFINITY,
+                       .displacement = (double)INFINITY,
                        .found = &found };
         search_block(&of, b);
-        found.wait = fmin(found.wait, 1.0 / (sqrt(of.rate2) + sqrt(rise / of.way)));
+        found.wait
+            = fmin(found.wait, 1.0 / (sqrt(of.rate2) + sqrt(rise / of.displacement)));
     }
     return found;
 }

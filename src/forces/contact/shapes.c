@@ -29,13 +29,14 @@ void weft_shape_default_sized(weft_shape *out, size_t size, weft_shape_kind kind
 static void give_axis(weft__shape *shape)
 {
     const weft_shape *def = &shape->def;
-    double way[3];
+    double displacement[3];
     for (size_t k = 0; k < 3; ++k) {
-        way[k] = def->kind == WEFT_PLANE ? def->normal[k] : def->to[k] - def->at[k];
+        displacement[k]
+            = def->kind == WEFT_PLANE ? def->normal[k] : def->to[k] - def->at[k];
     }
-    shape->length = sqrt(weft__dot(way, way));
+    shape->length = sqrt(weft__dot(displacement, displacement));
     for (size_t k = 0; k < 3; ++k) {
-        shape->axis[k] = way[k] / shape->length;
+        shape->axis[k] = displacement[k] / shape->length;
     }
     const double turn = weft__dot(def->spin, shape->axis);
     for (size_t k = 0; k < 3; ++k) {
@@ -109,19 +110,19 @@ void weft__shape_rebase(const weft__shape *shape, double t, const double place[3
     const double *p = next.quaternion, back[4] = { -p[0], -p[1], -p[2], p[3] };
     const double *c = moves.turn.about;
     const double arm[3] = { place[0] - c[0], place[1] - c[1], place[2] - c[2] };
-    double way[3], q[4], offset[3], turned[3];
+    double displacement[3], q[4], offset[3], turned[3];
     weft__quaternion_times(back, now.quaternion, q);
     const weft__matrix by = weft__matrix_of(q);
     weft__motion_offset(&motion, t, offset);
     weft__rotate_back(&next.rotation, arm, turned);
     for (size_t k = 0; k < 3; ++k) {
-        way[k] = from->to[k] - from->at[k];
+        displacement[k] = from->to[k] - from->at[k];
         to->at[k] = c[k] + turned[k] - offset[k];
         to->turn.about[k] -= offset[k];
     }
     weft__rotate(&by, from->normal, to->normal);
     weft__rotate(&by, from->spin, to->spin);
-    weft__rotate(&by, way, to->to);
+    weft__rotate(&by, displacement, to->to);
     for (size_t k = 0; k < 3; ++k) {
         to->to[k] += to->at[k];
     }
@@ -225,8 +226,8 @@ weft__ccd weft__ccd_of(const weft__shape *shape, const weft__path *path)
             of.rotation.row[k][j] = weft__dot(of.pose[1].rigid.rotation.row[k],
                                               of.pose[0].rigid.rotation.row[j]);
         }
-        const double way = of.pose[1].at[k] - of.pose[0].at[k];
-        shift2 += way * way;
+        const double displacement = of.pose[1].at[k] - of.pose[0].at[k];
+        shift2 += displacement * displacement;
     }
     of.twist = (of.fast - fabs(shape->motion.turn.rate)) * fmin(2.0, sway * sway / 8.0);
     of.shift = sqrt(shift2);

@@ -153,8 +153,8 @@ static void tessellate_place(const weft__lattice *of, const size_t at[3], double
 static double tessellate_apart(const double *places, uint32_t p, uint32_t q)
 {
     const double *a = places + 3 * (size_t)p, *b = places + 3 * (size_t)q;
-    const double way[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-    return weft__dot(way, way);
+    const double displacement[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+    return weft__dot(displacement, displacement);
 }
 
 /* A cell, counterclockwise, along its shorter diagonal. */

@@ -46,7 +46,7 @@ static uint64_t membrane_hash_of(const void *own, uint64_t hash)
             }
         }
     }
-    const weft__slopes *rows = &of->arc.rows;
+    const weft__edge_slopes *rows = &of->arc.rows;
     for (size_t j = 0; j < rows->count; ++j) {
         hash = weft__hash_word(hash, rows->particle[j]);
         hash = weft__hash_real(hash, rows->share[j]);
@@ -201,8 +201,8 @@ static size_t membrane_bytes(const void *own)
     const size_t blocks = weft__blocks(of->mesh);
     return of->blocks[blocks].batch * (sizeof *of->batches + sizeof *of->corners)
            + of->blocks[blocks].halo * sizeof *of->halo
-           + of->link_first[of->mesh->particles] * sizeof *of->link
-           + of->mesh->particles * sizeof *of->link_first + weft__arc_bytes(of)
+           + of->coupling_first[of->mesh->particles] * sizeof *of->coupling
+           + of->mesh->particles * sizeof *of->coupling_first + weft__arc_bytes(of)
            + of->mesh->particles * sizeof *of->weight
            + (blocks + 1) * sizeof *of->blocks;
 }
@@ -233,7 +233,7 @@ const weft__force weft__membrane_force
         .measures.power = membrane_power,
         .measures.worst = membrane_worst,
         .measures.strains = membrane_strains,
-        .couplings.links = weft__membrane_links,
-        .couplings.link_numbers = weft__membrane_link_numbers,
+        .couplings.block_couplings = weft__membrane_couplings,
+        .couplings.block_numbers = weft__membrane_coupling_numbers,
         .bounds.ratios = weft__membrane_ratios,
         .bounds.particle = weft__membrane_bound };

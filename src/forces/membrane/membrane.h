@@ -29,7 +29,7 @@ enum {
     WEFT__SQUARE = 6, /* [m^2] squares of the edges at rest */
     WEFT__LEAST = 9,  /* [m^4] 16 area^2 below which the barrier begins */
     WEFT__LAG,        /* [s] twice the damping */
-    WEFT__GUARD,      /* [J] energy of the barrier, by its phi */
+    WEFT__GUARD,      /* [J] energy of the barrier as a function of phi */
     WEFT__CONSTANTS
 };
 
@@ -88,11 +88,11 @@ typedef struct weft__arc_group {
 
 /* All NULL of chords. */
 typedef struct weft__arc {
-    weft__slopes rows; /* h of each edge */
-    size_t *begin;     /* of each particle, and their number: */
+    weft__edge_slopes rows; /* h of each edge */
+    size_t *begin;          /* of each particle, and their number: */
     weft__arc_part *part;
-    double *reach; /* of an edge: the sum of |share| weight */
-    size_t *block; /* the first group of each block, and their number: */
+    double *weight_sum; /* of an edge: the sum of |share| weight */
+    size_t *block;      /* the first group of each block, and their number: */
     weft__arc_group *group;
     uint32_t *near;
     weft__arc_edge *edge;
@@ -111,10 +111,10 @@ typedef struct weft__membrane {
     weft__membrane_block *blocks;
     weft__batch *batches; /* aligned to cache lines, in `room` */
     weft__batch_corners *corners;
-    uint32_t *halo;     /* particles, ascending in each block */
-    size_t *link_first; /* of each particle, and their number: */
-    uint32_t *link;     /* the other ends of its links, above it, ascending */
-    double *weight;     /* of bounds: d of each particle, > 0 */
+    uint32_t *halo;         /* particles, ascending in each block */
+    size_t *coupling_first; /* of each particle, and their number: */
+    uint32_t *coupling;     /* the other ends of its couplings, above it, ascending */
+    double *weight;         /* of bounds: d of each particle, > 0 */
     void *room;
     weft__arc arc; /* where lengths follow the arc */
     bool damped;   /* any triangle */
@@ -163,10 +163,10 @@ bool weft__membrane_barrier(const double *of, const double square[3],
 
 /* membrane_bounds.c */
 bool weft__membrane_weigh(weft__membrane *own, const weft_allocator *memory);
-bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory);
-size_t weft__membrane_links(const void *own, weft_block_coupling *to);
-int weft__membrane_link_numbers(const void *own, const weft__state *at,
-                                double *numbers);
+bool weft__membrane_list_couplings(weft__membrane *own, const weft_allocator *memory);
+size_t weft__membrane_couplings(const void *own, weft_block_coupling *to);
+int weft__membrane_coupling_numbers(const void *own, const weft__state *at,
+                                    double *numbers);
 void weft__membrane_ratios(const void *own, struct weft__sides *to);
 void weft__membrane_bound(const void *own, const weft__state *at, size_t i,
                           const struct weft__sides *sides, double (*sums)[6]);
@@ -232,7 +232,7 @@ typedef struct weft__load {
     double taut[3], slack[3]; /* [N/m] */
     double d[3][3], q[3];     /* [m], [m^2] edges and their squares */
     double arc[3];            /* [m^2] |h|^2 of the arcs */
-    double press;             /* [N/m] above the stress of any slack, without a state */
+    double compression;       /* [N/m] above the stress of any slack, without a state */
     weft__barrier barrier;
     double of[WEFT__CONSTANTS];
 } weft__load;

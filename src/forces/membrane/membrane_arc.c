@@ -18,7 +18,7 @@ typedef struct pull {
 
 void weft__arc_row(const weft__membrane *own, const double *x, size_t edge, double h[3])
 {
-    const weft__slopes *rows = &own->arc.rows;
+    const weft__edge_slopes *rows = &own->arc.rows;
     const size_t n = own->mesh->particles, first = rows->first[edge];
     double sums[2][3] = { { 0.0 } };
     for (size_t j = first; j < rows->first[edge + 1]; ++j) {

@@ -19,7 +19,7 @@ typedef struct arc_maker {
 static bool list_parts(arc_maker *by)
 {
     weft__arc *arc = &by->own->arc;
-    const weft__slopes *rows = &arc->rows;
+    const weft__edge_slopes *rows = &arc->rows;
     const size_t n = by->own->mesh->particles, edges = by->of->edges;
     size_t *begin = weft__zeroed(by->memory, n + 2, sizeof *begin);
     arc->begin = begin;
@@ -82,7 +82,7 @@ static uint16_t near_of(arc_maker *by, const weft__arc_group *from, uint32_t par
 static bool take_edge(arc_maker *by, const weft__arc_group *from, uint32_t e)
 {
     weft__arc *arc = &by->own->arc;
-    const weft__slopes *rows = &arc->rows;
+    const weft__edge_slopes *rows = &arc->rows;
     if (by->edge[e] != 0) {
         return true;
     }
@@ -218,17 +218,17 @@ static bool membrane_arc_init_make_groups(arc_maker *by)
 
 /* ---- the whole ------------------------------------------------------------------- */
 
-static bool membrane_arc_init_reach(arc_maker *by)
+static bool membrane_arc_init_weight_sums(arc_maker *by)
 {
     weft__arc *arc = &by->own->arc;
-    arc->reach = weft__zeroed(by->memory, by->of->edges, sizeof *arc->reach);
-    for (size_t e = 0; arc->reach != NULL && e < by->of->edges; ++e) {
+    arc->weight_sum = weft__zeroed(by->memory, by->of->edges, sizeof *arc->weight_sum);
+    for (size_t e = 0; arc->weight_sum != NULL && e < by->of->edges; ++e) {
         for (size_t j = arc->rows.first[e]; j < arc->rows.first[e + 1]; ++j) {
-            arc->reach[e]
+            arc->weight_sum[e]
                 += fabs(arc->rows.share[j]) * by->own->weight[arc->rows.particle[j]];
         }
     }
-    return arc->reach != NULL;
+    return arc->weight_sum != NULL;
 }
 
 bool weft__arc_create(weft__membrane *own, weft__stop *stop,
@@ -245,8 +245,8 @@ bool weft__arc_create(weft__membrane *own, weft__stop *stop,
     by.near = weft__zeroed(memory, own->mesh->particles, sizeof *by.near);
     const bool made
         = held != NULL && by.edge != NULL && by.triangle != NULL && by.near != NULL
-          && weft__slopes_create(&own->arc.rows, of, held, true, stop, memory)
-          && list_parts(&by) && membrane_arc_init_reach(&by)
+          && weft__edge_slopes_create(&own->arc.rows, of, held, true, stop, memory)
+          && list_parts(&by) && membrane_arc_init_weight_sums(&by)
           && membrane_arc_init_make_groups(&by);
     WEFT__FREE_ALL(memory, held, by.edge, by.triangle, by.near);
     return made;
@@ -254,8 +254,8 @@ bool weft__arc_create(weft__membrane *own, weft__stop *stop,
 
 void weft__arc_free(weft__arc *of, const weft_allocator *memory)
 {
-    weft__slopes_free(&of->rows, memory);
-    WEFT__FREE_ALL(memory, of->begin, of->part, of->reach, of->block, of->group,
+    weft__edge_slopes_free(&of->rows, memory);
+    WEFT__FREE_ALL(memory, of->begin, of->part, of->weight_sum, of->block, of->group,
                    of->near, of->edge, of->triangle, of->row, of->share);
 }
 
@@ -268,7 +268,8 @@ size_t weft__arc_bytes(const weft__membrane *own)
     return of->rows.count * (sizeof *of->rows.share + sizeof *of->rows.particle)
            + of->begin[own->mesh->particles] * sizeof *of->part
            + own->mesh->particles * sizeof *of->begin
-           + own->mesh->triangles->edges * (sizeof *of->reach + sizeof *of->rows.first)
+           + own->mesh->triangles->edges
+                 * (sizeof *of->weight_sum + sizeof *of->rows.first)
            + of->nears * sizeof *of->near + of->edges * sizeof *of->edge
            + of->triangles * sizeof *of->triangle
            + of->rows_near * (sizeof *of->row + sizeof *of->share)

@@ -112,7 +112,7 @@ static void any_load(const weft__triangles *tri, size_t t, const weft__rest *of,
     out->square = MOST_STRETCH * MOST_STRETCH;
     out->taut[0] = weft * e + turn + shear;
     out->taut[1] = warp * e + turn + shear;
-    out->press = -least * (fmax(warp, weft) + fabs(e12)) + c->shear * (e - least);
+    out->compression = -least * (fmax(warp, weft) + fabs(e12)) + c->shear * (e - least);
 }
 
 /* [N/m] The part of a triangle's S of the edge opposite corner i that pulls, and the
@@ -126,7 +126,7 @@ static void arc_pulls(const weft__rest *of, const weft__load *at, bool any, size
     const double dot = g[0] * h[0] + g[1] * h[1];
     if (any) {
         const double taut = 0.5 * of->area * fmax(at->taut[0], at->taut[1]);
-        const double slack = 0.5 * of->area * at->press;
+        const double slack = 0.5 * of->area * at->compression;
         part[0] = taut * (both - dot) + slack * (both + dot);
         part[1] = taut * (both + dot) + slack * (both - dot);
     } else {
@@ -156,7 +156,7 @@ static double barrier_norm(const weft__load *at, size_t a, size_t b)
            + (a == b ? edge[(a + 1) % 3] + edge[(a + 2) % 3] : edge[3 - a - b]);
 }
 
-/* Parts of a bound, by mass [1/s^2]. */
+/* Parts of a bound, per unit mass [1/s^2]. */
 typedef struct bound_parts {
     double stiff, taut, slack;
 } bound_parts;
@@ -220,7 +220,7 @@ static bound_parts arc_parts(const weft__membrane *own, const weft__state *at, s
         row += fabs(CONSTANT(now.of, WEFT__STIFF + plane[k][j]));
     }
     arc_pulls(rest, &now, at->y == NULL, k, pulls);
-    const double scale = fabs(part->share) * own->arc.reach[e] / own->weight[i]
+    const double scale = fabs(part->share) * own->arc.weight_sum[e] / own->weight[i]
                          * own->mesh->inverse_mass[i] * (1.0 + WEFT__ROUNDOFF);
     return (bound_parts){ scale * (2.0 * (1.0 + 1.0 / SHARE) * row * now.arc[k]),
                           scale * pulls[0], scale * pulls[1] };
@@ -230,11 +230,11 @@ static void add_parts(const weft__sides *sides, double damping, const bound_part
                       double (*sums)[6])
 {
     for (size_t s = 0; s < sides->count; ++s) {
-        const double *way = sides->way[s];
-        const double scale = way[0] + way[1] * damping;
+        const double *direction = sides->direction[s];
+        const double scale = direction[0] + direction[1] * damping;
         weft__bound_add(sums[s], fmax(0.0, scale) * sum->stiff
-                                     + fmax(0.0, way[0]) * sum->taut
-                                     + fmax(0.0, -way[0]) * sum->slack);
+                                     + fmax(0.0, direction[0]) * sum->taut
+                                     + fmax(0.0, -direction[0]) * sum->slack);
     }
 }
 

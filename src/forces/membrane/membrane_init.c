@@ -183,7 +183,7 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
     const bool made = membrane_init_make(&by) && weft__membrane_weigh(of, memory)
                       && weft__arc_create(of, def->stop_ctx, memory)
-                      && weft__membrane_number_links(of, memory);
+                      && weft__membrane_list_couplings(of, memory);
     WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);
     return made;
 }
@@ -215,10 +215,11 @@ bool weft__membrane_slice(void *own, const weft__slice *slice)
     }
     memmove(of->blocks + slice->above, of->blocks + slice->first,
             (slice->own + 1) * sizeof *of->blocks);
-    weft__slice_range(slice, &of->link, 0, 0, sizeof *of->link); /* of implicit steps */
-    memset(of->link_first, 0, (slice->particles + 1) * sizeof *of->link_first);
-    weft__slice_range(slice, &of->link_first, 0, slice->particles + 1,
-                      sizeof *of->link_first);
+    weft__slice_range(slice, &of->coupling, 0, 0,
+                      sizeof *of->coupling); /* of implicit steps */
+    memset(of->coupling_first, 0, (slice->particles + 1) * sizeof *of->coupling_first);
+    weft__slice_range(slice, &of->coupling_first, 0, slice->particles + 1,
+                      sizeof *of->coupling_first);
     for (size_t b = 0; b <= last; ++b) { /* ghosts have nothing */
         weft__membrane_block *at = &of->blocks[b];
         const bool before = b<slice->above, after = b> slice->above + slice->own;
@@ -264,7 +265,7 @@ void weft__membrane_free(void *own, const weft_allocator *memory)
     weft__membrane *of = own;
     if (!of->shared) {
         WEFT__FREE_ALL(memory, of->blocks, of->room, of->corners, of->halo,
-                       of->link_first, of->link, of->weight);
+                       of->coupling_first, of->coupling, of->weight);
         weft__arc_free(&of->arc, memory);
     }
 }

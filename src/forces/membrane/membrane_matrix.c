@@ -10,26 +10,26 @@
 #include "forces/membrane/membrane_law.h"
 
 /* Particles on which a triangle's edges depend: corners, and parts of three arcs. */
-enum { MOVERS = 3 + 3 * WEFT__CURVE_PARTS };
+enum { DOFS = 3 + 3 * WEFT__CURVE_PARTS };
 
 /* One of them: how it moves the edges. */
-typedef struct mover {
+typedef struct dof {
     uint32_t particle;
     double of[3][3];   /* d(|d_e|^2 + |h_e|^2) / 2 of edge e by the particle [m] */
     double ends[3];    /* of d_e */
     double share[3];   /* of h_e */
     double barrier[3]; /* dr of the barrier, by 2 [1/m] */
-} mover;
+} dof;
 
 /* Those of triangle t, corners first; their number. */
-static size_t movers_of(const weft__membrane *own, const double *y, size_t t,
-                        const weft__load *now, mover *to)
+static size_t dofs_of(const weft__membrane *own, const double *y, size_t t,
+                      const weft__load *now, dof *to)
 {
     const weft__triangles *tri = own->mesh->triangles;
-    const weft__slopes *rows = &own->arc.rows;
+    const weft__edge_slopes *rows = &own->arc.rows;
     size_t count = 3;
     for (size_t c = 0; c < 3; ++c) {
-        to[c] = (mover){ .particle = tri->corner[t][c] };
+        to[c] = (dof){ .particle = tri->corner[t][c] };
         for (size_t x = 1; x < 3; ++x) { /* d[c + 1] ends at c, d[c + 2] begins there */
             const size_t e = (c + x) % 3;
             to[c].ends[e] = x == 1 ? 1.0 : -1.0;
@@ -49,7 +49,7 @@ static size_t movers_of(const weft__membrane *own, const double *y, size_t t,
                 ++at;
             }
             if (at == count) {
-                to[count++] = (mover){ .particle = rows->particle[j] };
+                to[count++] = (dof){ .particle = rows->particle[j] };
             }
             to[at].share[e] += rows->share[j];
             for (size_t k = 0; k < 3; ++k) {
@@ -62,8 +62,8 @@ static size_t movers_of(const weft__membrane *own, const double *y, size_t t,
 
 /* Subtracts K_ab of a triangle, then C_ab, from numbers. pulled: K by what b moves; s:
  * of edges, without what presses. */
-static void add_link(const weft__load *now, const double s[3], const mover *a,
-                     const mover *b, double pulled[3][3], double *numbers)
+static void add_coupling(const weft__load *now, const double s[3], const dof *a,
+                         const dof *b, double pulled[3][3], double *numbers)
 {
     double across = 0.0;
     for (size_t e = 0; e < 3; ++e) {
@@ -81,26 +81,26 @@ static void add_link(const weft__load *now, const double s[3], const mover *a,
     }
 }
 
-size_t weft__membrane_links(const void *own, weft_block_coupling *to)
+size_t weft__membrane_couplings(const void *own, weft_block_coupling *to)
 {
     const weft__membrane *of = own;
     const size_t n = of->mesh->particles;
     for (size_t p = 0; to != NULL && p < n; ++p) {
-        for (size_t j = of->link_first[p]; j < of->link_first[p + 1]; ++j) {
-            to[j] = (weft_block_coupling){ (uint32_t)p, of->link[j] };
+        for (size_t j = of->coupling_first[p]; j < of->coupling_first[p + 1]; ++j) {
+            to[j] = (weft_block_coupling){ (uint32_t)p, of->coupling[j] };
         }
     }
-    return of->link_first[n];
+    return of->coupling_first[n];
 }
 
-/* The numbers of the link between two particles. */
+/* The numbers of the coupling between two particles. */
 static double *numbers_of(const weft__membrane *of, size_t p, uint32_t q,
                           double *numbers)
 {
-    size_t low = of->link_first[p], high = of->link_first[p + 1];
+    size_t low = of->coupling_first[p], high = of->coupling_first[p + 1];
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
-        if (of->link[middle] <= q) {
+        if (of->coupling[middle] <= q) {
             low = middle;
         } else {
             high = middle;
@@ -109,20 +109,21 @@ static double *numbers_of(const weft__membrane *of, size_t p, uint32_t q,
     return numbers + WEFT_COUPLING_NUMBERS * low;
 }
 
-int weft__membrane_link_numbers(const void *own, const weft__state *at, double *numbers)
+int weft__membrane_coupling_numbers(const void *own, const weft__state *at,
+                                    double *numbers)
 {
     const weft__membrane *of = own;
     const weft__triangles *tri = of->mesh->triangles;
-    const size_t all = WEFT_COUPLING_NUMBERS * weft__membrane_links(own, NULL);
+    const size_t all = WEFT_COUPLING_NUMBERS * weft__membrane_couplings(own, NULL);
     double bad = 0.0;
     memset(numbers, 0, all * sizeof *numbers);
     for (size_t t = 0; t < tri->count; ++t) {
         const weft__rest rest = weft__rest_of(tri, t);
-        mover movers[MOVERS];
+        dof dofs[DOFS];
         double s[3];
         weft__load now;
         weft__load_of(of, t, &rest, at->y, &now);
-        const size_t count = movers_of(of, at->y, t, &now, movers);
+        const size_t count = dofs_of(of, at->y, t, &now, dofs);
         for (size_t i = 0; i < 3; ++i) {
             s[i] = -rest.area
                    * weft__geometric(&rest, now.taut, (i + 1) % 3, (i + 2) % 3);
@@ -130,7 +131,7 @@ int weft__membrane_link_numbers(const void *own, const weft__state *at, double *
         for (size_t j = 0; j < count; ++j) {
             double pulled[3][3];
             for (size_t k = 0; k < 3; ++k) {
-                double(*by)[3] = movers[j].of;
+                double(*by)[3] = dofs[j].of;
                 double stiff[3];
                 law_stiff(now.of, (const double[3]){ by[0][k], by[1][k], by[2][k] },
                           stiff);
@@ -138,10 +139,10 @@ int weft__membrane_link_numbers(const void *own, const weft__state *at, double *
                 pulled[2][k] = stiff[2];
             }
             for (size_t i = 0; i < count; ++i) {
-                const uint32_t p = movers[i].particle, q = movers[j].particle;
+                const uint32_t p = dofs[i].particle, q = dofs[j].particle;
                 if (p < q) {
-                    add_link(&now, s, &movers[i], &movers[j], pulled,
-                             numbers_of(of, p, q, numbers));
+                    add_coupling(&now, s, &dofs[i], &dofs[j], pulled,
+                                 numbers_of(of, p, q, numbers));
                 }
             }
         }
@@ -152,13 +153,13 @@ int weft__membrane_link_numbers(const void *own, const weft__state *at, double *
     return bad == 0.0 ? 0 : 1;
 }
 
-/* Links of particle p to the movers above it of triangle t. */
-static bool take_links(weft__membrane *own, const weft_allocator *memory, uint32_t p,
-                       uint32_t t, uint32_t *seen, size_t *room)
+/* Couplings of particle p to the dofs above it of triangle t. */
+static bool take_couplings(weft__membrane *own, const weft_allocator *memory,
+                           uint32_t p, uint32_t t, uint32_t *seen, size_t *room)
 {
     const weft__triangles *of = own->mesh->triangles;
-    const weft__slopes *rows = &own->arc.rows;
-    size_t *count = &own->link_first[p + 1];
+    const weft__edge_slopes *rows = &own->arc.rows;
+    size_t *count = &own->coupling_first[p + 1];
     for (size_t c = 0; t != WEFT__NONE && c < 3; ++c) {
         const size_t e = of->edge[t][c];
         const size_t first = rows->first != NULL ? rows->first[e] : 0;
@@ -169,41 +170,41 @@ static bool take_links(weft__membrane *own, const weft_allocator *memory, uint32
             if (q <= p || seen[q] == p + 1) {
                 continue;
             }
-            if (!weft__reserve(memory, &own->link, room, *count + 1,
-                               sizeof *own->link)) {
+            if (!weft__reserve(memory, &own->coupling, room, *count + 1,
+                               sizeof *own->coupling)) {
                 return false;
             }
             seen[q] = p + 1;
-            own->link[(*count)++] = q;
+            own->coupling[(*count)++] = q;
         }
     }
     return true;
 }
 
-bool weft__membrane_number_links(weft__membrane *own, const weft_allocator *memory)
+bool weft__membrane_list_couplings(weft__membrane *own, const weft_allocator *memory)
 {
     const weft__triangles *of = own->mesh->triangles;
     const uint32_t n = (uint32_t)own->mesh->particles;
     const size_t *begin = own->arc.begin;
     size_t room = 0;
     uint32_t *seen = weft__zeroed(memory, n, sizeof *seen);
-    own->link_first = weft__zeroed(memory, n + 1, sizeof *own->link_first);
-    bool made = seen != NULL && own->link_first != NULL;
+    own->coupling_first = weft__zeroed(memory, n + 1, sizeof *own->coupling_first);
+    bool made = seen != NULL && own->coupling_first != NULL;
     for (uint32_t p = 0; made && p < n; ++p) {
-        const size_t first = own->link_first[p];
-        own->link_first[p + 1] = first;
+        const size_t first = own->coupling_first[p];
+        own->coupling_first[p + 1] = first;
         for (size_t j = of->around_first[p]; made && j < of->around_first[p + 1]; ++j) {
-            made = take_links(own, memory, p, of->around[j], seen, &room);
+            made = take_couplings(own, memory, p, of->around[j], seen, &room);
         }
         for (size_t j = begin != NULL ? begin[p] : 0;
              made && begin != NULL && j < begin[p + 1]; ++j) {
             const uint32_t *both = of->edge_list[own->arc.part[j].item / 2].triangle;
-            made = take_links(own, memory, p, both[0], seen, &room)
-                   && take_links(own, memory, p, both[1], seen, &room);
+            made = take_couplings(own, memory, p, both[0], seen, &room)
+                   && take_couplings(own, memory, p, both[1], seen, &room);
         }
-        if (made && own->link_first[p + 1] > first) {
-            qsort(own->link + first, own->link_first[p + 1] - first, sizeof *own->link,
-                  weft__ascending);
+        if (made && own->coupling_first[p + 1] > first) {
+            qsort(own->coupling + first, own->coupling_first[p + 1] - first,
+                  sizeof *own->coupling, weft__ascending);
         }
     }
     weft__free(memory, seen);

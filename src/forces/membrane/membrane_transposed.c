@@ -6,7 +6,7 @@
 static void membrane_transposed_add_row(const weft__membrane *own, size_t edge,
                                         const double by[6], double *out)
 {
-    const weft__slopes *rows = &own->arc.rows;
+    const weft__edge_slopes *rows = &own->arc.rows;
     const size_t n = own->mesh->particles, first = rows->first[edge];
     for (size_t j = first; j < rows->first[edge + 1]; ++j) {
         for (size_t k = 0; k < 6; ++k) {

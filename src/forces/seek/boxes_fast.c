@@ -67,7 +67,7 @@ INLINE void boxes_fast_fill_row(const weft__boxes *to, const double *y, size_t r
     }
 }
 
-/* Level 0 of a skin: what a point owns has it, or ends of its edges. */
+/* Level 0 of a surface: what a point owns has it, or ends of its edges. */
 INLINE void fill_point(const weft__boxes *to, const double *y, size_t node)
 {
     const weft__primitives *of = &to->of;
@@ -96,8 +96,8 @@ INLINE void boxes_fast_join(const float *from, size_t by, const size_t others[3]
     }
 }
 
-/* Planes of row r of a level, or of patches [first, end) of the one of a skin, from the
- * level below. */
+/* Planes of row r of a level, or of patches [first, end) of the one of a surface, from
+ * the level below. */
 INLINE void join_planes(const weft__boxes *to, size_t level, size_t r, size_t first,
                         size_t end, size_t planes, const float *from, float *out)
 {
@@ -131,8 +131,8 @@ INLINE void fill_grid(const weft__boxes *to, const double *y, size_t k, size_t f
     }
 }
 
-INLINE void fill_skin(const weft__boxes *to, const double *y, size_t k, size_t first,
-                      size_t end)
+INLINE void fill_surface(const weft__boxes *to, const double *y, size_t k, size_t first,
+                         size_t end)
 {
     const weft__seek_level *at = &to->level[k];
     for (size_t c = first; c < end && k == 0; ++c) {
@@ -152,7 +152,7 @@ void NAME(fill, LEVEL)(weft__boxes *to, const double *y, size_t part)
         if (to->of.nodes.fold == 1) {
             fill_grid(to, y, k, first, lesser(end, at->rows));
         } else {
-            fill_skin(to, y, k, first, lesser(end, at->cols));
+            fill_surface(to, y, k, first, lesser(end, at->cols));
         }
     }
 }

@@ -18,10 +18,10 @@
 enum { WEFT__LEVELS = 33, WEFT__TILE_LEVEL = 3, WEFT__TILES_MOST = 1024 };
 
 /* Nodes in rows and columns, of which level k has patches of 2^k x 2^k, or those of a
- * skin, its points in its order, in one row, by 4^k. */
+ * surface, its points in its order, in one row, by 4^k. */
 typedef struct weft__nodes {
     size_t rows, cols;
-    unsigned fold; /* 1; of a skin 2 */
+    unsigned fold; /* 1; of a surface 2 */
 } weft__nodes;
 
 static inline size_t weft__patches(size_t nodes, size_t level)
@@ -57,7 +57,7 @@ typedef enum weft__pair_kind {
 
 typedef struct weft__pair {
     uint32_t particle[4];
-    uint32_t item[2]; /* of a skin: their numbers as points, edges or triangles */
+    uint32_t item[2]; /* of a surface: their numbers as points, edges or triangles */
     uint32_t kind;
 } weft__pair;
 
@@ -72,13 +72,14 @@ typedef bool weft__pair_fn(void *ctx, const weft__pair *pair); /* false ends a s
 
 /* What nodes own. A node of a grid owns its particle, edges to the right, downwards and
  * from the first of these to the second, and the two triangles beside that diagonal; of
- * a skin a point owns itself, edges and triangles that begin with it. */
+ * a surface a point owns itself, edges and triangles that begin with it. */
 typedef struct weft__primitives {
     weft__nodes nodes;
     size_t points;     /* numbers in a plane of a state */
     double spacing[2]; /* [m] of a grid: down, right */
-    size_t particles;  /* of a skin: further points are of bodies, which do not meet */
-    bool between;      /* only pairs of a body's point and a particle */
+    size_t
+        particles; /* of a surface: further points are of bodies, which do not meet */
+    bool between;  /* only pairs of a body's point and a particle */
     uint32_t (*edge)[2], (*triangle)[3];
     uint32_t *edge_first, *triangle_first; /* of a point, and their number */
     uint32_t *order; /* the points that are nodes; NULL: in turn */
@@ -122,7 +123,7 @@ bool weft__boxes_create(const weft__primitives *of, const weft_allocator *memory
                         weft__boxes *out);
 void weft__boxes_free(const weft_allocator *memory, weft__boxes *of);
 
-/* In parts, which may be rows of tiles of a grid, or tiles of a skin. */
+/* In parts, which may be rows of tiles of a grid, or tiles of a surface. */
 static inline size_t weft__boxes_parts(const weft__boxes *of)
 {
     const weft__seek_level *top = &of->level[of->top];

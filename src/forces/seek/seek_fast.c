@@ -58,7 +58,7 @@ typedef struct seek_patch {
     uint32_t r, c;
 } seek_patch;
 
-INLINE bool of_skin(const seeking *of)
+INLINE bool of_surface(const seeking *of)
 {
     return of->in->of.nodes.fold > 1;
 }
@@ -168,13 +168,13 @@ static void fill_slice(const seeking *of, node_slice *to)
 INLINE const node_slice *slice_of(const seeking *of, size_t side, seek_patch at,
                                   size_t number)
 {
-    const bool skin = of_skin(of);
-    const size_t node = skin ? at.c : at.r * of->in->of.nodes.cols + at.c;
-    const size_t place = skin ? at.c : at.r % 8 * 8 + at.c % 8;
+    const bool surface = of_surface(of);
+    const size_t node = surface ? at.c : at.r * of->in->of.nodes.cols + at.c;
+    const size_t place = surface ? at.c : at.r % 8 * 8 + at.c % 8;
     node_slice *to = &of->sides[side]->at[place & (of->places - 1)];
     if (to->node != node || to->number != number) {
         to->node = node, to->number = number;
-        if (skin) {
+        if (surface) {
             fill_slice(of, to);
         } else {
             fill_node(of, at, to);
@@ -290,7 +290,7 @@ INLINE four quarters_of(const seeking *of, const weft__seek_level *at, size_t pl
                         seek_patch in)
 {
     const float *from = at->box + plane * at->plane;
-    if (of_skin(of)) {
+    if (of_surface(of)) {
         return *(const four_anywhere *)(from + 4 * in.c);
     }
     from += 2 * in.r * at->stride + 2 * in.c;
@@ -321,7 +321,7 @@ INLINE uint32_t write_points(const seeking *of, const node_slice *at, size_t l,
                              size_t count, uint32_t *to)
 {
     const weft__primitives *in = &of->in->of;
-    if (!of_skin(of)) {
+    if (!of_surface(of)) {
         for (size_t j = 0; j < count; ++j) {
             const size_t corner = corners[l][j];
             to[j] = (uint32_t)(at->node + corner % 2 + corner / 2 * in->nodes.cols);
@@ -341,7 +341,7 @@ INLINE uint32_t write_points(const seeking *of, const node_slice *at, size_t l,
     return (uint32_t)item;
 }
 
-/* Of a skin: whether two primitives have a point in common. */
+/* Of a surface: whether two primitives have a point in common. */
 INLINE bool share_points(const weft__pair *pair, size_t first, size_t all)
 {
     bool common = false;
@@ -358,16 +358,16 @@ INLINE bool visit_pairs(const seeking *of, weft__pair_kind kind, const node_slic
                         size_t p, const node_slice *b, unsigned which)
 {
     const size_t all = weft__kind_particles(kind), first = kind == WEFT__EDGES ? 2 : 1;
-    bool goes_on = true;
-    for (; which != 0 && goes_on; which &= which - 1) {
+    bool continues = true;
+    for (; which != 0 && continues; which &= which - 1) {
         weft__pair pair = { .kind = kind };
         pair.item[0] = write_points(of, a, p, first, pair.particle);
         pair.item[1] = write_points(of, b, (size_t)__builtin_ctz(which), all - first,
                                     pair.particle + first);
-        goes_on = (of_skin(of) && share_points(&pair, first, all))
-                  || of->visit(of->ctx, &pair);
+        continues = (of_surface(of) && share_points(&pair, first, all))
+                    || of->visit(of->ctx, &pair);
     }
-    return goes_on;
+    return continues;
 }
 
 /* The point of a with all that b owns but its point. */
@@ -385,28 +385,28 @@ INLINE bool visit_slices(const seeking *of, const node_slice *a, const node_slic
     const bool first = a->number == 0, last = b->number == 0;
     const unsigned by_a = first ? near_one(a, 0, b, of->range, ab) : 0U;
     const unsigned by_b = last ? near_one(b, 0, a, of->range, ba) : 0U;
-    bool goes_on = visit_vertex(of, a, b, by_a) && visit_vertex(of, b, a, by_b)
-                   && visit_pairs(of, WEFT__VERTICES, a, 0, b, last ? by_a & 1U : 0U);
-    for (unsigned edges = a->edges; edges != 0 && goes_on; edges &= edges - 1) {
+    bool continues = visit_vertex(of, a, b, by_a) && visit_vertex(of, b, a, by_b)
+                     && visit_pairs(of, WEFT__VERTICES, a, 0, b, last ? by_a & 1U : 0U);
+    for (unsigned edges = a->edges; edges != 0 && continues; edges &= edges - 1) {
         const size_t p = (size_t)__builtin_ctz(edges);
-        goes_on = visit_pairs(of, WEFT__EDGES, a, p, b,
-                              near_one(a, p, b, of->range, ab) & b->edges);
+        continues = visit_pairs(of, WEFT__EDGES, a, p, b,
+                                near_one(a, p, b, of->range, ab) & b->edges);
     }
-    return goes_on;
+    return continues;
 }
 
 static bool visit_owned(const seeking *of, seek_patch i, seek_patch j)
 {
     const node_slice *a = slice_of(of, 0, i, 0), *b = NULL;
-    bool goes_on = true;
-    for (size_t k = 0; goes_on && (k == 0 || a->more); ++k) {
+    bool continues = true;
+    for (size_t k = 0; continues && (k == 0 || a->more); ++k) {
         a = slice_of(of, 0, i, k);
-        for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
+        for (size_t l = 0; continues && (l == 0 || b->more); ++l) {
             b = slice_of(of, 1, j, l);
-            goes_on = visit_slices(of, a, b, NULL, NULL);
+            continues = visit_slices(of, a, b, NULL, NULL);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 /* All edges of one node of a grid have it in common but the diagonal. */
@@ -414,7 +414,7 @@ static bool seek_fast_visit_nodes(const seeking *of, seek_patch i, seek_patch j)
 {
     const bool same = i.r == j.r && i.c == j.c;
     joint ab, ba;
-    if (of_skin(of)) {
+    if (of_surface(of)) {
         return same || visit_owned(of, i, j);
     }
     const node_slice *a = slice_of(of, 0, i, 0);
@@ -434,7 +434,7 @@ INLINE bool seek_fast_flat_about(const seeking *of, size_t level, seek_patch a,
     const size_t r = a.r < b.r ? a.r : b.r, c = a.c < b.c ? a.c : b.c;
     const size_t high = a.r + b.r - 2 * r, wide = a.c + b.c - 2 * c;
     const size_t by = high > wide ? high : wide;
-    if (of_skin(of) || by > 2) {
+    if (of_surface(of) || by > 2) {
         return false;
     }
     const float most = 1.0F - FLATNESS_MARGIN - of->range * at->inverse[by < 2 ? 0 : 1];
@@ -446,15 +446,15 @@ INLINE bool never_meet(const seeking *of, size_t level, seek_patch a, seek_patch
 {
     const weft__primitives *in = &of->in->of;
     const size_t low = a.c < b.c ? a.c : b.c, high = a.c < b.c ? b.c : a.c;
-    return of_skin(of)
+    return of_surface(of)
            && (low << 2 * level >= in->particles
                || (in->between && (high + 1) << 2 * level <= in->particles));
 }
 
 INLINE seek_patch quarter_of(const seeking *of, seek_patch a, uint32_t j)
 {
-    return of_skin(of) ? (seek_patch){ 0, 4 * a.c + j }
-                       : (seek_patch){ 2 * a.r + j / 2, 2 * a.c + j % 2 };
+    return of_surface(of) ? (seek_patch){ 0, 4 * a.c + j }
+                          : (seek_patch){ 2 * a.r + j / 2, 2 * a.c + j % 2 };
 }
 
 static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_patch b);
@@ -463,13 +463,13 @@ static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_pat
 INLINE bool seek_quarters(const seeking *of, size_t level, seek_patch a, seek_patch b,
                           unsigned near)
 {
-    bool goes_on = true;
-    for (; near != 0 && goes_on; near &= near - 1) {
+    bool continues = true;
+    for (; near != 0 && continues; near &= near - 1) {
         const uint32_t bit = (uint32_t)__builtin_ctz(near);
-        goes_on = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
-                               quarter_of(of, b, bit % 4));
+        continues = seek_between(of, level - 1, quarter_of(of, a, bit / 4),
+                                 quarter_of(of, b, bit % 4));
     }
-    return goes_on;
+    return continues;
 }
 
 /* Of patches that are near each other. */
@@ -488,7 +488,7 @@ static bool seek_between(const seeking *of, size_t level, seek_patch a, seek_pat
 static bool seek_within(const seeking *of, size_t level, seek_patch a)
 {
     enum { AFTER = 1 << 1 | 1 << 2 | 1 << 3 | 1 << 6 | 1 << 7 | 1 << 11 };
-    bool goes_on = true;
+    bool continues = true;
     if (seek_fast_flat_about(of, level, a, a) || never_meet(of, level, a, a)) {
         return true;
     }
@@ -496,12 +496,12 @@ static bool seek_within(const seeking *of, size_t level, seek_patch a)
         return seek_fast_visit_nodes(of, a, a);
     }
     const weft__seek_level *below = &of->in->level[level - 1];
-    for (uint32_t j = 0; j < 4 && goes_on; ++j) {
+    for (uint32_t j = 0; j < 4 && continues; ++j) {
         const seek_patch in = quarter_of(of, a, j);
-        goes_on = in.r >= below->rows || in.c >= below->cols
-                  || seek_within(of, level - 1, in);
+        continues = in.r >= below->rows || in.c >= below->cols
+                    || seek_within(of, level - 1, in);
     }
-    return goes_on
+    return continues
            && seek_quarters(of, level, a, a, near_quarters(of, level, a, a) & AFTER);
 }
 

@@ -121,12 +121,13 @@ static void crossing_meet(counting *of, const element *edge, const element *othe
 
 void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *to)
 {
-    const weft__skin *skin = own->skin;
+    const weft__contact_surface *surface = own->surface;
     *to = (weft__items){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
-    if (skin != NULL) {
-        const uint32_t *first = size == 2 ? skin->edge_first : skin->triangle_first;
+    if (surface != NULL) {
+        const uint32_t *first
+            = size == 2 ? surface->edge_first : surface->triangle_first;
         to->key = first[i], to->count = first[i + 1] - first[i];
-        to->at = size == 2 ? skin->edge[first[i]] : skin->triangle[first[i]];
+        to->at = size == 2 ? surface->edge[first[i]] : surface->triangle[first[i]];
         return;
     }
     uint32_t edges[3][2], triangles[2][3];
@@ -143,7 +144,7 @@ static void compare_nodes(counting *of, size_t i, size_t j)
 {
     const weft__self *own = of->tree->own;
     const bool chain
-        = own->skin == NULL && (own->mesh->rows == 1 || own->mesh->cols == 1);
+        = own->surface == NULL && (own->mesh->rows == 1 || own->mesh->cols == 1);
     weft__items edges, others;
     if (chain && i >= j) {
         return;
@@ -155,8 +156,8 @@ static void compare_nodes(counting *of, size_t i, size_t j)
         const element edge = element_of(of, edges.key + e, 2, edges.at + 2 * e);
         const element other = element_of(of, 1 + others.key + o, others.size,
                                          others.at + others.size * o);
-        if (own->skin == NULL || own->skin->lip_count == 0
-            || !weft__at_lips(own->skin, edges.key + e, others.key + o)) {
+        if (own->surface == NULL || own->surface->slit_pair_count == 0
+            || !weft__at_slit(own->surface, edges.key + e, others.key + o)) {
             crossing_meet(of, &edge, &other);
         }
     }

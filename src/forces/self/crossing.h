@@ -7,7 +7,7 @@
 
 /* An edge and a triangle; of a chain two edges. Or two neighbours at the same place. */
 typedef struct weft__crossing {
-    size_t key[2]; /* of an edge 3 i + its number at node i of a grid, of a skin its
+    size_t key[2]; /* of an edge 3 i + its number at node i of a grid, of a surface its
                       number; of the other likewise */
     weft_primitive side[2];
     weft__meeting how;
@@ -21,7 +21,7 @@ typedef struct weft__search {
 } weft__search;
 
 /* Visits all, in an order that depends on the cloth alone; false: it was stopped. The
- * own of the tree must have a skin unless it is of a grid. */
+ * own of the tree must have a surface unless it is of a grid. */
 typedef void weft__crossing_fn(void *ctx, const weft__crossing *one);
 bool weft__each_crossing(const weft__quadtree *tree, const weft__search *of,
                          weft__crossing_fn *visit, void *ctx);

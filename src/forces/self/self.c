@@ -25,7 +25,7 @@ static double grid_window(const weft__self *own, const weft__mesh *grid)
 
 weft__self_law weft__self_law_of(const weft__self *own)
 {
-    if (own->skin != NULL) {
+    if (own->surface != NULL) {
         return (weft__self_law){ .own = own, .share = 1.0 };
     }
     const double a2 = own->mesh->spacing[0] * own->mesh->spacing[0];
@@ -49,32 +49,33 @@ static double self_rest_square(const weft__self_law *law, uint32_t a, uint32_t b
 
 double weft__pair_rest(const weft__self_law *law, const weft__pair *pair)
 {
-    const weft__skin *skin = law->own->skin;
+    const weft__contact_surface *surface = law->own->surface;
     const uint32_t *i = pair->particle;
     if (pair->kind != WEFT__EDGES) {
         return 0.0;
     }
-    return skin != NULL
-               ? 1.0 / (skin->square[pair->item[0]] * skin->square[pair->item[1]])
+    return surface != NULL
+               ? 1.0 / (surface->square[pair->item[0]] * surface->square[pair->item[1]])
                : 1.0
                      / (self_rest_square(law, i[0], i[1])
                         * self_rest_square(law, i[2], i[3]));
 }
 
 /* By reduced areas, and the smallest density of the free points. */
-static double skin_mass(const weft__self *own, const weft__pair *pair)
+static double surface_mass(const weft__self *own, const weft__pair *pair)
 {
-    const weft__skin *skin = own->skin;
+    const weft__contact_surface *surface = own->surface;
     const bool edges = pair->kind == WEFT__EDGES;
-    const double *areas = edges || pair->kind == WEFT__VERTEX_EDGE ? skin->edge_area
-                          : pair->kind == WEFT__VERTICES           ? skin->area
-                                                         : skin->triangle_area;
-    const double a = (edges ? skin->edge_area : skin->area)[pair->item[0]];
+    const double *areas = edges || pair->kind == WEFT__VERTEX_EDGE ? surface->edge_area
+                          : pair->kind == WEFT__VERTICES           ? surface->area
+                                                         : surface->triangle_area;
+    const double a = (edges ? surface->edge_area : surface->area)[pair->item[0]];
     const double b = areas[pair->item[1]];
     double density = INFINITY;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
-        density = weft__self_held(own, i) ? density : fmin(density, skin->density[i]);
+        density
+            = weft__self_held(own, i) ? density : fmin(density, surface->density[i]);
     }
     return density < (double)INFINITY
                ? (edges ? EDGES_SHARE : 1.0) * density * (a * b / (a + b))
@@ -85,8 +86,8 @@ double weft__pair_mass(const weft__self *own, const weft__pair *pair)
 {
     const weft__part *grid = weft__pair_grid(own, pair);
     double least = 0.0;
-    if (own->skin != NULL && grid == NULL) {
-        return skin_mass(own, pair);
+    if (own->surface != NULL && grid == NULL) {
+        return surface_mass(own, pair);
     }
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
@@ -99,14 +100,15 @@ double weft__pair_mass(const weft__self *own, const weft__pair *pair)
 void weft__pair_windows(const weft__self_law *law, const weft__pair *pair,
                         double window[3])
 {
-    const weft__skin *skin = law->own->skin;
+    const weft__contact_surface *surface = law->own->surface;
     const bool triangle = pair->kind == WEFT__VERTEX_TRIANGLE;
     for (size_t k = 0; k < 3; ++k) {
         window[k]
-            = skin == NULL ? law->window
-              : triangle   ? skin->triangle_window[k * skin->triangles + pair->item[1]]
-              : pair->kind == WEFT__EDGES && k < 2 ? skin->edge_window[pair->item[k]]
-              : pair->kind == WEFT__VERTEX_EDGE    ? skin->edge_window[pair->item[1]]
+            = surface == NULL ? law->window
+              : triangle
+                  ? surface->triangle_window[k * surface->triangles + pair->item[1]]
+              : pair->kind == WEFT__EDGES && k < 2 ? surface->edge_window[pair->item[k]]
+              : pair->kind == WEFT__VERTEX_EDGE    ? surface->edge_window[pair->item[1]]
                                                    : 1.0;
     }
 }
@@ -170,8 +172,8 @@ static inline bool self_push_kind(weft__pair_kind kind, const weft__self_law *la
         return false;
     }
     law_push_of(kind, &law->own->law, weft__pair_share(law, mass),
-                weft__pair_friction(law->own, pair), law->own->rough, &at, fabs(mass),
-                v, &push);
+                weft__pair_friction(law->own, pair), law->own->max_friction, &at,
+                fabs(mass), v, &push);
     for (size_t i = 0; i < weft__kind_particles(kind); ++i) {
         out->particle[i][lane] = (int32_t)pair->particle[i];
         for (size_t k = 0; k < 3; ++k) {
@@ -207,13 +209,13 @@ bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
     touch->speed = law_slip(kind, &at, v, touch->normal, touch->slip);
     weft__touch_forces(contact, weft__pair_friction(law->own, pair), touch);
     touch->push *= fabs(mass), touch->stiffness *= fabs(mass);
-    touch->drag *= fabs(mass);
+    touch->friction_rate *= fabs(mass);
     memcpy(arm, at.arm, sizeof at.arm);
     return true;
 }
 
-static bool push_twin(const weft__self_law *law, const weft__pair *pair,
-                      const double *y, weft__pushes *out, size_t lane, double *bad)
+static bool push_perturbed(const weft__self_law *law, const weft__pair *pair,
+                           const double *y, weft__pushes *out, size_t lane, double *bad)
 {
     return weft__pair_pushes(law->base, pair, law->base_y) != 0.0
            && weft__pair_push(law, pair, y, out, lane, bad);
@@ -221,14 +223,14 @@ static bool push_twin(const weft__self_law *law, const weft__pair *pair,
 
 #define EACH_NEAR(form, push)                                                          \
     size_t form(const weft__self_law *law, weft__pair_kind kind,                       \
-                const weft__near *near, const weft__span *spans, size_t span_count,    \
-                const double *y, weft__pushes *out, double *bad)                       \
+                const weft__near *near, const weft__pair_subset *subsets,              \
+                size_t subset_count, const double *y, weft__pushes *out, double *bad)  \
     {                                                                                  \
         size_t count = 0, i = 0;                                                       \
-        for (size_t at = 0; at < span_count; ++at) {                                   \
-            for (; i < spans[at].end[kind]; ++i) {                                     \
+        for (size_t at = 0; at < subset_count; ++at) {                                 \
+            for (; i < subsets[at].end[kind]; ++i) {                                   \
                 const weft__pair pair = weft__near_pair(kind, near, i);                \
-                count += !(near->waits[i] > spans[at].moved)                           \
+                count += !(near->slack[i] > subsets[at].moved)                         \
                          && push(law, &pair, y, &out[count / WEFT__BLOCK],             \
                                  count % WEFT__BLOCK, bad);                            \
             }                                                                          \
@@ -236,10 +238,10 @@ static bool push_twin(const weft__self_law *law, const weft__pair *pair,
         return count;                                                                  \
     }
 EACH_NEAR(weft__pushes_loops, weft__pair_push)
-EACH_NEAR(weft__pushes_slopes, weft__pair_slope)
-EACH_NEAR(weft__pushes_twins, push_twin)
+EACH_NEAR(weft__pushes_derivatives, weft__pair_derivative)
+EACH_NEAR(weft__pushes_perturbed, push_perturbed)
 
-void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
+void weft__slack_loops(const weft__self *own, weft__pair_kind kind,
                        const weft__near *near, size_t first, size_t end,
                        const double *y, double most, double *distances)
 {
@@ -248,7 +250,7 @@ void weft__waits_loops(const weft__self *own, weft__pair_kind kind,
         double x[4][3] = { { 0.0 } };
         self_place(y, own->points, &pair, x);
         distances[i] = law_distance(kind, x);
-        near->waits[i] = law_wait(kind, x, distances[i], own->law.thickness, most);
+        near->slack[i] = law_slack(kind, x, distances[i], own->law.thickness, most);
     }
 }
 
@@ -328,8 +330,8 @@ static void self_measure_pushes(void *ctx, weft__pair_kind kind,
 static bool take_pair(void *ctx, const weft__pair *pair)
 {
     weft__self_pass *all = ctx;
-    weft__push_fn *push = all->law.along != NULL  ? weft__pair_slope
-                          : all->law.base != NULL ? push_twin
+    weft__push_fn *push = all->law.along != NULL  ? weft__pair_derivative
+                          : all->law.base != NULL ? push_perturbed
                                                   : weft__pair_push;
     weft__pushes one;
     if (push(&all->law, pair, all->y, &one, 0, &all->bad)) {
@@ -442,11 +444,12 @@ void weft__self_check(const weft_cloth_def *def, const weft__faults *to)
 weft_status weft__notch_error(const weft__self *own, weft_error *err)
 {
     char names[2][96];
-    if (own->skin == NULL || !(own->skin->notch_width < 2.0 * own->law.thickness)) {
+    if (own->surface == NULL
+        || !(own->surface->notch_width < 2.0 * own->law.thickness)) {
         return WEFT_OK;
     }
     for (size_t k = 0; k < 2; ++k) {
-        const weft_primitive of = weft__primitive_of(own->mesh, own->skin->notch[k]);
+        const weft_primitive of = weft__primitive_of(own->mesh, own->surface->notch[k]);
         (void)weft__primitive_text(own->mesh, &of, names[k], sizeof names[k]);
     }
     return weft_error_set(err, WEFT_INVALID,
@@ -454,13 +457,13 @@ weft_status weft__notch_error(const weft__self *own, weft_error *err)
                           "%s and %s at rest: contact of the cloth with itself needs "
                           "at most %.6g m",
                           own->law.thickness, names[0], names[1],
-                          0.5 * own->skin->notch_width);
+                          0.5 * own->surface->notch_width);
 }
 
 /* The windows of pairs of a grid among several cloths with itself. */
 static void set_grid_windows(const weft__self *of)
 {
-    weft__skin *skin = of->skin;
+    weft__contact_surface *surface = of->surface;
     const weft__triangles *mesh = of->mesh->triangles;
     for (size_t k = 0; k < mesh->part_count; ++k) {
         const weft__part *part = &mesh->parts[k];
@@ -469,12 +472,12 @@ static void set_grid_windows(const weft__self *of)
         }
         const double window = grid_window(of, &part->grid);
         for (size_t j = 3; j < 6; ++j) {
-            skin->triangle_window[j * skin->triangles + k] = window;
+            surface->triangle_window[j * surface->triangles + k] = window;
         }
-        for (size_t e = skin->edge_first[part->first];
-             e < skin->edge_first[part->first + part->count]; ++e) {
-            skin->square[skin->edges + e] = skin->square[e];
-            skin->edge_window[skin->edges + e] = window;
+        for (size_t e = surface->edge_first[part->first];
+             e < surface->edge_first[part->first + part->count]; ++e) {
+            surface->square[surface->edges + e] = surface->square[e];
+            surface->edge_window[surface->edges + e] = window;
         }
     }
 }
@@ -483,19 +486,19 @@ bool weft__self_cover(weft__self *of, const weft_allocator *memory)
 {
     const weft__mesh *mesh = of->mesh;
     const size_t count = weft__surface_triangles(mesh, NULL);
-    weft__skin_draft draft;
-    if (weft__skin_draft_create(&draft, mesh->particles, count, memory)) {
-        weft__skin_draft_parts(&draft, mesh->triangles);
+    weft__surface_draft draft;
+    if (weft__surface_draft_create(&draft, mesh->particles, count, memory)) {
+        weft__surface_draft_parts(&draft, mesh->triangles);
         draft.thickness = of->law.thickness;
         draft.grids = count > mesh->triangles->count;
-        of->skin = weft__skin_create(&draft, memory);
+        of->surface = weft__contact_surface_create(&draft, memory);
     }
-    weft__skin_draft_destroy(&draft, memory);
-    if (of->skin != NULL && of->skin->grids) {
+    weft__surface_draft_destroy(&draft, memory);
+    if (of->surface != NULL && of->surface->grids) {
         set_grid_windows(of);
     }
-    return of->skin != NULL
-           && weft__find_lips(of->skin, of->mesh, of->law.thickness, memory);
+    return of->surface != NULL
+           && weft__find_slit_edges(of->surface, of->mesh, of->law.thickness, memory);
 }
 
 static bool self_init(void *own, const weft_cloth_def *def,
@@ -504,7 +507,7 @@ static bool self_init(void *own, const weft_cloth_def *def,
     weft__self *of = own;
     of->law = def->contact;
     of->law.self = def->contact.self && !weft__is_band(def);
-    of->rough = def->contact.friction;
+    of->max_friction = def->contact.friction;
     of->points = of->mesh->particles;
     return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
 }
@@ -520,21 +523,21 @@ static void self_free_own(void *own, const weft_allocator *memory)
 {
     weft__self *of = own;
     if (!of->shared) {
-        weft__skin_destroy(of->skin, memory);
+        weft__contact_surface_destroy(of->surface, memory);
     }
 }
 
 static size_t self_bytes(const void *own)
 {
     const weft__self *of = own;
-    return of->skin != NULL ? weft__skin_bytes(of->skin) : 0;
+    return of->surface != NULL ? weft__contact_surface_bytes(of->surface) : 0;
 }
 
 void weft__self_choose(void *own, weft__isa isa)
 {
     weft__self *of = own;
     of->pushes = WEFT_FORM(isa, pushes);
-    of->waits = WEFT_FORM(isa, waits);
+    of->slack = WEFT_FORM(isa, slack);
     of->gaps = WEFT_FORM(isa, gaps);
     of->within = WEFT_FORM(isa, within);
     of->meets = WEFT_FORM(isa, meets);
@@ -567,18 +570,19 @@ static void self_leave_out(void *own)
     ((weft__self *)own)->law.self = false;
 }
 
-const weft__force weft__self_force = { .name = "self",
-                                       .tables.check = weft__self_check,
-                                       .tables.init = self_init,
-                                       .tables.choose = weft__self_choose,
-                                       .tables.copy = weft__self_copy,
-                                       .tables.free = self_free_own,
-                                       .tables.leave_out = self_leave_out,
-                                       .tables.bytes = self_bytes,
-                                       .present = self_present,
-                                       .bounds.grip = weft__self_grip,
-                                       .bounds.multiply = weft__self_multiply,
-                                       .couplings.blocks = weft__self_blocks,
-                                       .whole.add = self_add_all,
-                                       .whole.transposed = self_transposed_all,
-                                       .whole.measure = weft__self_measure };
+const weft__force weft__self_force
+    = { .name = "self",
+        .tables.check = weft__self_check,
+        .tables.init = self_init,
+        .tables.choose = weft__self_choose,
+        .tables.copy = weft__self_copy,
+        .tables.free = self_free_own,
+        .tables.leave_out = self_leave_out,
+        .tables.bytes = self_bytes,
+        .present = self_present,
+        .bounds.contact_stiffness = weft__self_contact_stiffness,
+        .bounds.multiply = weft__self_multiply,
+        .couplings.blocks = weft__self_blocks,
+        .whole.add = self_add_all,
+        .whole.transposed = self_transposed_all,
+        .whole.measure = weft__self_measure };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self.h -- the primitives of a cloth for contact with itself, and pairs of them.
  *
- * A node is a point with the edges and triangles that it owns (mesh/mesh.h, skin.h):
- * each pair of primitives has one pair of nodes. A point is a particle, or beyond the
- * particles a vertex of a body. States are planes of `points` numbers. The formulas are
- * in docs/theory/contact.md. */
+ * A node is a point with the edges and triangles that it owns (mesh/mesh.h,
+ * contact_surface.h): each pair of primitives has one pair of nodes. A point is a
+ * particle, or beyond the particles a vertex of a body. States are planes of `points`
+ * numbers. The formulas are in docs/theory/contact.md. */
 #pragma once
 
 #include "forces/contact/contact.h"
@@ -20,7 +20,7 @@ static inline size_t weft__pair_particles(const weft__pair *pair)
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2]);
 
-/* Of a skin: the same for either order of its primitives. */
+/* Of a surface: the same for either order of its primitives. */
 static inline void weft__pair_key(const weft__pair *pair, uint64_t key[2])
 {
     const bool alike = pair->kind == WEFT__VERTICES || pair->kind == WEFT__EDGES;
@@ -40,7 +40,7 @@ double weft__pair_distance(const weft__pair *pair, const double *y, size_t n);
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx);
 
-/* Takes a pair that has been found to its windows; false: it is one of lips. */
+/* Takes a pair that has been found to its windows; false: it is one of slit edges. */
 bool weft__pair_admit(const weft__self *own, weft__pair *pair);
 
 /* The same as weft__each_pair between two tiles, each kind in that order. */
@@ -48,7 +48,7 @@ bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2]
                              double range, weft__pair_fn *visit, void *ctx);
 
 /* A step is clear of a pair if no particle of one side can have met one of the other on
- * the straight way between both states, nor, h times the speed long, by its speeds:
+ * the straight path between both states, nor, h times the speed long, by its speeds:
  *
  *     max |(x1_a - x0_a) - (x1_b - x0_b)|, h max |v_a - v_b| < d0 + d1,  d1 > 0
  *
@@ -57,7 +57,7 @@ bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2]
 typedef struct weft__stride {
     const weft__self *own;
     const double *y0, *y1; /* states at both ends */
-    double h;              /* [s]; 0: the straight way alone, whatever the velocities */
+    double h; /* [s]; 0: the straight path alone, whatever the velocities */
 } weft__stride;
 
 /* gap: [m] at the end. Vertex-triangle and edge-edge pairs suffice; others are clear.
@@ -76,7 +76,7 @@ typedef void weft__drift_fn(const weft__self *own, const double *from, const dou
                             size_t level, size_t first, size_t end, weft__drift *of);
 
 /* The same of points run[0], run[0] + 1, ... before run[1], and of `count` further
- * ones, a multiple of WEFT__SKIN_RUN, in three planes that are so far apart. */
+ * ones, a multiple of WEFT__SURFACE_RUN, in three planes that are so far apart. */
 typedef struct weft__range {
     const double *from, *to;
     size_t from_plane, to_plane, run[2];
@@ -114,13 +114,13 @@ static inline void weft__drift_add(weft__drift *sum, const weft__drift *of)
 /* What the law takes from a cloth. */
 typedef struct weft__self_law {
     const weft__self *own;
-    double share;        /* of the energy of a pair, unless its mass is negative */
-    double window;       /* of a grid: 1 / x0 of the weights */
-    double square[3];    /* [m^2] of its rest lengths: down, right, diagonal */
-    const double *along; /* a direction of a state of particles, the derivative along
-                            which is wanted in place of forces; or NULL */
-    const weft__self
-        *base;            /* of a twin, which has other numbers: only pairs that push */
+    double share;           /* of the energy of a pair, unless its mass is negative */
+    double window;          /* of a grid: 1 / x0 of the weights */
+    double square[3];       /* [m^2] of its rest lengths: down, right, diagonal */
+    const double *along;    /* a direction of a state of particles, the derivative along
+                               which is wanted in place of forces; or NULL */
+    const weft__self *base; /* of a perturbed copy, which has other parameters: only
+                               pairs that push */
     const double *base_y; /* in this state count, so that any list has them; or NULL */
 } weft__self_law;
 
@@ -151,8 +151,8 @@ double weft__pair_pushes(const weft__self *own, const weft__pair *pair,
 enum { WEFT__BLOCK = 8 };
 enum { WEFT__NEAR_PLANES = 6 };
 typedef struct weft__near {
-    int32_t *particle[WEFT__NEAR_PLANES]; /* [4] and [5]: of a skin, item */
-    double *waits;                        /* [m] of weft__waits_fn */
+    int32_t *particle[WEFT__NEAR_PLANES]; /* [4] and [5]: of a surface, item */
+    double *slack;                        /* [m] of weft__slack_fn */
     double *mass, *rest; /* as of weft__pair_mass and weft__pair_rest */
 } weft__near;
 
@@ -170,10 +170,10 @@ static inline weft__pair weft__near_pair(weft__pair_kind which, const weft__near
 
 /* Successive pairs up to `end` of each kind: those that have to wait longer do not
  * push. */
-typedef struct weft__span {
-    double moved; /* [m] since their waits were found */
+typedef struct weft__pair_subset {
+    double moved; /* [m] since their slack was found */
     size_t end[WEFT__EDGES + 1];
-} weft__span;
+} weft__pair_subset;
 
 /* WEFT__BLOCK pairs of a kind that push; push i of an array of them is lane
  * i % WEFT__BLOCK of number i / WEFT__BLOCK. */
@@ -193,22 +193,22 @@ typedef bool weft__push_fn(const weft__self_law *law, const weft__pair *pair,
                            double *bad);
 weft__push_fn weft__pair_push;
 
-/* self_slope.c: of the derivative of the forces alone, along law->along. */
-weft__push_fn weft__pair_slope;
+/* self_derivatives.c: of the derivative of the forces alone, along law->along. */
+weft__push_fn weft__pair_derivative;
 
 /* Writes the pushes of pairs in their order, and returns their number; adds 0 to *bad,
- * or NaN if a force is not finite. Has room for all pairs. Waits become negative where
+ * or NaN if a force is not finite. Has room for all pairs. Slack becomes negative where
  * pairs push, and 0 where they no longer do. */
 typedef size_t weft__pushes_fn(const weft__self_law *law, weft__pair_kind kind,
-                               const weft__near *near, const weft__span *spans,
-                               size_t span_count, const double *y, weft__pushes *out,
+                               const weft__near *near, const weft__pair_subset *subsets,
+                               size_t subset_count, const double *y, weft__pushes *out,
                                double *bad);
 
 /* Of pairs [first, end) of a kind: distances as of weft__pair_distance, and what
  * differences between their particles have to change by, at least, before they push: up
- * to `most` [m] where the feet decide. Sets distances[i] and near->waits[i] of pair i.
+ * to `most` [m] where the feet decide. Sets distances[i] and near->slack[i] of pair i.
  */
-typedef void weft__waits_fn(const weft__self *own, weft__pair_kind kind,
+typedef void weft__slack_fn(const weft__self *own, weft__pair_kind kind,
                             const weft__near *near, size_t first, size_t end,
                             const double *y, double most, double *distances);
 
@@ -233,8 +233,9 @@ typedef size_t weft__within_fn(const double *numbers, size_t first, size_t end,
 enum { WEFT__STRIP = 256 };
 
 WEFT_FORMS(weft__pushes_fn, pushes);
-weft__pushes_fn weft__pushes_slopes, weft__pushes_twins; /* with law->along; ->base */
-WEFT_FORMS(weft__waits_fn, waits);
+weft__pushes_fn weft__pushes_derivatives,
+    weft__pushes_perturbed; /* with law->along; ->base */
+WEFT_FORMS(weft__slack_fn, slack);
 WEFT_FORMS(weft__gaps_fn, gaps);
 WEFT_FORMS(weft__within_fn, within);
 WEFT_FORMS(weft__meets_fn, meets);
@@ -243,16 +244,16 @@ WEFT_FORMS(weft__range_fn, range);
 
 struct weft__self {
     const weft__mesh *mesh;
-    weft_contact_def law; /* law.self: whether there is any */
-    weft__skin *skin;     /* NULL: a grid by itself */
+    weft_contact_def law;           /* law.self: whether there is any */
+    weft__contact_surface *surface; /* NULL: a grid by itself */
     size_t points;
-    bool shared;  /* the skin is another's */
+    bool shared;  /* the surface is another's */
     bool between; /* points of bodies with those of the cloth alone */
     const double
-        *friction; /* of a body's points, and room for others; NULL: the law's */
-    double rough;  /* the largest */
+        *friction;       /* of a body's points, and room for others; NULL: the law's */
+    double max_friction; /* the largest */
     weft__pushes_fn *pushes;
-    weft__waits_fn *waits;
+    weft__slack_fn *slack;
     weft__gaps_fn *gaps;
     weft__within_fn *within;
     weft__meets_fn *meets;
@@ -272,7 +273,7 @@ static inline const weft__part *weft__pair_grid(const weft__self *own,
                                                 const weft__pair *pair)
 {
     const size_t last = pair->particle[weft__pair_particles(pair) - 1];
-    const weft__part *of = own->skin != NULL && own->skin->grids
+    const weft__part *of = own->surface != NULL && own->surface->grids
                                ? weft__grid_at(own->mesh, pair->particle[0])
                                : NULL;
     return of != NULL && last >= of->first && last - of->first < of->count ? of : NULL;
@@ -286,8 +287,8 @@ static inline double weft__pair_friction(const weft__self *own, const weft__pair
     return own->friction != NULL ? own->friction[a > b ? a : b] : own->law.friction;
 }
 
-/* The same before: b_i, and the touch of the feet, with push, stiffness and drag not by
- * mass. */
+/* The same before: b_i, and the touch of the feet, with push, stiffness and
+ * friction_rate not per unit mass. */
 bool weft__pair_meets(const weft__self_law *law, const weft__pair *pair,
                       const double *y, double arm[4], weft__touch *touch);
 
@@ -312,7 +313,7 @@ typedef struct weft__self_pass {
 int weft__self_each(weft__self_pass *pass, weft__knot *knots);
 
 /* The same with a list, which has the pairs near in its state y; the pass may be of a
- * twin, of the same points with other numbers. */
+ * perturbed copy, of the same points with other parameters. */
 int weft__self_list_each(weft__self_list *list, const double *y, weft__self_pass *pass);
 
 /* A weft__pushed_fn that adds their forces on particles [first, end) to three planes,
@@ -340,8 +341,9 @@ int weft__self_transposed(const weft__self *own, weft__self_list *list, const do
  * pair is at most diag(2 |b_i|) of it; without a state, what layers that meet at no
  * more than stopping_speed add. The slopes of the weights are left out, so that bounds
  * are estimates. */
-void weft__self_grip(const void *own, void *list, const weft__state *at, size_t first,
-                     size_t count, weft__grip *grips);
+void weft__self_contact_stiffness(const void *own, void *list, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__contact_stiffness *contact_stiffness);
 void weft__self_multiply(const void *own, const weft__state *at, double a, double b,
                          const double *x, double *out);
 
@@ -362,12 +364,12 @@ extern const weft__force weft__self_force;
 bool weft__self_copy(void *own, const weft_allocator *memory);
 void weft__self_choose(void *own, weft__isa isa);
 
-/* Makes the skin of a mesh, with its lips; false: no memory. */
+/* Makes the surface of a mesh, with its slit edges; false: no memory. */
 bool weft__self_cover(weft__self *of, const weft_allocator *memory);
 
-/* skin_lips.c: finds the lips of slits of a mesh, and the notch; false: no memory. */
-bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
-                     const weft_allocator *memory);
+/* slit_edges.c: finds the slit edges of a mesh, and the notch; false: no memory. */
+bool weft__find_slit_edges(weft__contact_surface *surface, const weft__mesh *mesh,
+                           double thickness, const weft_allocator *memory);
 
 /* Whether an edge and a triangle have primitives that are. */
-bool weft__at_lips(const weft__skin *skin, size_t edge, size_t triangle);
+bool weft__at_slit(const weft__contact_surface *surface, size_t edge, size_t triangle);

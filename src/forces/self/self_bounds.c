@@ -14,8 +14,8 @@
 
 /* Of a pair: S, D, T, n and b_i. */
 typedef struct matrices {
-    double stiffness, damping, drag; /* [N/m], [kg/s] twice */
-    double turn;                     /* [N/m] of its force about the other foot */
+    double stiffness, damping, friction_rate; /* [N/m], [kg/s] twice */
+    double turn; /* [N/m] of its force about the other foot */
     double normal[3], arm[4];
 } matrices;
 
@@ -26,7 +26,7 @@ typedef struct pair_sums {
     weft__self_law law;
     const double *y;
     size_t first, end;
-    weft__grip *grips;
+    weft__contact_stiffness *contact_stiffness;
     double a, b;
     const double *x;
     double *out;
@@ -58,7 +58,7 @@ static bool visit(void *ctx, const weft__pair *pair)
         const double u = law->damping * touch.speed;
         of.stiffness = touch.stiffness * touch.factor;
         of.damping = law->damping * touch.push * touch.factor / sqrt(1.0 + u * u);
-        of.drag = touch.drag;
+        of.friction_rate = touch.friction_rate;
         of.turn = touch.push * touch.factor / touch.gap;
         memcpy(of.normal, touch.normal, sizeof of.normal);
         self->add(self, pair, &of);
@@ -76,54 +76,58 @@ static bool self_bounds_seek(pair_sums *self)
                    : weft__self_seek(self->own, NULL, self->y, visit, self));
 }
 
-static void grip_pair(pair_sums *self, const weft__pair *pair, const matrices *of)
+static void self_contact_stiffness_pair(pair_sums *self, const weft__pair *pair,
+                                        const matrices *of)
 {
-    const double mu = self->own->rough;
+    const double mu = self->own->max_friction;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
         const size_t i = pair->particle[k];
         if (i < self->first || i >= self->end) {
             continue;
         }
-        weft__grip *to = &self->grips[i - self->first];
+        weft__contact_stiffness *to = &self->contact_stiffness[i - self->first];
         const double by = 2.0 * fabs(of->arm[k]) * self->own->mesh->inverse_mass[i];
-        weft__grip_add(to, of->normal, by * of->stiffness, by * of->damping,
-                       by * of->drag);
-        to->stiff += by * 0.5 * mu * of->stiffness;
-        to->drag += by * 0.5 * mu * of->damping;
-        to->turn += by * of->turn;
+        weft__contact_stiffness_add(to, of->normal, by * of->stiffness,
+                                    by * of->damping, by * of->friction_rate);
+        to->any_stiffness += by * 0.5 * mu * of->stiffness;
+        to->any_damping += by * 0.5 * mu * of->damping;
+        to->negative_stiffness += by * of->turn;
     }
 }
 
-static void grip_any_pairs(const weft__self *own, size_t count, weft__grip *grips)
+static void self_contact_stiffness_any(const weft__self *own, size_t count,
+                                       weft__contact_stiffness *contact_stiffness)
 {
-    const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->rough };
-    weft__grip most = { .stiff = 0.0 };
-    weft__grip_most(&own->law, &pose, own->skin != NULL ? REDUCED_SHARE : LAYERS_SHARE,
-                    own->skin != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
-    if (own->skin != NULL && own->skin->grids) {
-        weft__grip_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
+    const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->max_friction };
+    weft__contact_stiffness most = { .any_stiffness = 0.0 };
+    weft__contact_stiffness_most(
+        &own->law, &pose, own->surface != NULL ? REDUCED_SHARE : LAYERS_SHARE,
+        own->surface != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
+    if (own->surface != NULL && own->surface->grids) {
+        weft__contact_stiffness_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
     }
     for (size_t i = 0; i < count; ++i) {
         for (size_t j = 0; j < 6; ++j) {
-            grips[i].press[j] += most.press[j];
-            grips[i].slide[j] += most.slide[j];
+            contact_stiffness[i].normal_stiffness[j] += most.normal_stiffness[j];
+            contact_stiffness[i].friction_damping[j] += most.friction_damping[j];
         }
     }
 }
 
-void weft__self_grip(const void *own, void *list, const weft__state *at, size_t first,
-                     size_t count, weft__grip *grips)
+void weft__self_contact_stiffness(const void *own, void *list, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__contact_stiffness *contact_stiffness)
 {
     const weft__self *of = own;
     pair_sums self = { .own = own,
                        .list = list,
-                       .add = grip_pair,
+                       .add = self_contact_stiffness_pair,
                        .y = at->y,
                        .first = first,
                        .end = first + count,
-                       .grips = grips };
+                       .contact_stiffness = contact_stiffness };
     if (of->law.self && at->y == NULL) {
-        grip_any_pairs(of, count, grips);
+        self_contact_stiffness_any(of, count, contact_stiffness);
     } else {
         (void)self_bounds_seek(&self);
     }
@@ -139,13 +143,15 @@ static void multiply_pair(pair_sums *self, const weft__pair *pair, const matrice
         }
     }
     const double in = weft__dot(feet, of->normal);
-    const double along = self->a * of->stiffness + self->b * (of->damping - of->drag);
+    const double along
+        = self->a * of->stiffness + self->b * (of->damping - of->friction_rate);
     for (size_t k = 0; k < 3 * count; ++k) {
         const size_t j = k % 3;
         if (pair->particle[k / 3] < n) {
             self->out[j * n + pair->particle[k / 3]]
                 += of->arm[k / 3]
-                   * (along * in * of->normal[j] + self->b * of->drag * feet[j]);
+                   * (along * in * of->normal[j]
+                      + self->b * of->friction_rate * feet[j]);
         }
     }
 }
@@ -191,8 +197,9 @@ static void block_pair(pair_sums *self, const weft__pair *pair, const matrices *
             to[j * n] += by * of->stiffness * nn[j];
         }
         for (size_t j = 9; j < BLOCK; ++j) {
-            to[j * n]
-                += by * ((of->damping - of->drag) * nn[j] + of->drag * one[j - 9]);
+            to[j * n] += by
+                         * ((of->damping - of->friction_rate) * nn[j]
+                            + of->friction_rate * one[j - 9]);
         }
         for (size_t j = 0; j < BLOCK; ++j) {
             bad[j % 3] += to[j * n] * 0.0;

@@ -8,7 +8,8 @@ enum { HALVINGS = 60 };
 typedef struct stride_search {
     const weft__stride *stride;
     weft__pair pair;
-    double way; /* [m] of a group or two tiles: none go further against each other */
+    double displacement; /* [m] of a group or two tiles: none go further against each
+                            other */
     double gap;
     unsigned char *marks; /* NULL: ends at the first pair that is not clear */
     bool found;
@@ -48,27 +49,27 @@ static bool look_at_all(stride_search *of, weft__pair_kind kind, const weft__nea
     uint32_t left[WEFT__STRIP];
     double ends[WEFT__STRIP], starts[WEFT__STRIP];
     size_t some = 0;
-    bool goes_on = true;
+    bool continues = true;
     own->gaps(own, kind, near, which, count, stride->y1, ends);
     for (size_t i = 0; i < count; ++i) {
         left[some] = which[i], ends[some] = ends[i];
-        some += !(ends[i] > of->way);
+        some += !(ends[i] > of->displacement);
     }
     own->gaps(own, kind, near, left, some, stride->y0, starts);
-    for (size_t i = 0; i < some && goes_on; ++i) {
-        if (!(ends[i] > 0.0 && of->way < starts[i] + ends[i])) {
+    for (size_t i = 0; i < some && continues; ++i) {
+        if (!(ends[i] > 0.0 && of->displacement < starts[i] + ends[i])) {
             const weft__pair pair = weft__near_pair(kind, near, left[i]);
-            goes_on = self_check_look_at(of, &pair);
+            continues = self_check_look_at(of, &pair);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 /* From the list to the end, in the step, and of the velocities at both ends. */
 enum { EXTENTS = 4 };
 
 /* [m] As far as particles go against each other in the step. */
-static double way_of(const weft__stride *of, const double extent[EXTENTS])
+static double displacement_of(const weft__stride *of, const double extent[EXTENTS])
 {
     return fmax(extent[1], of->h * fmax(extent[2], extent[3]));
 }
@@ -78,7 +79,7 @@ static double way_of(const weft__stride *of, const double extent[EXTENTS])
  * start is no further than the end and the step. */
 static double self_check_reach(const weft__stride *of, const double extent[EXTENTS])
 {
-    return 0.5 * (2.0 * extent[0] + extent[1] + way_of(of, extent))
+    return 0.5 * (2.0 * extent[0] + extent[1] + displacement_of(of, extent))
            * (1.0 + WEFT__SELF_ROUNDOFF);
 }
 
@@ -127,7 +128,7 @@ static bool proves(weft__self_list *list, const weft__stride *of)
                     = weft__self_extent_between(list, k, list->between[group->tiles]);
             }
             group->reach = self_check_reach(of, extent),
-            group->way = way_of(of, extent);
+            group->displacement = displacement_of(of, extent);
             has = group->reach < list->clear[group->tiles];
         }
     }
@@ -139,23 +140,23 @@ static bool look_along(const weft__self_chunk *in, weft__pair_kind kind,
                        stride_search *of)
 {
     const weft__self_pairs *at = &in->bins[kind].now;
-    bool goes_on = true;
-    for (size_t g = 0; g < in->now.count && goes_on; ++g) {
+    bool continues = true;
+    for (size_t g = 0; g < in->now.count && continues; ++g) {
         const weft__self_group *to = &in->now.at[g];
         const double reach = to->reach + to->loss;
-        of->way = to->way;
-        const size_t end = in->now.spans[g].end[kind];
+        of->displacement = to->displacement;
+        const size_t end = in->now.subsets[g].end[kind];
         size_t i = weft__self_first(&in->now, g, kind);
-        while (i < end && goes_on && !(to->nearest > reach)) {
+        while (i < end && continues && !(to->nearest > reach)) {
             const size_t stop = end - i < WEFT__STRIP ? end : i + WEFT__STRIP;
             uint32_t which[WEFT__STRIP + WEFT__BLOCK];
             const size_t count
                 = of->stride->own->within(at->distances, i, stop, reach, which);
             i = stop;
-            goes_on = look_at_all(of, kind, &at->near, which, count);
+            continues = look_at_all(of, kind, &at->near, which, count);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 /* ---- by tiles -------------------------------------------------------------------- */
@@ -204,7 +205,8 @@ static bool keep_found(void *ctx, const weft__pair *pair)
 }
 
 /* [m] As far as pairs of two tiles may have been apart that can have met, and sets
- * their way; negative: the tiles are further apart. `most` [m]: that of any tiles. */
+ * their displacement; negative: the tiles are further apart. `most` [m]: that of any
+ * tiles. */
 static double reach_between(const weft__self_list *list, const uint32_t tiles[2],
                             double most, stride_search *of)
 {
@@ -219,7 +221,7 @@ static double reach_between(const weft__self_list *list, const uint32_t tiles[2]
         extent[k] = weft__self_extent_between(list, k, tiles);
     }
     const double range = self_check_reach(of->stride, extent);
-    of->way = way_of(of->stride, extent);
+    of->displacement = displacement_of(of->stride, extent);
     return apart > range ? -1.0 : range;
 }
 
@@ -233,7 +235,7 @@ static void look_between(const weft__self_list *list, double most, stride_search
     for (size_t i = 0; i < list->between_count && !in.of[0].found; ++i) {
         const double range = reach_between(list, list->between[i], most, of);
         if (range >= 0.0) {
-            in.of[0].way = in.of[1].way = of->way;
+            in.of[0].displacement = in.of[1].displacement = of->displacement;
             (void)weft__self_search(list, list->between[i], range, keep_found, &in);
             look_at_found(&in, 0), look_at_found(&in, 1);
         }
@@ -281,9 +283,9 @@ static void self_check_look(weft__self_list *list, stride_search *of)
 {
     const weft__stride *stride = of->stride;
     if (proves(list, stride)) {
-        bool goes_on = true;
-        for (size_t i = 0; i < 2 * list->chunk_count && goes_on; ++i) {
-            goes_on = look_along(
+        bool continues = true;
+        for (size_t i = 0; i < 2 * list->chunk_count && continues; ++i) {
+            continues = look_along(
                 &list->chunks[i % list->chunk_count],
                 i < list->chunk_count ? WEFT__VERTEX_TRIANGLE : WEFT__EDGES, of);
         }

@@ -8,7 +8,7 @@ enum { STRETCH = 256, ROOM = 512 };
 
 static void free_pairs(const weft_allocator *memory, weft__self_pairs *of)
 {
-    WEFT__FREE_ALL(memory, of->near.particle[0], of->near.waits);
+    WEFT__FREE_ALL(memory, of->near.particle[0], of->near.slack);
     *of = (weft__self_pairs){ .count = 0 };
 }
 
@@ -18,15 +18,15 @@ static bool make_pairs(const weft_allocator *memory, size_t room, weft__self_pai
     weft__near *near = &of->near;
     free_pairs(memory, of);
     near->particle[0] = weft__zeroed(memory, WEFT__NEAR_PLANES * all, sizeof(int32_t));
-    near->waits = weft__zeroed(memory, 4 * all, sizeof(double));
-    if (near->particle[0] == NULL || near->waits == NULL) {
+    near->slack = weft__zeroed(memory, 4 * all, sizeof(double));
+    if (near->particle[0] == NULL || near->slack == NULL) {
         return false;
     }
     for (size_t k = 0; k < WEFT__NEAR_PLANES; ++k) {
         near->particle[k] = near->particle[0] + k * all;
     }
     for (size_t k = 0; k < 4; ++k) {
-        of->numbers[k] = near->waits + k * all;
+        of->numbers[k] = near->slack + k * all;
     }
     near->mass = of->numbers[1], near->rest = of->numbers[2];
     of->distances = of->numbers[3];
@@ -37,8 +37,8 @@ static bool self_chunk_make_groups(const weft_allocator *memory, size_t most,
                                    weft__self_groups *of)
 {
     of->at = weft__alloc(memory, most, sizeof *of->at);
-    of->spans = weft__alloc(memory, most, sizeof *of->spans);
-    return of->at != NULL && of->spans != NULL;
+    of->subsets = weft__alloc(memory, most, sizeof *of->subsets);
+    return of->at != NULL && of->subsets != NULL;
 }
 
 bool weft__self_chunk_grow(const weft_allocator *memory, weft__self_chunk *of)
@@ -76,7 +76,8 @@ void weft__self_chunk_free(const weft_allocator *memory, weft__self_chunk *of)
         free_pairs(memory, &at->before);
         weft__free(memory, at->pushes);
     }
-    WEFT__FREE_ALL(memory, of->now.at, of->now.spans, of->before.at, of->before.spans);
+    WEFT__FREE_ALL(memory, of->now.at, of->now.subsets, of->before.at,
+                   of->before.subsets);
 }
 
 /* Adds successive pairs of others, or of the same, which may have them there already.
@@ -135,7 +136,7 @@ void weft__self_chunk_copy(weft__self_chunk *of, size_t i)
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
         weft__self_bin *in = &of->bins[kind];
         const size_t first = weft__self_first(&of->before, i, kind);
-        const size_t count = of->before.spans[i].end[kind] - first;
+        const size_t count = of->before.subsets[i].end[kind] - first;
         if (in->now.count + count > of->room) {
             of->full = true;
             return;

@@ -41,11 +41,11 @@ typedef struct queue {
 typedef struct work {
     const weft__self_law *law;
     const weft__near *near;
-    const weft__span *spans;
-    size_t span_count;
+    const weft__pair_subset *subsets;
+    size_t subset_count;
     const double *y;
     weft__pushes *out;
-    size_t span, next, done; /* next: pair, in `span` */
+    size_t subset, next, done; /* next: pair, in `subset` */
     vec bad;
     queue close, found; /* those that may have begun to push, and those that push */
 } work;
@@ -116,7 +116,7 @@ INLINE void self_fast_find(work *of, weft__pair_kind kind, size_t i)
     const law_gram gram = law_gram_of(kind, x);
     unsigned pushes = bits(law_pushes(kind, &gram, own->law.thickness));
     for (; pushes != 0; pushes &= pushes - 1) {
-        of->near->waits[pairs[__builtin_ctz(pushes)]] = -1.0;
+        of->near->slack[pairs[__builtin_ctz(pushes)]] = -1.0;
     }
 }
 
@@ -136,11 +136,11 @@ INLINE void write_pushes(weft__pair_kind kind, const law_feet *feet,
 INLINE void find_windows(const work *of, weft__pair_kind kind,
                          const uint32_t pairs[LANES], vec window[3])
 {
-    const weft__skin *skin = of->law->own->skin;
+    const weft__contact_surface *surface = of->law->own->surface;
     int32_t item[LANES];
     for (size_t k = 0; k < 3; ++k) {
         window[k] = splat(of->law->window);
-        if (skin == NULL || kind == WEFT__VERTICES
+        if (surface == NULL || kind == WEFT__VERTICES
             || k >= (kind == WEFT__EDGES         ? 2
                      : kind == WEFT__VERTEX_EDGE ? 1
                                                  : 3)) {
@@ -148,8 +148,8 @@ INLINE void find_windows(const work *of, weft__pair_kind kind,
         }
         pick(of->near->particle[kind == WEFT__EDGES && k == 0 ? 4 : 5], pairs, item);
         window[k] = gather(kind == WEFT__VERTEX_TRIANGLE
-                               ? skin->triangle_window + k * skin->triangles
-                               : skin->edge_window,
+                               ? surface->triangle_window + k * surface->triangles
+                               : surface->edge_window,
                            item);
     }
 }
@@ -170,9 +170,9 @@ INLINE unsigned push_pairs(work *of, weft__pair_kind kind, size_t i)
     particles_of(of->near, kind, pairs, at);
     gather_points(of->y, n, kind, at, x);
     const law_gram gram = law_gram_of(kind, x);
-    const unsigned rests = bits(~law_pushes(kind, &gram, own->law.thickness));
-    if (rests != 0) {
-        return rests;
+    const unsigned inactive = bits(~law_pushes(kind, &gram, own->law.thickness));
+    if (inactive != 0) {
+        return inactive;
     }
     for (size_t j = 0; j < weft__kind_particles(kind); ++j) {
         memcpy(&to->particle[j][first % WEFT__BLOCK], at[j], sizeof at[j]);
@@ -195,8 +195,8 @@ INLINE unsigned push_pairs(work *of, weft__pair_kind kind, size_t i)
         }
         mu = gather(own->friction, side);
     }
-    law_push_of(kind, contact, share, mu, own->rough, &feet, most(mass, -mass), v,
-                &out);
+    law_push_of(kind, contact, share, mu, own->max_friction, &feet, most(mass, -mass),
+                v, &out);
     write_pushes(kind, &feet, &out, first % WEFT__BLOCK, to);
     for (size_t k = 0; k < 3 * weft__kind_particles(kind); ++k) {
         of->bad += out.force[k / 3][k % 3] * 0.0;
@@ -205,13 +205,13 @@ INLINE unsigned push_pairs(work *of, weft__pair_kind kind, size_t i)
 }
 
 /* Drops pairs i + l of a queue whose bits l are set: they wait again. */
-static void drop(queue *of, size_t i, unsigned set, double *waits)
+static void drop(queue *of, size_t i, unsigned set, double *slack)
 {
     size_t kept = i;
     for (size_t j = i; j < of->count; ++j) {
         const bool drops = j < i + LANES && (set >> (j - i) & 1U) != 0;
         const uint32_t pair = of->at[kept] = of->at[j];
-        waits[pair] = drops ? 0.0 : waits[pair];
+        slack[pair] = drops ? 0.0 : slack[pair];
         kept += !drops;
     }
     of->count = kept;
@@ -225,11 +225,11 @@ INLINE void push_found(work *of, weft__pair_kind kind, bool last)
     size_t taken = 0;
     self_fast_fill(found);
     while (taken + (last ? 1 : LANES) <= found->count) {
-        const unsigned rests = push_pairs(of, kind, taken);
-        if (rests != 0) {
-            drop(found, taken, rests, of->near->waits);
+        const unsigned inactive = push_pairs(of, kind, taken);
+        if (inactive != 0) {
+            drop(found, taken, inactive, of->near->slack);
         }
-        taken += rests == 0 ? LANES : 0;
+        taken += inactive == 0 ? LANES : 0;
     }
     taken = taken < found->count ? taken : found->count;
     of->done += taken, found->count -= taken;
@@ -242,29 +242,31 @@ INLINE void scan(work *of, size_t end, weft__pair_kind kind)
 {
     of->close.count = 0;
     while (of->next < end) {
-        const size_t stop = of->spans[of->span].end[kind];
+        const size_t stop = of->subsets[of->subset].end[kind];
         const size_t to = stop < end ? stop : end;
-        const vec moved = splat(of->spans[of->span].moved);
+        const vec moved = splat(of->subsets[of->subset].moved);
         for (; of->next < to; of->next += LANES) {
-            const vec wait = load(of->near->waits + of->next);
-            self_fast_add(&of->close, of->next, bits(~(wait > moved) & ~(wait < 0.0)));
+            const vec slack = load(of->near->slack + of->next);
+            self_fast_add(&of->close, of->next,
+                          bits(~(slack > moved) & ~(slack < 0.0)));
         }
         end_at(&of->close, to);
-        of->next = to, of->span += to == stop;
+        of->next = to, of->subset += to == stop;
     }
     self_fast_fill(&of->close);
 }
 
 INLINE void self_fast_push_kind(weft__pair_kind kind, work *of)
 {
-    const size_t all = of->span_count > 0 ? of->spans[of->span_count - 1].end[kind] : 0;
+    const size_t all
+        = of->subset_count > 0 ? of->subsets[of->subset_count - 1].end[kind] : 0;
     for (size_t first = 0; first < all; first = of->next) {
         scan(of, first + STRETCH < all ? first + STRETCH : all, kind);
         for (size_t i = 0; i < of->close.count; i += LANES) {
             self_fast_find(of, kind, i);
         }
         for (size_t i = first; i < of->next; i += LANES) {
-            self_fast_add(&of->found, i, bits(load(of->near->waits + i) < 0.0));
+            self_fast_add(&of->found, i, bits(load(of->near->slack + i) < 0.0));
         }
         end_at(&of->found, of->next);
         push_found(of, kind, of->next == all);
@@ -272,14 +274,14 @@ INLINE void self_fast_push_kind(weft__pair_kind kind, work *of)
 }
 
 size_t NAME(pushes, LEVEL)(const weft__self_law *law, weft__pair_kind kind,
-                           const weft__near *near, const weft__span *spans,
-                           size_t span_count, const double *y, weft__pushes *out,
+                           const weft__near *near, const weft__pair_subset *subsets,
+                           size_t subset_count, const double *y, weft__pushes *out,
                            double *bad)
 {
     work of;
-    of.law = law, of.near = near, of.spans = spans, of.span_count = span_count;
+    of.law = law, of.near = near, of.subsets = subsets, of.subset_count = subset_count;
     of.y = y, of.out = out, of.bad = splat(0.0);
-    of.span = of.next = of.done = of.close.count = of.found.count = 0;
+    of.subset = of.next = of.done = of.close.count = of.found.count = 0;
     BY_KIND(kind, self_fast_push_kind, &of);
     *bad += sum(of.bad);
     return of.done;
@@ -308,14 +310,15 @@ INLINE void wait_kind(weft__pair_kind kind, const waiting *of)
         particles_of(of->near, kind, pairs, at);
         gather_points(of->y, of->own->points, kind, at, x);
         const vec distance = law_distance(kind, x);
-        const vec wait = law_wait(kind, x, distance, of->own->law.thickness, of->most);
+        const vec slack
+            = law_slack(kind, x, distance, of->own->law.thickness, of->most);
         for (size_t l = 0; l < LANES && i + l < of->end; ++l) {
-            of->distances[i + l] = distance[l], of->near->waits[i + l] = wait[l];
+            of->distances[i + l] = distance[l], of->near->slack[i + l] = slack[l];
         }
     }
 }
 
-void NAME(waits, LEVEL)(const weft__self *own, weft__pair_kind kind,
+void NAME(slack, LEVEL)(const weft__self *own, weft__pair_kind kind,
                         const weft__near *near, size_t first, size_t end,
                         const double *y, double most, double *distances)
 {

@@ -72,7 +72,7 @@ LAW num law_v(const law_gram *of)
     return of->ee * of->fp - of->ef * of->ep;
 }
 
-#ifndef LAW_OF_SLOPES /* which those that push have alone */
+#ifndef LAW_OF_DUALS /* which those that push have alone */
 /* Whether the feet are inside and nearer than the thickness. */
 LAW truth law_pushes(weft__pair_kind kind, const law_gram *of, double thickness)
 {
@@ -229,7 +229,7 @@ LAW void law_weigh(weft__pair_kind kind, const weft__self_law *law, num inverse_
              at);
 }
 
-#ifndef LAW_OF_SLOPES
+#ifndef LAW_OF_DUALS
 /* ---- distances ------------------------------------------------------------------- */
 
 LAW num law_least(num a, num b) /* of a NaN and b: b */
@@ -295,7 +295,8 @@ LAW num law_distance(weft__pair_kind kind, num x[4][3])
  * inside from its start on where xo op - oo xp > 0. If differences of particles change
  * by less than the result, which counts up to `most`, that stays negative: a product
  * a.b changes by less than c times the change, c = |a| + |b| + most. */
-LAW num law_shy(num oo, num xo, num xp, num op, num x, num o, num p, double most)
+LAW num law_foot_margin(num oo, num xo, num xp, num op, num x, num o, num p,
+                        double most)
 {
     const num by_oo = 2.0 * o + most, by_xo = x + o + most;
     const num by_xp = x + p + most, by_op = o + p + most;
@@ -311,54 +312,54 @@ LAW num law_length(num square)
 }
 
 /* The feet of edges: e from both its ends, then f. */
-LAW num law_shy_edges(const law_gram *of, double most)
+LAW num law_foot_margin_edges(const law_gram *of, double most)
 {
     const num e = ROOT(of->ee), f = ROOT(of->ff);
     const num ee = of->ee, ff = of->ff, ef = of->ef, ep = of->ep, fp = of->fp;
     const num p = ROOT(of->pp), q = law_length(of->pp + 2.0 * ep + ee);
     const num r = law_length(of->pp - 2.0 * fp + ff);
     return law_most(
-        law_shy(ff, ef, ep, fp, e, f, p, most),
-        law_most(law_shy(ff, -ef, -(ep + ee), fp + ef, e, f, q, most),
-                 law_most(law_shy(ee, ef, -fp, -ep, f, e, p, most),
-                          law_shy(ee, -ef, fp - ff, ef - ep, f, e, r, most))));
+        law_foot_margin(ff, ef, ep, fp, e, f, p, most),
+        law_most(law_foot_margin(ff, -ef, -(ep + ee), fp + ef, e, f, q, most),
+                 law_most(law_foot_margin(ee, ef, -fp, -ep, f, e, p, most),
+                          law_foot_margin(ee, -ef, fp - ff, ef - ep, f, e, r, most))));
 }
 
 /* The foot in a triangle: e, then f, then the third edge, from f's end to e's. */
-LAW num law_shy_triangle(const law_gram *of, double most)
+LAW num law_foot_margin_triangle(const law_gram *of, double most)
 {
     const num ee = of->ee, ff = of->ff, ef = of->ef, ep = of->ep, fp = of->fp;
     const num e = ROOT(ee), f = ROOT(ff), gg = ff - 2.0 * ef + ee;
     const num g = law_length(gg), p = ROOT(of->pp);
     const num q = law_length(of->pp - 2.0 * ep + ee);
-    return law_most(
-        law_shy(ff, ef, -ep, -fp, e, f, p, most),
-        law_most(law_shy(ee, ef, -fp, -ep, f, e, p, most),
-                 law_shy(gg, ee - ef, ep - ee, ep + ef - fp - ee, e, g, q, most)));
+    return law_most(law_foot_margin(ff, ef, -ep, -fp, e, f, p, most),
+                    law_most(law_foot_margin(ee, ef, -fp, -ep, f, e, p, most),
+                             law_foot_margin(gg, ee - ef, ep - ee, ep + ef - fp - ee, e,
+                                             g, q, most)));
 }
 
 /* [m] A pair at a distance does not push before differences between its particles have
  * changed by so much: by distance, or by its feet, which count up to `most`. */
-LAW num law_wait(weft__pair_kind kind, num x[4][3], num distance, double thickness,
-                 double most)
+LAW num law_slack(weft__pair_kind kind, num x[4][3], num distance, double thickness,
+                  double most)
 {
     const num far = distance - thickness;
     const law_gram of = law_gram_of(kind, x);
-    num shy = NUM(-1.0);
+    num margin = NUM(-1.0);
     if (kind == WEFT__VERTICES) {
         return far;
     }
     if (kind == WEFT__VERTEX_EDGE) {
         const num end = law_length(of.pp - 2.0 * of.ep + of.ee);
         const num length = ROOT(of.ee) + most;
-        shy = law_most(-of.ep / (length + ROOT(of.pp)), shy);
-        shy = law_most((of.ep - of.ee) / (length + end), shy);
+        margin = law_most(-of.ep / (length + ROOT(of.pp)), margin);
+        margin = law_most((of.ep - of.ee) / (length + end), margin);
     } else {
-        shy = law_most(kind == WEFT__EDGES ? law_shy_edges(&of, most)
-                                           : law_shy_triangle(&of, most),
-                       shy);
+        margin = law_most(kind == WEFT__EDGES ? law_foot_margin_edges(&of, most)
+                                              : law_foot_margin_triangle(&of, most),
+                          margin);
     }
-    return law_most(far, law_least(shy, NUM(most)));
+    return law_most(far, law_least(margin, NUM(most)));
 }
 #endif
 
@@ -412,26 +413,27 @@ LAW void law_spread(weft__pair_kind kind, const num arm[4], num lean, num first,
     }
 }
 
-/* Of a pair that pushes, by mass M; mu: its friction, rough: that of any pair. */
+/* Of a pair that pushes, by mass M; mu: its friction, max_friction: that of any pair.
+ */
 LAW void law_push_of(weft__pair_kind kind, const weft_contact_def *law, num share,
-                     num mu, double rough, const law_feet *at, num mass, num v[4][3],
-                     law_push *out)
+                     num mu, double max_friction, const law_feet *at, num mass,
+                     num v[4][3], law_push *out)
 {
     const size_t count = weft__kind_particles(kind);
     num n[3], slip[3];
     const num speed = law_slip(kind, at, v, n, slip);
     const num slip2 = law_dot(slip, slip), one = NUM(1.0);
     const law_touch touch
-        = law_press(law, mu, at->d, share * at->weight, speed, slip2, one);
+        = law_normal_force(law, mu, at->d, share * at->weight, speed, slip2, one);
     const num energy = mass * (share * touch.energy);
     const num force = mass * touch.push * touch.factor,
-              friction = law_drag(law, rough, touch.most, touch.under);
-    const num drag = mass * friction;
+              friction = law_friction_rate(law, max_friction, touch.most, touch.under);
+    const num friction_rate = mass * friction;
     out->energy = at->weight * energy;
     out->heat = mass * (touch.push * (1.0 - touch.factor) * speed);
     out->friction = mass * (friction * slip2);
     for (size_t k = 0; k < 3; ++k) {
-        const num foot = (force + energy * at->pull) * n[k] - drag * slip[k];
+        const num foot = (force + energy * at->pull) * n[k] - friction_rate * slip[k];
         for (size_t i = 0; i < count; ++i) {
             out->force[i][k] = at->arm[i] * foot;
         }

@@ -20,7 +20,7 @@
 enum { SHELVES = 64 };
 
 /* Of the skin: what is left of it at least where pairs are not sought again, and how
- * far particles may have moved where waits are not found again; beside bodies half. */
+ * far particles may have moved where slack is not found again; beside bodies half. */
 #define LEAST 0.25
 #define STALE 0.4
 #define CLOSE 0.12 /* of the skin: pairs that may push within so much motion */
@@ -34,7 +34,7 @@ enum { SHELVES = 64 };
 static double skin_of(const weft__self *own)
 {
     const double a
-        = own->skin != NULL ? own->skin->spacing : weft__shortest_edge(own->mesh);
+        = own->surface != NULL ? own->surface->spacing : weft__shortest_edge(own->mesh);
     const double flat = fmax(0.1 * a, 0.65 * a - own->law.thickness);
     return own->between ? 0.25 * a : fmin(0.25 * a, flat);
 }
@@ -75,7 +75,7 @@ static bool has_of(const weft__self_list *list, size_t tile)
     const size_t level = weft__tile_level(weft__nodes_of(own));
     size_t run[2], more[2], range[4];
     bool any = false;
-    if (own->skin == NULL) {
+    if (own->surface == NULL) {
         const size_t cols = own->mesh->cols;
         weft__patch_range(own->mesh, level, tile, range);
         for (size_t r = range[0]; r < range[1]; ++r) {
@@ -84,10 +84,10 @@ static bool has_of(const weft__self_list *list, size_t tile)
         }
         return any;
     }
-    weft__patch_points(own->skin, level, true, tile, run, more);
+    weft__patch_points(own->surface, level, true, tile, run, more);
     any = run[0] < part[1] && part[0] < run[1];
     for (size_t i = more[0]; i < more[1] && !any; ++i) {
-        const size_t point = (size_t)own->skin->tile_point[i];
+        const size_t point = (size_t)own->surface->tile_point[i];
         any = point >= part[0] && point < part[1];
     }
     return any;
@@ -203,15 +203,15 @@ static void drift_part(void *ctx, size_t part)
         const size_t patch = of->which != NULL ? of->which[i] : i;
         if (patch > (of->rest - 1) >> 2 * of->level) {
             of->patches[patch] = (weft__drift){ .low = { 0.0 } };
-        } else if (own->skin == NULL) {
+        } else if (own->surface == NULL) {
             own->drift(own, of->from, of->to, of->level, patch, patch + 1, of->patches);
         } else {
             weft__range range = { .from = of->from, .to = of->to };
             const bool tile = of->level == weft__tile_level(weft__nodes_of(own));
             size_t more[2];
-            weft__patch_points(own->skin, of->level, tile, patch, range.run, more);
+            weft__patch_points(own->surface, of->level, tile, patch, range.run, more);
             range.from_plane = range.to_plane = own->points;
-            range.more = own->skin->tile_point + more[0];
+            range.more = own->surface->tile_point + more[0];
             range.count = more[1] - more[0];
             own->range(&range, &of->patches[patch]);
         }
@@ -235,7 +235,7 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     weft__drift *at = list->tiles[k], all;
     const size_t rest = from == NULL && to == list->y ? 0 : list->rest;
     drifting of = { own, from, to, NULL, tiles, level, TILES_PART, at, rest };
-    if (own->skin != NULL) {
+    if (own->surface != NULL) {
         of.count = run_count(own), of.level += RUN_LEVELS;
         of.part = RUNS_PART, of.patches = list->runs;
     }
@@ -244,7 +244,7 @@ static double drift_tiles(weft__self_list *list, const double *from, const doubl
     for (size_t i = 1; i < of.count; ++i) {
         weft__drift_add(&all, &of.patches[i]);
     }
-    if (own->skin != NULL) {
+    if (own->surface != NULL) {
         for (size_t i = 0; which != NULL && i < tiles; ++i) {
             at[i] = all;
         }
@@ -323,7 +323,7 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
 {
     const weft__self_law law = weft__self_law_of(list->own);
     const size_t all = in->count;
-    list->own->waits(list->own, kind, &in->near, first, all, list->y, list->skin,
+    list->own->slack(list->own, kind, &in->near, first, all, list->y, list->skin,
                      in->distances);
     in->count = first;
     weft__self_pairs_add(in, first, all, in->distances, clear, list->own->within, in);
@@ -336,7 +336,7 @@ static void measure_pairs(const weft__self_list *list, weft__pair_kind kind,
             in->near.rest[i] = weft__pair_rest(&law, &pair);
         }
         if (in->near.mass[i] == 0.0) {
-            in->near.waits[i] = INFINITY;
+            in->near.slack[i] = INFINITY;
         }
         if (kind >= WEFT__VERTEX_TRIANGLE && !(in->distances[i] > to->nearest)) {
             to->nearest = in->distances[i];
@@ -351,7 +351,7 @@ static void self_list_add_group(const weft__self_list *list, weft__self_chunk *i
 {
     weft__self_groups *now = &in->now;
     weft__self_group *to = &now->at[now->count];
-    weft__span *span = &now->spans[now->count];
+    weft__pair_subset *subset = &now->subsets[now->count];
     bool any = list->clear[tiles] < weft__self_watched(list);
     const double most = (list->own->between ? 0.5 * STALE : STALE) * list->skin;
     const bool stale = from == NULL || !(from->loss < most);
@@ -368,7 +368,7 @@ static void self_list_add_group(const weft__self_list *list, weft__self_chunk *i
                           from == NULL, to);
         }
         any = any || at->count > first;
-        span->end[kind] = at->count;
+        subset->end[kind] = at->count;
     }
     now->count += any;
 }
@@ -420,7 +420,7 @@ static bool is_needed(const weft__self_list *list, const weft__self_groups *of,
 {
     bool any = list->clear[of->at[i].tiles] < weft__self_range(list);
     for (size_t kind = 0; kind < WEFT__KINDS; ++kind) {
-        any = any || of->spans[i].end[kind] > weft__self_first(of, i, kind);
+        any = any || of->subsets[i].end[kind] > weft__self_first(of, i, kind);
     }
     return any;
 }
@@ -452,7 +452,7 @@ static void end_making(weft__self_list *list)
         list->valid = list->valid && !at->full;
         list->group_count += at->now.count;
         for (size_t g = 0; g < at->now.count; ++g) {
-            at->now.spans[g].moved
+            at->now.subsets[g].moved
                 = at->now.at[g].loss + WEFT__SELF_ALLOWED * list->skin;
             needed = needed || is_needed(list, &at->now, g);
             list->least
@@ -503,7 +503,7 @@ static bool suffices(weft__self_list *list, double extent)
             const double moved
                 = weft__self_extent_between(list, 0, list->between[tiles]);
             all = moved < list->clear[tiles] - list->own->law.thickness;
-            at->spans[g].moved = moved + at->at[g].loss;
+            at->subsets[g].moved = moved + at->at[g].loss;
         }
     }
     return all;
@@ -555,18 +555,18 @@ static void find_close(weft__self_chunk *of, double more, weft__within_fn *withi
     const weft__self_groups *now = &of->now;
     bool found = true;
     for (size_t g = 0; g < now->count; ++g) {
-        const double moved = of->before.spans[g].moved = now->spans[g].moved;
+        const double moved = of->before.subsets[g].moved = now->subsets[g].moved;
         found = found && moved <= now->at[g].until;
     }
     for (size_t kind = 0; kind < WEFT__KINDS && !found; ++kind) {
         weft__self_bin *in = &of->bins[kind];
         in->before.count = 0;
         for (size_t g = 0, i = 0; g < now->count; ++g) {
-            const double until = now->at[g].until = now->spans[g].moved + more;
-            weft__self_pairs_add(&in->now, i, now->spans[g].end[kind],
-                                 in->now.near.waits, until, within, &in->before);
-            i = now->spans[g].end[kind];
-            of->before.spans[g].end[kind] = in->before.count;
+            const double until = now->at[g].until = now->subsets[g].moved + more;
+            weft__self_pairs_add(&in->now, i, now->subsets[g].end[kind],
+                                 in->now.near.slack, until, within, &in->before);
+            i = now->subsets[g].end[kind];
+            of->before.subsets[g].end[kind] = in->before.count;
         }
     }
 }
@@ -577,13 +577,13 @@ static size_t push_bin(evaluation *all, weft__self_chunk *in, weft__pair_kind ki
     const weft__self_law *law = &all->pass->law;
     const weft__self *own = law->own;
     const weft__self_bin *at = &in->bins[kind];
-    weft__pushes_fn *pushes = law->along != NULL  ? weft__pushes_slopes
-                              : law->base != NULL ? weft__pushes_twins
+    weft__pushes_fn *pushes = law->along != NULL  ? weft__pushes_derivatives
+                              : law->base != NULL ? weft__pushes_perturbed
                                                   : own->pushes;
     double bad = 0.0;
     const size_t count
         = pushes(law, kind, own->between ? &at->before.near : &at->now.near,
-                 own->between ? in->before.spans : in->now.spans, in->now.count,
+                 own->between ? in->before.subsets : in->now.subsets, in->now.count,
                  all->pass->y, out, &bad);
     if (bad != 0.0) {
         atomic_store(&all->bad, true);
@@ -659,13 +659,13 @@ static bool visit_pushing(const visiting *of, weft__pair_kind kind,
                           const weft__near *near, const uint32_t *which, size_t count)
 {
     uint32_t found[WEFT__STRIP];
-    bool goes_on = true;
+    bool continues = true;
     count = of->own->meets(of->own, kind, near, which, count, of->y, found);
-    for (size_t i = 0; i < count && goes_on; ++i) {
+    for (size_t i = 0; i < count && continues; ++i) {
         const weft__pair pair = weft__near_pair(kind, near, found[i]);
-        goes_on = of->visit(of->ctx, &pair);
+        continues = of->visit(of->ctx, &pair);
     }
-    return goes_on;
+    return continues;
 }
 
 /* Those of a chunk that have waited long enough are looked at, WEFT__STRIP at a time.
@@ -676,21 +676,22 @@ static bool visit_along(const visiting *of, const weft__self_chunk *in,
     const weft__near *near = &in->bins[kind].now.near;
     uint32_t which[WEFT__STRIP + WEFT__BLOCK];
     size_t count = 0, i = 0;
-    bool goes_on = true;
-    for (size_t g = 0; g < in->now.count && goes_on; ++g) {
-        const weft__span *span = &in->now.spans[g];
-        while (i < span->end[kind] && goes_on) {
-            const size_t left = span->end[kind] - i, room = WEFT__STRIP - count;
+    bool continues = true;
+    for (size_t g = 0; g < in->now.count && continues; ++g) {
+        const weft__pair_subset *subset = &in->now.subsets[g];
+        while (i < subset->end[kind] && continues) {
+            const size_t left = subset->end[kind] - i, room = WEFT__STRIP - count;
             const size_t stop = i + (left < room ? left : room);
-            count += of->own->within(near->waits, i, stop, span->moved, which + count);
+            count
+                += of->own->within(near->slack, i, stop, subset->moved, which + count);
             i = stop;
             if (count == WEFT__STRIP) {
-                goes_on = visit_pushing(of, kind, near, which, count);
+                continues = visit_pushing(of, kind, near, which, count);
                 count = 0;
             }
         }
     }
-    return goes_on && visit_pushing(of, kind, near, which, count);
+    return continues && visit_pushing(of, kind, near, which, count);
 }
 
 bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn *visit,
@@ -698,13 +699,13 @@ bool weft__self_list_seek(weft__self_list *list, const double *y, weft__pair_fn 
 {
     const readiness is = self_list_prepare(list, y);
     const visiting of = { list->own, y, visit, ctx };
-    bool goes_on = is == READY;
+    bool continues = is == READY;
     if (is == WITHOUT_LIST) {
         return weft__self_seek(list->own, list->knots, y, visit, ctx);
     }
-    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count && goes_on; ++j) {
-        goes_on = visit_along(&of, &list->chunks[j % list->chunk_count],
-                              (weft__pair_kind)(j / list->chunk_count));
+    for (size_t j = 0; j < WEFT__KINDS * list->chunk_count && continues; ++j) {
+        continues = visit_along(&of, &list->chunks[j % list->chunk_count],
+                                (weft__pair_kind)(j / list->chunk_count));
     }
-    return goes_on;
+    return continues;
 }

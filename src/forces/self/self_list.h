@@ -54,20 +54,20 @@ enum { WEFT__KINDS = WEFT__EDGES + 1 };
 /* Skins beyond the range: nearer tiles are watched. */
 #define WEFT__SELF_WATCHED 3.0
 
-/* Two tiles that are near each other; their pairs are a weft__span. */
+/* Two tiles that are near each other; their pairs are a weft__pair_subset. */
 typedef struct weft__self_group {
     size_t tiles;   /* in `between` */
     double nearest; /* [m] of its pairs that the step check looks at */
     double loss;    /* [m] moved between where its pairs were measured and `place` */
     double reach;   /* [m] as far as they matter in a step */
-    double way;     /* [m] of the tiles against each other in that step, at most */
-    double until;   /* [m] moved so far, pairs that are not close do not push */
+    double displacement; /* [m] of the tiles against each other in that step, at most */
+    double until;        /* [m] moved so far, pairs that are not close do not push */
 } weft__self_group;
 
 typedef struct weft__self_groups {
     size_t count;
     weft__self_group *at;
-    weft__span *spans;
+    weft__pair_subset *subsets;
 } weft__self_groups;
 
 /* Pairs of a kind. */
@@ -108,7 +108,7 @@ struct weft__self_list {
     double *place;         /* 3 N: where the list was made */
     unsigned char *marks;  /* N: of particles, or tiles, or their rows */
     weft__drift *tiles[4]; /* of the last displacements; in checks of steps all */
-    weft__drift *runs;     /* of a skin, of many points each */
+    weft__drift *runs;     /* of a surface, of many points each */
     uint32_t *grouped;     /* tiles that groups have; of a grid all */
     size_t grouped_count;
     uint32_t (*between)[2];
@@ -162,7 +162,7 @@ bool weft__self_chunk_full(weft__self_chunk *of);
 static inline size_t weft__self_first(const weft__self_groups *of, size_t i,
                                       size_t which)
 {
-    return i > 0 ? of->spans[i - 1].end[which] : 0;
+    return i > 0 ? of->subsets[i - 1].end[which] : 0;
 }
 
 /* ---- self_list.c ----------------------------------------------------------------- */

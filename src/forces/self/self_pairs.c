@@ -74,23 +74,23 @@ static void self_pairs_box_of(const weft__quadtree *tree, const uint32_t *points
     }
 }
 
-static void find_owned_of_skin(const weft__quadtree *tree, size_t node, size_t slice,
-                               owned *out)
+static void find_owned_of_surface(const weft__quadtree *tree, size_t node, size_t slice,
+                                  owned *out)
 {
-    const weft__skin *skin = tree->own->skin;
+    const weft__contact_surface *surface = tree->own->surface;
     const uint32_t point = (uint32_t)node;
-    size_t e = skin->edge_first[node], t = skin->triangle_first[node];
-    size_t edges = skin->edge_first[node + 1],
-           triangles = skin->triangle_first[node + 1];
+    size_t e = surface->edge_first[node], t = surface->triangle_first[node];
+    size_t edges = surface->edge_first[node + 1],
+           triangles = surface->triangle_first[node + 1];
     out->more = weft__owned_slice(slice, &e, &edges);
     out->more = weft__owned_slice(slice, &t, &triangles) || out->more;
     out->edge_count = edges - e, out->triangle_count = triangles - t;
     self_pairs_box_of(tree, &point, 1, node, &out->vertex);
     for (size_t k = 0; k < out->edge_count; ++k) {
-        self_pairs_box_of(tree, skin->edge[e + k], 2, e + k, &out->edges[k]);
+        self_pairs_box_of(tree, surface->edge[e + k], 2, e + k, &out->edges[k]);
     }
     for (size_t k = 0; k < out->triangle_count; ++k) {
-        self_pairs_box_of(tree, skin->triangle[t + k], 3, t + k, &out->triangles[k]);
+        self_pairs_box_of(tree, surface->triangle[t + k], 3, t + k, &out->triangles[k]);
     }
 }
 
@@ -141,13 +141,13 @@ static bool seeks(const pair_search *of, weft__pair_kind kind)
     return (of->kinds >> kind & 1U) != 0;
 }
 
-/* Those of a grid among several cloths, if both are of it (skin.h). */
+/* Those of a grid among several cloths, if both are of it (contact_surface.h). */
 static void take_windows(const weft__self *own, weft__pair *pair)
 {
     const weft__part *grid = weft__pair_grid(own, pair);
-    const uint32_t edges = (uint32_t)own->skin->edges;
+    const uint32_t edges = (uint32_t)own->surface->edges;
     if (grid != NULL && pair->kind == WEFT__VERTEX_TRIANGLE) {
-        pair->item[1] = (uint32_t)(3 * own->skin->triangles)
+        pair->item[1] = (uint32_t)(3 * own->surface->triangles)
                         + (uint32_t)(grid - own->mesh->triangles->parts);
     } else if (grid != NULL) {
         pair->item[0] += pair->kind == WEFT__EDGES ? edges : 0;
@@ -157,16 +157,16 @@ static void take_windows(const weft__self *own, weft__pair *pair)
 
 bool weft__pair_admit(const weft__self *own, weft__pair *pair)
 {
-    const weft__skin *skin = own->skin;
+    const weft__contact_surface *surface = own->surface;
     uint64_t key[2];
-    if (skin != NULL && skin->grids) {
+    if (surface != NULL && surface->grids) {
         take_windows(own, pair);
     }
-    if (skin == NULL || skin->lip_count == 0) {
+    if (surface == NULL || surface->slit_pair_count == 0) {
         return true;
     }
     weft__pair_key(pair, key);
-    return !weft__is_lip(skin, key);
+    return !weft__is_slit_pair(surface, key);
 }
 
 /* Visits a pair unless its boxes are further apart than the range or its primitives
@@ -194,29 +194,29 @@ static inline bool try_pair(const pair_search *of, weft__pair_kind kind, const b
 /* A vertex with all that another node owns but its particle. */
 static bool try_vertex(const pair_search *of, const boxed *vertex, const owned *with)
 {
-    bool goes_on = true;
+    bool continues = true;
     for (size_t k = 0; seeks(of, WEFT__VERTEX_TRIANGLE) && k < with->triangle_count;
          ++k) {
-        goes_on
-            = goes_on
+        continues
+            = continues
               && try_pair(of, WEFT__VERTEX_TRIANGLE, vertex, 1, &with->triangles[k], 3);
     }
     for (size_t k = 0; seeks(of, WEFT__VERTEX_EDGE) && k < with->edge_count; ++k) {
-        goes_on
-            = goes_on && try_pair(of, WEFT__VERTEX_EDGE, vertex, 1, &with->edges[k], 2);
+        continues = continues
+                    && try_pair(of, WEFT__VERTEX_EDGE, vertex, 1, &with->edges[k], 2);
     }
-    return goes_on;
+    return continues;
 }
 
 static bool try_edges(const pair_search *of, const owned *a, const owned *b)
 {
     const size_t count = a->edge_count * b->edge_count;
-    bool goes_on = true;
-    for (size_t k = 0; seeks(of, WEFT__EDGES) && k < count && goes_on; ++k) {
-        goes_on = try_pair(of, WEFT__EDGES, &a->edges[k / b->edge_count], 2,
-                           &b->edges[k % b->edge_count], 2);
+    bool continues = true;
+    for (size_t k = 0; seeks(of, WEFT__EDGES) && k < count && continues; ++k) {
+        continues = try_pair(of, WEFT__EDGES, &a->edges[k / b->edge_count], 2,
+                             &b->edges[k % b->edge_count], 2);
     }
-    return goes_on;
+    return continues;
 }
 
 /* A search comes to four nodes in turns. */
@@ -225,8 +225,8 @@ static const owned *owned_by(const pair_search *of, size_t node, size_t slice,
 {
     if (last->node != node || last->slice != slice) {
         last->node = node, last->slice = slice;
-        if (of->tree->own->skin != NULL) {
-            find_owned_of_skin(of->tree, node, slice, last);
+        if (of->tree->own->surface != NULL) {
+            find_owned_of_surface(of->tree, node, slice, last);
         } else {
             find_owned(of->tree, node, last);
         }
@@ -239,23 +239,24 @@ static const owned *owned_by(const pair_search *of, size_t node, size_t slice,
 static bool self_pairs_visit_nodes(void *ctx, size_t i, size_t j)
 {
     pair_search *of = ctx;
-    const bool points = of->tree->own->skin != NULL;
+    const bool points = of->tree->own->surface != NULL;
     const size_t row = points ? j / 2 : j / of->tree->own->mesh->cols;
     const size_t col = points ? j : j - row * of->tree->own->mesh->cols;
     const owned *a = owned_by(of, i, 0, &of->first), *b = NULL;
-    bool goes_on = i != j || points || try_vertex(of, &a->vertex, a);
-    for (size_t k = 0; i != j && goes_on && (k == 0 || a->more); ++k) {
+    bool continues = i != j || points || try_vertex(of, &a->vertex, a);
+    for (size_t k = 0; i != j && continues && (k == 0 || a->more); ++k) {
         a = owned_by(of, i, k, &of->first);
-        for (size_t l = 0; goes_on && (l == 0 || b->more); ++l) {
+        for (size_t l = 0; continues && (l == 0 || b->more); ++l) {
             b = owned_by(of, j, l, &of->others[row % 2][col % 2]);
-            goes_on = (k > 0 || try_vertex(of, &a->vertex, b))
-                      && (l > 0 || try_vertex(of, &b->vertex, a))
-                      && (k + l > 0 || !seeks(of, WEFT__VERTICES)
-                          || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b->vertex, 1))
-                      && try_edges(of, a, b);
+            continues
+                = (k > 0 || try_vertex(of, &a->vertex, b))
+                  && (l > 0 || try_vertex(of, &b->vertex, a))
+                  && (k + l > 0 || !seeks(of, WEFT__VERTICES)
+                      || try_pair(of, WEFT__VERTICES, &a->vertex, 1, &b->vertex, 1))
+                  && try_edges(of, a, b);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 static bool self_pairs_seek(const weft__quadtree *tree, const uint32_t *tiles,
@@ -273,11 +274,11 @@ static bool self_pairs_seek(const weft__quadtree *tree, const uint32_t *tiles,
 bool weft__each_pair(const weft__quadtree *tree, double range, weft__pair_fn *visit,
                      void *ctx)
 {
-    bool goes_on = true;
-    for (unsigned kind = WEFT__VERTICES; kind <= WEFT__EDGES && goes_on; ++kind) {
-        goes_on = self_pairs_seek(tree, NULL, range, 1U << kind, visit, ctx);
+    bool continues = true;
+    for (unsigned kind = WEFT__VERTICES; kind <= WEFT__EDGES && continues; ++kind) {
+        continues = self_pairs_seek(tree, NULL, range, 1U << kind, visit, ctx);
     }
-    return goes_on;
+    return continues;
 }
 
 bool weft__each_pair_between(const weft__quadtree *tree, const uint32_t tiles[2],
@@ -384,7 +385,7 @@ double weft__extent(const weft__self *own, const double *from, const double *to)
     const size_t n = own->points;
     const weft__range range = { from, to, n, n, { 0, n }, NULL, 0 };
     weft__drift all;
-    if (own->skin != NULL) {
+    if (own->surface != NULL) {
         own->range(&range, &all);
     } else { /* the one patch of the last level */
         own->drift(own, from, to, WEFT__LEVELS - 1, 0, 1, &all);

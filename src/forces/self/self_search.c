@@ -12,16 +12,16 @@ static bool by_boxes(const weft__self_list *list)
 bool weft__self_search_create(weft__self_list *list)
 {
     const weft__self *own = list->own;
-    const weft__skin *skin = own->skin;
+    const weft__contact_surface *surface = own->surface;
     weft__primitives of = { .nodes = weft__nodes_of(own),
                             .points = own->points,
                             .spacing = { own->mesh->spacing[0], own->mesh->spacing[1] },
                             .particles = own->mesh->particles,
                             .between = own->between };
-    if (skin != NULL) {
-        of.edge = skin->edge, of.edge_first = skin->edge_first;
-        of.triangle = skin->triangle, of.triangle_first = skin->triangle_first;
-        of.order = skin->order;
+    if (surface != NULL) {
+        of.edge = surface->edge, of.edge_first = surface->edge_first;
+        of.triangle = surface->triangle, of.triangle_first = surface->triangle_first;
+        of.order = surface->order;
     }
     return own->seeker == NULL || weft__boxes_create(&of, &list->memory, &list->boxes);
 }
@@ -87,12 +87,12 @@ void weft__self_search_begin(weft__self_list *list)
         weft__tree_begin(&list->tree, list->knots);
     }
     weft__pool_run(list->pool, fill_part, list, parts);
-    if (boxes && own->skin == NULL) {
+    if (boxes && own->surface == NULL) {
         weft__pool_run(list->pool, bend_part, list, parts);
     }
 }
 
-/* Of a skin with lips or grids. */
+/* Of a surface with slit edges or grids. */
 typedef struct admission {
     const weft__self *own;
     weft__pair_fn *visit;
@@ -114,7 +114,8 @@ bool weft__self_search(const weft__self_list *list, const uint32_t tiles[2],
     if (!by_boxes(list)) {
         return weft__each_pair_between(&list->tree, tiles, range, visit, ctx);
     }
-    if (own->skin != NULL && (own->skin->grids || own->skin->lip_count > 0)) {
+    if (own->surface != NULL
+        && (own->surface->grids || own->surface->slit_pair_count > 0)) {
         visit = admit, ctx = &to;
     }
     return own->seeker->seek(&list->boxes, list->y, tiles, range, visit, ctx);

@@ -19,8 +19,8 @@ typedef struct tree_patch {
 
 weft__nodes weft__nodes_of(const weft__self *own)
 {
-    return own->skin != NULL ? (weft__nodes){ 1, own->points, 2 }
-                             : (weft__nodes){ own->mesh->rows, own->mesh->cols, 1 };
+    return own->surface != NULL ? (weft__nodes){ 1, own->points, 2 }
+                                : (weft__nodes){ own->mesh->rows, own->mesh->cols, 1 };
 }
 
 weft__quadtree weft__tree_of(const weft__self *own, const double *y)
@@ -77,16 +77,16 @@ static inline void bound_slopes(const double a[3], const double b[3], const doub
     }
 }
 
-/* Of a skin: what it owns has one point, or ends of its edges. */
+/* Of a surface: what it owns has one point, or ends of its edges. */
 static void bound_point(const weft__quadtree *tree, size_t node, weft__knot *to)
 {
-    const weft__skin *skin = tree->own->skin;
-    const size_t i = weft__skin_point(skin, node);
-    const uint32_t *ends = skin->edge[skin->edge_first[i]];
-    const size_t count = 2 * (skin->edge_first[i + 1] - skin->edge_first[i]);
+    const weft__contact_surface *surface = tree->own->surface;
+    const size_t i = weft__contact_surface_point(surface, node);
+    const uint32_t *ends = surface->edge[surface->edge_first[i]];
+    const size_t count = 2 * (surface->edge_first[i + 1] - surface->edge_first[i]);
     *to = nothing;
     for (size_t k = 0; k < 3; ++k) {
-        const double *y = tree->y + k * skin->points;
+        const double *y = tree->y + k * surface->points;
         double low = y[i], high = low;
         for (size_t j = 1; j < count; j += 2) {
             const double x = y[ends[j]];
@@ -400,10 +400,10 @@ static void find_quarters(const tree_search *of, size_t level, tree_patch at,
 static bool leaf(const tree_search *of, tree_patch a, tree_patch b)
 {
     const size_t cols = weft__patches_across(&of->tree->nodes, of->floor);
-    const weft__skin *skin = of->tree->own->skin;
-    if (of->floor == 0 && skin != NULL) {
-        return of->visit(of->ctx, weft__skin_point(skin, a.c),
-                         weft__skin_point(skin, b.c));
+    const weft__contact_surface *surface = of->tree->own->surface;
+    if (of->floor == 0 && surface != NULL) {
+        return of->visit(of->ctx, weft__contact_surface_point(surface, a.c),
+                         weft__contact_surface_point(surface, b.c));
     }
     return of->visit(of->ctx, a.r * cols + a.c, b.r * cols + b.c);
 }
@@ -434,16 +434,17 @@ static bool pairs_between(const tree_search *of, size_t level, tree_patch a,
         return leaf(of, a, b);
     }
     quarters in[2];
-    bool goes_on = true;
+    bool continues = true;
     find_quarters(of, level - 1, a, &in[0]);
     find_quarters(of, level - 1, b, &in[1]);
     for (size_t i = 0; i < in[0].count; ++i) {
-        for (size_t j = 0; j < in[1].count && goes_on; ++j) {
-            goes_on = (!of->all && self_tree_apart(of, in[0].knots[i], in[1].knots[j]))
-                      || pairs_between(of, level - 1, in[0].at[i], in[1].at[j]);
+        for (size_t j = 0; j < in[1].count && continues; ++j) {
+            continues
+                = (!of->all && self_tree_apart(of, in[0].knots[i], in[1].knots[j]))
+                  || pairs_between(of, level - 1, in[0].at[i], in[1].at[j]);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
@@ -457,18 +458,18 @@ static bool pairs_within(const tree_search *of, size_t level, tree_patch at)
         return leaf(of, at, at);
     }
     quarters in;
-    bool goes_on = true;
+    bool continues = true;
     find_quarters(of, level - 1, at, &in);
-    for (size_t i = 0; i < in.count && goes_on; ++i) {
-        goes_on = pairs_within(of, level - 1, in.at[i]);
+    for (size_t i = 0; i < in.count && continues; ++i) {
+        continues = pairs_within(of, level - 1, in.at[i]);
     }
     for (size_t i = 0; i < in.count; ++i) {
-        for (size_t j = i + 1; j < in.count && goes_on; ++j) {
-            goes_on = (!of->all && self_tree_apart(of, in.knots[i], in.knots[j]))
-                      || pairs_between(of, level - 1, in.at[i], in.at[j]);
+        for (size_t j = i + 1; j < in.count && continues; ++j) {
+            continues = (!of->all && self_tree_apart(of, in.knots[i], in.knots[j]))
+                        || pairs_between(of, level - 1, in.at[i], in.at[j]);
         }
     }
-    return goes_on;
+    return continues;
 }
 
 static tree_search search_of(const weft__quadtree *tree, double range,

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_tree.h -- pairs of nodes of a cloth in a state that may be near each other, by a
- * quadtree over the grid, or over the points of a skin in their order. */
+ * quadtree over the grid, or over the points of a surface in their order. */
 #pragma once
 
 #include "forces/force.h"
 #include "forces/seek/seek.h"
-#include "forces/self/skin.h"
+#include "forces/self/contact_surface.h"
 
 typedef struct weft__self weft__self;
 

@@ -4,12 +4,12 @@
  */
 #include "forces/springs/springs.h"
 
-enum { TILE = WEFT__TILE, STREAMS = 1 + WEFT__WAYS };
+enum { TILE = WEFT__TILE, STREAMS = 1 + WEFT__TANGENTS };
 #include "forces/springs/springs_sweep.h"
 
 /* The derivative of a pull on p, whose place in the direction is `p`, that of q `q`. */
 INLINE vec3 change(const spring *springs, unsigned has, int group, const double *p,
-                   const double *q, size_t n, const weft__spring_slope *by,
+                   const double *q, size_t n, const weft__spring_derivative *by,
                    const law *laws, const mask *where)
 {
     const spring *at = &springs[group];
@@ -22,8 +22,8 @@ INLINE vec3 change(const spring *springs, unsigned has, int group, const double 
         const vec3 dw = minus(load3(q + 3 * n, n), load3(p + 3 * n, n));
         part += at->rate * dot(at->d, dw);
     }
-    if (by != NULL && (by->ways & BIT(group)) != 0) {
-        const weft__slope_law *more = &by->laws[group];
+    if (by != NULL && (by->orientations & BIT(group)) != 0) {
+        const weft__law_derivative *more = &by->laws[group];
         const law *of = &laws[group];
         const vec longer = at->length * (at->length - of->rest_length) * at->inverse;
         part += more->stiffness * (of->share * longer)
@@ -36,7 +36,7 @@ INLINE vec3 change(const spring *springs, unsigned has, int group, const double 
 
 /* The pulls of springs s on their block, in a direction whose place there is `at`. */
 INLINE vec3 land_along(sweep *self, const spring *s, size_t stream, const columns *of,
-                       const place *at, const weft__spring_slope *by, carry *left)
+                       const place *at, const weft__spring_derivative *by, carry *left)
 {
     const unsigned has = of->has;
     const law *laws = of->laws;
@@ -54,15 +54,15 @@ INLINE vec3 land_along(sweep *self, const spring *s, size_t stream, const column
 }
 
 /* As emit, in a direction under a force; v and net: of the state itself. */
-INLINE void emit_along(sweep *self, const columns *of, const weft__way *way,
+INLINE void emit_along(sweep *self, const columns *of, const weft__tangent *tangent,
                        const place *at, vec3 force, vec3 v, vec3 net)
 {
     static const double none[3];
-    const weft__spring_slope *by = way->by;
+    const weft__spring_derivative *by = tangent->by;
     const size_t i = of->i, to = of->r * self->down + of->c;
     const vec3 dv = load3(at->p + 3 * at->n, at->n);
     for (size_t k = 0; k < 6; ++k) { /* what the next row needs */
-        __builtin_prefetch(way->out + to + k * self->n + self->down, 1);
+        __builtin_prefetch(tangent->out + to + k * self->n + self->down, 1);
         __builtin_prefetch(at->p + k * at->n + 3 * at->down);
     }
     vec3 change = minus(force, scaled(self->drag, dv));
@@ -75,11 +75,11 @@ INLINE void emit_along(sweep *self, const columns *of, const weft__way *way,
     if (by != NULL && by->inverse_mass != NULL) {
         a = plus(a, scaled(load(by->inverse_mass + i), net));
     }
-    store_rates(self, dv, a, of->rim, of->count, way->out + to, self->n);
+    store_rates(self, dv, a, of->rim, of->count, tangent->out + to, self->n);
 }
 
 typedef struct products {
-    const weft__ways *ways;
+    const weft__tangents *tangents;
     bool wanted; /* the state's own forces */
 } products;
 
@@ -97,12 +97,12 @@ INLINE void visit_products(sweep *self, const columns *of, carry *left)
     }
     const vec3 v = load3(of->from.p + 3 * of->from.n, of->from.n);
     double copy[6][3][EDGE];
-    for (size_t j = 0; j < form->ways->count; ++j) {
-        const weft__way *way = &form->ways->way[j];
-        const place at = place_in(self, of, way->along, copy);
-        const vec3 force = land_along(self, s, 1 + j, of, &at, way->by, left);
+    for (size_t j = 0; j < form->tangents->count; ++j) {
+        const weft__tangent *tangent = &form->tangents->tangent[j];
+        const place at = place_in(self, of, tangent->along, copy);
+        const vec3 force = land_along(self, s, 1 + j, of, &at, tangent->by, left);
         if (of->emits) {
-            emit_along(self, of, way, &at, force, v, net);
+            emit_along(self, of, tangent, &at, force, v, net);
         }
     }
 }
@@ -114,18 +114,19 @@ static void products_row(sweep *self, size_t r, size_t first, size_t end, unsign
 }
 
 int NAME(products, LEVEL)(const weft__springs *own, const weft__body *body,
-                          const weft__ways *ways, size_t first, size_t end)
+                          const weft__tangents *tangents, size_t first, size_t end)
 {
-    products form = { ways, ways->base != NULL };
+    products form = { tangents, tangents->base != NULL };
     sweep self;
-    unsigned all
-        = start(&self, own, body, ways->y, ways->stride, ways->down, 1 + ways->count);
-    for (size_t j = 0; j < ways->count; ++j) {
-        const weft__spring_slope *slope = ways->way[j].by;
-        all |= slope != NULL && slope->damped ? BIT(DAMPED) : 0u;
-        form.wanted = form.wanted || (slope != NULL && slope->inverse_mass != NULL);
+    unsigned all = start(&self, own, body, tangents->y, tangents->stride,
+                         tangents->down, 1 + tangents->count);
+    for (size_t j = 0; j < tangents->count; ++j) {
+        const weft__spring_derivative *derivative = tangents->tangent[j].by;
+        all |= derivative != NULL && derivative->damped ? BIT(DAMPED) : 0u;
+        form.wanted
+            = form.wanted || (derivative != NULL && derivative->inverse_mass != NULL);
     }
-    self.dydt = ways->base;
+    self.dydt = tangents->base;
     self.form = &form;
     return sweep_tiles(&self, all, first, end, NULL, false, products_row);
 }

@@ -20,41 +20,44 @@ static void springs_difference(const double *a, size_t n, size_t p, size_t q,
 
 /* [N] of one of them on p, or its derivative along `along` and by a number. */
 static void spring_force(const weft__springs *own, weft__spring *at,
-                         const weft__ways *in, const weft__way *way, double pull[3])
+                         const weft__tangents *in, const weft__tangent *tangent,
+                         double pull[3])
 {
-    const weft__spring_slope *by = way != NULL ? way->by : NULL;
-    const unsigned group = at->group->way;
+    const weft__spring_derivative *by = tangent != NULL ? tangent->by : NULL;
+    const unsigned group = at->group->orientation;
     const size_t n = in->stride, p = springs_spread(own->mesh, in->down, at->p);
     const size_t q = springs_spread(own->mesh, in->down, at->q);
     double w[3], dd[3], dw[3];
     springs_difference(in->y, n, p, q, at->d);
     springs_difference(in->y + 3 * n, n, p, q, w);
     at->square = weft__dot(at->d, at->d);
-    if (way == NULL) {
+    if (tangent == NULL) {
         const double tension = weft__spring_tension(at, weft__dot(w, at->d));
         for (size_t k = 0; k < 3; ++k) {
             pull[k] = tension * at->d[k];
         }
         return;
     }
-    springs_difference(way->along, n, p, q, dd);
-    springs_difference(way->along + 3 * n, n, p, q, dw);
+    springs_difference(tangent->along, n, p, q, dd);
+    springs_difference(tangent->along + 3 * n, n, p, q, dw);
     weft__spring_change(
         at, w, dd, dw,
-        by != NULL && (by->ways >> group & 1) != 0 ? &by->laws[group] : NULL, pull);
+        by != NULL && (by->orientations >> group & 1) != 0 ? &by->laws[group] : NULL,
+        pull);
 }
 
 /* [N] of all springs on particle i, or the derivative in a direction (NULL: none). */
-static void springs_pull_of(const weft__springs *own, size_t i, const weft__ways *in,
-                            const weft__way *way, double force[3])
+static void springs_pull_of(const weft__springs *own, size_t i,
+                            const weft__tangents *in, const weft__tangent *tangent,
+                            double force[3])
 {
     double from[3][WEFT_GROUPS] = { 0 }, to[3][WEFT_GROUPS] = { 0 }, pull[3]; /* on p */
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(own, i, NULL, springs);
     for (weft__spring *at = springs; at < springs + count; ++at) {
-        spring_force(own, at, in, way, pull);
+        spring_force(own, at, in, tangent, pull);
         for (size_t k = 0; k < 3; ++k) {
-            (at->p == i ? from : to)[k][at->group->way] = pull[k];
+            (at->p == i ? from : to)[k][at->group->orientation] = pull[k];
         }
     }
     for (size_t k = 0; k < 3; ++k) {
@@ -63,9 +66,10 @@ static void springs_pull_of(const weft__springs *own, size_t i, const weft__ways
 }
 
 /* A state as it is. */
-static weft__ways springs_state_of(const weft__springs *own, const double *y)
+static weft__tangents springs_state_of(const weft__springs *own, const double *y)
 {
-    return (weft__ways){ .y = y, .stride = own->mesh->stride, .down = own->mesh->cols };
+    return (
+        weft__tangents){ .y = y, .stride = own->mesh->stride, .down = own->mesh->cols };
 }
 
 /* ---- for weft__force ------------------------------------------------------------- */
@@ -89,7 +93,7 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
 {
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
-    const weft__ways in = springs_state_of(of, at->y);
+    const weft__tangents in = springs_state_of(of, at->y);
     const size_t n = mesh->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
@@ -113,15 +117,15 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
 /* The product of a particle, which is at `place`, in a direction; net[3]: [N] of the
  * state itself. */
 static double springs_product_of(const weft__springs *own, const weft__body *body,
-                                 const weft__ways *in, const weft__way *way, size_t i,
-                                 size_t place, const double net[3])
+                                 const weft__tangents *in, const weft__tangent *tangent,
+                                 size_t i, size_t place, const double net[3])
 {
-    const weft__spring_slope *by = way->by;
+    const weft__spring_derivative *by = tangent->by;
     const size_t n = in->stride;
     double springs[3];
-    springs_pull_of(own, i, in, way, springs);
+    springs_pull_of(own, i, in, tangent, springs);
     for (size_t k = 0; k < 3; ++k) {
-        const double v = way->along[(k + 3) * n + place];
+        const double v = tangent->along[(k + 3) * n + place];
         double force = springs[k] - body->drag * v;
         if (by != NULL) {
             force -= by->drag * in->y[(k + 3) * n + place];
@@ -131,34 +135,36 @@ static double springs_product_of(const weft__springs *own, const weft__body *bod
         if (by != NULL && by->inverse_mass != NULL) {
             rate += by->inverse_mass[i] * net[k];
         }
-        way->out[k * n + place] = v;
-        way->out[(k + 3) * n + place] = rate;
+        tangent->out[k * n + place] = v;
+        tangent->out[(k + 3) * n + place] = rate;
     }
-    return springs_trouble(way->out + place, n);
+    return springs_trouble(tangent->out + place, n);
 }
 
 int weft__products_loops(const weft__springs *own, const weft__body *body,
-                         const weft__ways *ways, size_t first, size_t end)
+                         const weft__tangents *tangents, size_t first, size_t end)
 {
     const weft__mesh *mesh = own->mesh;
-    const size_t n = ways->stride, last = weft__block(mesh, end);
+    const size_t n = tangents->stride, last = weft__block(mesh, end);
     double bad = 0.0;
     for (size_t i = weft__block(mesh, first); i < last; ++i) {
-        const size_t place = springs_spread(mesh, ways->down, i);
+        const size_t place = springs_spread(mesh, tangents->down, i);
         double net[3];
-        springs_pull_of(own, i, ways, NULL, net);
+        springs_pull_of(own, i, tangents, NULL, net);
         for (size_t k = 0; k < 3; ++k) {
-            const double v = ways->y[(k + 3) * n + place];
+            const double v = tangents->y[(k + 3) * n + place];
             net[k] -= body->drag * v;
-            if (ways->base != NULL) {
-                ways->base[k * n + place] = v;
-                ways->base[(k + 3) * n + place]
+            if (tangents->base != NULL) {
+                tangents->base[k * n + place] = v;
+                tangents->base[(k + 3) * n + place]
                     = body->gravity[k] + mesh->inverse_mass[i] * net[k];
             }
         }
-        bad += ways->base != NULL ? springs_trouble(ways->base + place, n) : 0.0;
-        for (size_t j = 0; j < ways->count; ++j) {
-            bad += springs_product_of(own, body, ways, &ways->way[j], i, place, net);
+        bad += tangents->base != NULL ? springs_trouble(tangents->base + place, n)
+                                      : 0.0;
+        for (size_t j = 0; j < tangents->count; ++j) {
+            bad += springs_product_of(own, body, tangents, &tangents->tangent[j], i,
+                                      place, net);
         }
     }
     return bad == 0.0 ? 0 : 1;
@@ -169,9 +175,9 @@ static int springs_start(const void *own, const weft__body *body, const weft__st
 {
     const weft__springs *of = own;
     if (at->along != NULL) {
-        weft__ways one = springs_state_of(of, at->y);
+        weft__tangents one = springs_state_of(of, at->y);
         one.count = 1;
-        one.way[0] = (weft__way){ at->along, to, NULL };
+        one.tangent[0] = (weft__tangent){ at->along, to, NULL };
         return of->products(of, body, &one, first, end);
     }
     return (unit == WEFT__FORCE ? weft__rows_loops : of->fast)(own, body, at, unit, to,
@@ -200,7 +206,7 @@ static void springs_power(const void *own, const weft__state *at, size_t b,
     for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
         if (weft__pin_moves(mesh, i)) {
             double force[3], rate[6];
-            const weft__ways in = springs_state_of(of, at->y);
+            const weft__tangents in = springs_state_of(of, at->y);
             springs_pull_of(of, i, &in, NULL, force);
             weft__pin_rate(mesh, i, at->t, weft__piece(at), rate);
             sum->power[WEFT_POWER_PINS] += -weft__dot(force, rate);
@@ -249,4 +255,4 @@ const weft__force weft__springs_force
         .bounds.ratios = weft__springs_ratios,
         .bounds.particle = weft__springs_bound,
         .couplings.runs = weft__springs_runs,
-        .couplings.bonds = weft__springs_bonds };
+        .couplings.springs = weft__springs_couplings };

@@ -22,7 +22,7 @@
  * c from first_col to below end_col. */
 typedef struct weft__group {
     weft_family family;
-    unsigned way; /* which of the directions of springs.c */
+    unsigned orientation; /* which of the directions of springs.c */
     size_t end_row, first_col, end_col;
     ptrdiff_t stride;   /* index of the far end minus that of the near one */
     double rest_length; /* [m] */
@@ -36,47 +36,48 @@ typedef struct weft__group {
 typedef struct weft__springs weft__springs;
 
 /* The derivative by a number, per unit of it, of springs, weight and masses: of what
- * those of all groups are, by the way of each. */
-typedef struct weft__slope_law {
+ * those of all groups are, by the orientation of each. */
+typedef struct weft__law_derivative {
     double stiffness, damping, rest_length;
-} weft__slope_law;
-typedef struct weft__spring_slope {
-    weft__slope_law laws[WEFT_GROUPS];
-    unsigned ways; /* of laws that are not 0: 1 << way */
-    bool damped;   /* one of them has damping */
+} weft__law_derivative;
+typedef struct weft__spring_derivative {
+    weft__law_derivative laws[WEFT_GROUPS];
+    unsigned orientations; /* of laws that are not 0: 1 << orientation */
+    bool damped;           /* one of them has damping */
     double gravity[3], drag;
     const double *inverse_mass; /* [1/kg] N and WEFT_PAST more; NULL: 0 */
-} weft__spring_slope;
+} weft__spring_derivative;
 
 /* Directions of the state whose products are found in one sweep, which finds what all
  * share once. In y, base, along and out planes are `stride` apart, rows `down`. */
-enum { WEFT__WAYS = 8 };
-typedef struct weft__way {
+enum { WEFT__TANGENTS = 8 };
+typedef struct weft__tangent {
     const double *along;
-    double *out;                  /* x' and v' */
-    const weft__spring_slope *by; /* adds that derivative; NULL: none */
-} weft__way;
-typedef struct weft__ways {
+    double *out;                       /* x' and v' */
+    const weft__spring_derivative *by; /* adds that derivative; NULL: none */
+} weft__tangent;
+typedef struct weft__tangents {
     const double *y;
     double *base; /* of the state itself, as weft__start_fn; NULL: not wanted */
     size_t stride, down, count;
-    weft__way way[WEFT__WAYS];
-} weft__ways;
+    weft__tangent tangent[WEFT__TANGENTS];
+} weft__tangents;
 typedef int weft__products_fn(const weft__springs *own, const weft__body *body,
-                              const weft__ways *ways, size_t first, size_t end);
+                              const weft__tangents *tangents, size_t first, size_t end);
 
-/* The derivatives of a sum by the numbers of springs, by their way, and of a body. */
-typedef struct weft__by_numbers {
+/* The derivatives of a sum by the numbers of springs, by their orientation, and of a
+ * body. */
+typedef struct weft__parameter_gradient {
     double stiffness[WEFT_GROUPS], damping[WEFT_GROUPS], rest_length[WEFT_GROUPS];
     double gravity[3], drag;
-} weft__by_numbers;
+} weft__parameter_gradient;
 
 /* J^T w of springs, weight and air, all particles having x' = v, and the derivatives of
  * w.f by their numbers: at->along is l = w by the masses, 3 N and as much behind it. To
  * net[3 N] goes the force of springs and air, unless it is NULL. Returns as start. */
 typedef int weft__turned_fn(const weft__springs *own, const weft__body *body,
                             const weft__state *at, const double *w, double *out,
-                            double *net, weft__by_numbers *by);
+                            double *net, weft__parameter_gradient *by);
 
 struct weft__springs {
     const weft__mesh *mesh;
@@ -98,8 +99,8 @@ static inline size_t weft__last_columns(size_t cols)
     return cols < 2 ? 0 : (cols - 2) / WEFT__EVERY * WEFT__EVERY;
 }
 
-/* The totals of both; those of springs pull the other way. */
-void weft__totals_add(const weft__totals totals[2], weft__by_numbers *by);
+/* The totals of both; those of springs pull the opposite way. */
+void weft__totals_add(const weft__totals totals[2], weft__parameter_gradient *by);
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;
@@ -108,8 +109,9 @@ WEFT_FORMS(weft__start_fn, rows);
 WEFT_FORMS(weft__products_fn, products);
 WEFT_FORMS(weft__turned_fn, transposed);
 
-/* A group in one of WEFT_GROUPS ways, but for its law; false: the grid is too small. */
-bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group);
+/* A group in one of WEFT_GROUPS orientations, but for its law; false: the grid is too
+ * small. */
+bool weft__group_init(const weft__mesh *mesh, size_t orientation, weft__group *group);
 
 /* From a definition. */
 void weft__groups_init(weft__springs *own, const weft_cloth_def *def);
@@ -133,8 +135,8 @@ void weft__springs_ratios(const void *own, struct weft__sides *to);
 void weft__springs_bound(const void *own, const weft__state *at, size_t i,
                          const struct weft__sides *sides, double (*sums)[6]);
 size_t weft__springs_runs(const void *own, size_t b, weft_spring_run *to);
-double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
-                            double *to, size_t all, double *bad);
+double *weft__springs_couplings(const void *own, const weft__state *at, size_t b,
+                                double *to, size_t all, double *bad);
 
 /* [W] of the dampers of the springs that begin in row r, of which those along a rim may
  * count half. */
@@ -233,7 +235,7 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
  */
 static inline void weft__spring_change(const weft__spring *spring, const double w[3],
                                        const double dd[3], const double dw[3],
-                                       const weft__slope_law *by, double change[3])
+                                       const weft__law_derivative *by, double change[3])
 {
     const double k = weft__spring_stiffness(spring), c = weft__spring_damping(spring);
     const double rate = weft__dot(w, spring->d), length = sqrt(spring->square);
@@ -255,8 +257,8 @@ static inline void weft__spring_change(const weft__spring *spring, const double 
     }
 }
 
-/* The pulls on a particle, of springs that begin and that end there, by their way. The
- * order, that of springs_fast.c, is part of the result. */
+/* The pulls on a particle, of springs that begin and that end there, by their
+ * orientation. The order, that of springs_fast.c, is part of the result. */
 static inline double weft__springs_sum(const double from[WEFT_GROUPS],
                                        const double to[WEFT_GROUPS])
 {

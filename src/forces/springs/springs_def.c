@@ -33,13 +33,13 @@ static const direction directions[WEFT_GROUPS] = {
     { WEFT_SHEAR, 1, -1 },  { WEFT_BEND, 0, 2 },    { WEFT_BEND, 2, 0 },
 };
 
-bool weft__group_init(const weft__mesh *mesh, size_t way, weft__group *group)
+bool weft__group_init(const weft__mesh *mesh, size_t orientation, weft__group *group)
 {
-    const direction *of = &directions[way];
+    const direction *of = &directions[orientation];
     const size_t reach = of->right < 0 ? 1 : (size_t)of->right;
     *group = (weft__group){
         .family = of->family,
-        .way = (unsigned)way,
+        .orientation = (unsigned)orientation,
         .end_row = mesh->rows - of->down,
         .first_col = of->right < 0 ? reach : 0,
         .end_col = of->right < 0 ? mesh->cols : mesh->cols - reach,
@@ -52,13 +52,13 @@ static void set_law(const weft__springs *own, const weft_cloth_def *def,
                     weft__group *group)
 {
     const weft_family family = group->family;
-    const direction *way = &directions[group->way];
+    const direction *direct = &directions[group->orientation];
     const bool chain = own->mesh->rows == 1 || own->mesh->cols == 1;
-    const weft_spring_def *spring = way->down == 0 && def->across[family].present
+    const weft_spring_def *spring = direct->down == 0 && def->across[family].present
                                         ? &def->across[family]
                                         : &def->springs[family];
-    const double across = own->mesh->spacing[1] * (double)way->right;
-    const double along = own->mesh->spacing[0] * (double)way->down;
+    const double across = own->mesh->spacing[1] * (double)direct->right;
+    const double along = own->mesh->spacing[0] * (double)direct->down;
     group->rest_length = sqrt(across * across + along * along);
     group->stiffness = def->law == WEFT_LAW_STRAIN
                            ? spring->stiffness / group->rest_length
@@ -70,10 +70,11 @@ static void set_law(const weft__springs *own, const weft_cloth_def *def,
 void weft__groups_init(weft__springs *own, const weft_cloth_def *def)
 {
     own->group_count = 0;
-    for (size_t way = 0; def->mesh == NULL && way < WEFT_GROUPS; ++way) {
+    for (size_t orientation = 0; def->mesh == NULL && orientation < WEFT_GROUPS;
+         ++orientation) {
         weft__group *next = &own->groups[own->group_count];
-        if (def->springs[directions[way].family].present
-            && weft__group_init(own->mesh, way, next)) {
+        if (def->springs[directions[orientation].family].present
+            && weft__group_init(own->mesh, orientation, next)) {
             set_law(own, def, next);
             ++own->group_count;
         }
@@ -159,7 +160,7 @@ uint64_t weft__springs_hash(const void *own, uint64_t hash)
     for (size_t g = 0; g < of->group_count; ++g) {
         const weft__group *group = &of->groups[g];
         hash = weft__hash_word(hash, group->family);
-        hash = weft__hash_word(hash, group->way);
+        hash = weft__hash_word(hash, group->orientation);
         hash = WEFT__HASH_NUMBERS(hash, group->rest_length, group->stiffness,
                                   group->damping);
         hash = group->half_rim ? weft__hash_word(hash, 1) : hash;

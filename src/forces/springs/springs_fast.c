@@ -2,11 +2,11 @@
 /* springs_fast.c -- springs, gravity and drag in one sweep over the rows. */
 #include "forces/force.h"
 
-enum { TILE = WEFT__TRAIL_TILE, STREAMS = 1 };
+enum { TILE = WEFT__CARRY_TILE, STREAMS = 1 };
 #include "forces/springs/springs_sweep.h"
 
-_Static_assert(sizeof(landing) <= 6 * (TILE + 3 * WEFT__TRAIL_LANES) * 8,
-               "a trail has room for it");
+_Static_assert(sizeof(landing) <= 6 * (TILE + 3 * WEFT__CARRY_LANES) * 8,
+               "carry_rows have room for it");
 
 /* find_springs and land_springs in one: each pull is added as soon as it is known, so
  * that registers hold less. */
@@ -113,5 +113,6 @@ int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state
                    : 1;
     }
     self.aside = stores_delay_loads(&self) ? aside : NULL;
-    return sweep_tiles(&self, all, first, end, at->trail, at->goes_on, springs_row);
+    return sweep_tiles(&self, all, first, end, at->carry_rows, at->continues,
+                       springs_row);
 }

@@ -73,7 +73,7 @@ void weft__springs_bound(const void *own, const weft__state *at, size_t i,
         add_spring(own, &springs[s], &all);
     }
     for (size_t s = 0; s < sides->count; ++s) {
-        bound_side(own, &all, sides->way[s][0], sides->way[s][1], sums[s]);
+        bound_side(own, &all, sides->direction[s][0], sides->direction[s][1], sums[s]);
     }
 }
 
@@ -100,24 +100,24 @@ size_t weft__springs_runs(const void *own, size_t b, weft_spring_run *to)
     return count;
 }
 
-/* Writes u, k - q, q = T / L and c, `bonds` apart. Returns q. */
+/* Writes u, k - q, q = T / L and c, `spring_couplings` apart. Returns q. */
 static double spring_planes(const weft__mesh *mesh, const weft__spring *at,
-                            const double *v, double *planes, size_t bonds)
+                            const double *v, double *planes, size_t spring_couplings)
 {
     const double k = weft__spring_stiffness(at), length = sqrt(at->square);
     const double q = weft__spring_tension(at, weft__spring_rate(mesh, at, v));
     const double inverse = length > 0.0 ? 1.0 / length : 0.0;
     for (size_t j = 0; j < 3; ++j) {
-        planes[j * bonds] = at->d[j] * inverse;
+        planes[j * spring_couplings] = at->d[j] * inverse;
     }
-    planes[3 * bonds] = length > 0.0 ? k - q : 0.0;
-    planes[4 * bonds] = q;
-    planes[5 * bonds] = length > 0.0 ? weft__spring_damping(at) : 0.0;
+    planes[3 * spring_couplings] = length > 0.0 ? k - q : 0.0;
+    planes[4 * spring_couplings] = q;
+    planes[5 * spring_couplings] = length > 0.0 ? weft__spring_damping(at) : 0.0;
     return q;
 }
 
-double *weft__springs_bonds(const void *own, const weft__state *at, size_t b,
-                            double *to, size_t all, double *bad)
+double *weft__springs_couplings(const void *own, const weft__state *at, size_t b,
+                                double *to, size_t all, double *bad)
 {
     const weft__springs *of = own;
     for (weft__walk walk = weft__row_springs(of, at->y, b); weft__each_spring(&walk);

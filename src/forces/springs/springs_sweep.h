@@ -19,7 +19,7 @@
  * A rim may carry half: then rows and columns on it have laws of their own.
  *
  * The sum of a particle is the same expression whatever the width, the tile of columns
- * or the band of rows. Springs pass three stages, each group one stage behind the
+ * or the span of rows. Springs pass three stages, each group one stage behind the
  * one before, because root and division are slow: meanwhile the next spring begins.
  *
  * A file that includes this defines before:
@@ -429,7 +429,7 @@ static void tile(sweep *self, size_t first, size_t end, unsigned all, size_t fir
 /* The laws of a group in lanes from column c on: half along the rim. */
 static law halved(law of, bool row_rim, const weft__group *group, size_t c, size_t cols)
 {
-    const bool in_row = group->way == RIGHT || group->way == RIGHT2;
+    const bool in_row = group->orientation == RIGHT || group->orientation == RIGHT2;
     for (size_t l = 0; l < LANES && group->half_rim; ++l) {
         if (in_row ? row_rim : c + l == 0 || c + l + 1 == cols) {
             of.stiffness[l] *= 0.5;
@@ -448,8 +448,8 @@ static void start_half(sweep *self, const weft__springs *own)
     for (size_t i = 0; i < 2 * PLACES * own->group_count; ++i) {
         const size_t at = i / 2 % PLACES;
         const weft__group *group = &own->groups[i / (2 * PLACES)];
-        self->half[i % 2][at][group->way]
-            = halved(self->laws[group->way], i % 2 == 1, group, from[at],
+        self->half[i % 2][at][group->orientation]
+            = halved(self->laws[group->orientation], i % 2 == 1, group, from[at],
                      at == INNER ? SIZE_MAX : own->mesh->cols);
         self->by[i % 2][at] = self->half[i % 2][at];
     }
@@ -481,11 +481,12 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     bool half = false;
     for (size_t i = 0; i < own->group_count; ++i) {
         const weft__group *group = &own->groups[i];
-        self->laws[group->way] = (law){ .stiffness = splat(group->stiffness),
-                                        .rest_length = splat(group->rest_length),
-                                        .damping = splat(group->damping),
-                                        .share = splat(1.0) };
-        all |= BIT(group->way) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
+        self->laws[group->orientation]
+            = (law){ .stiffness = splat(group->stiffness),
+                     .rest_length = splat(group->rest_length),
+                     .damping = splat(group->damping),
+                     .share = splat(1.0) };
+        all |= BIT(group->orientation) | (group->damping != 0.0 ? BIT(DAMPED) : 0u);
         half = half || group->half_rim;
     }
     for (size_t i = 0; i < 2 * PLACES; ++i) {
@@ -497,17 +498,17 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     return all;
 }
 
-/* Rows [first, end) with the springs of the set `all`; trail and goes_on as in
+/* Rows [first, end) with the springs of the set `all`; carry_rows and continues as in
  * weft__state. */
 static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end,
-                       double *trail, bool goes_on, row_fn *sweep_row)
+                       double *carry_rows, bool continues, row_fn *sweep_row)
 {
     for (size_t c = 0; c == 0 || c < self->inner; c += TILE) {
         const size_t stop = self->inner - c < TILE ? self->inner : c + TILE;
-        tile(self, c, stop, all, first, end, goes_on ? trail : NULL, sweep_row);
-        if (trail != NULL) {
-            memcpy(trail, self->of, sizeof(landing));
-            trail += sizeof(landing) / sizeof *trail;
+        tile(self, c, stop, all, first, end, continues ? carry_rows : NULL, sweep_row);
+        if (carry_rows != NULL) {
+            memcpy(carry_rows, self->of, sizeof(landing));
+            carry_rows += sizeof(landing) / sizeof *carry_rows;
         }
     }
     return sum(self->bad) == 0.0 ? 0 : 1;

@@ -44,15 +44,15 @@ static void turn_particle(const weft__springs *own, const weft__state *at, size_
     weft__spring springs[WEFT__SPRINGS_MAX];
     const size_t count = weft__particle_springs(own, i, at->y, springs);
     for (const weft__spring *of = springs; of < springs + count; ++of) {
-        const size_t way = of->group->way;
+        const size_t orientation = of->group->orientation;
         double by[PARTS][3], sums[3];
         transposed_turn_back(own, of, at, by, sums);
         for (size_t k = 0; k < 3 * PARTS; ++k) {
-            (of->p == i ? from : to)[k / 3][k % 3][way] = by[k / 3][k % 3];
+            (of->p == i ? from : to)[k / 3][k % 3][orientation] = by[k / 3][k % 3];
         }
         const bool left = (of->group->first_col > 0 ? of->q : of->p) == i;
         for (size_t k = 0; left && k < 3; ++k) {
-            transposed_add(totals, k * WEFT_GROUPS + way, column, sums[k]);
+            transposed_add(totals, k * WEFT_GROUPS + orientation, column, sums[k]);
         }
     }
     for (size_t k = 0; k < 3 * PARTS; ++k) {
@@ -73,7 +73,7 @@ static void add_body(const weft__mesh *mesh, const weft__state *at, const double
                    v[0] * l[0] + v[n] * l[n] + v[2 * n] * l[2 * n]);
 }
 
-void weft__totals_add(const weft__totals totals[2], weft__by_numbers *by)
+void weft__totals_add(const weft__totals totals[2], weft__parameter_gradient *by)
 {
     double sums[WEFT__TOTALS] = { 0.0 };
     for (size_t k = 0; k < 2 * WEFT__TOTALS * WEFT__EVERY; ++k) {
@@ -113,7 +113,7 @@ static double write_particle(const weft__springs *own, const weft__body *body,
 
 int weft__transposed_loops(const weft__springs *own, const weft__body *body,
                            const weft__state *at, const double *w, double *out,
-                           double *net, weft__by_numbers *by)
+                           double *net, weft__parameter_gradient *by)
 {
     const weft__mesh *mesh = own->mesh;
     const size_t n = mesh->particles, cols = weft__width_of(mesh);

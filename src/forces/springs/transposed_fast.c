@@ -122,7 +122,7 @@ static void transposed_row(sweep *self, size_t r, size_t first, size_t end,
 
 int NAME(transposed, LEVEL)(const weft__springs *own, const weft__body *body,
                             const weft__state *at, const double *w, double *out,
-                            double *net, weft__by_numbers *by)
+                            double *net, weft__parameter_gradient *by)
 {
     const weft__mesh *mesh = own->mesh;
     weft__totals totals[3] = { { { 0.0 } } };

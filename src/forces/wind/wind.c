@@ -261,8 +261,8 @@ static inline point sail_force(const weft__wind *of, const double *y,
 }
 
 /* The change of that along at->along: n turns by (dN - N (N.dN) / |N|^2) / |N|. */
-static point sail_slope(const weft__wind *of, const weft__state *at,
-                        const uint32_t corner[3])
+static point sail_change(const weft__wind *of, const weft__state *at,
+                         const uint32_t corner[3])
 {
     static const double none[3];
     const size_t n = of->mesh->stride;
@@ -287,7 +287,7 @@ static point sails_force(const weft__wind *of, const weft__state *at, size_t i,
     for (size_t j = tri->around_first[i]; j < tri->around_first[i + 1]; ++j) {
         const uint32_t *corner = tri->corner[tri->around[j]];
         sum = wind_plus(sum, at->along == NULL ? sail_force(of, at->y, corner)
-                                               : sail_slope(of, at, corner));
+                                               : sail_change(of, at, corner));
     }
     return wind_scaled(of->air.drag / 18.0 * share, sum);
 }
@@ -415,7 +415,7 @@ static point grid_force(const weft__wind *of, const weft__state *at, size_t i,
 /* With the change dN = da x b + a x db of N, that of F = drag area (N.flow) N / (N.N)
  * is drag area ((dN.flow - N.dv - 2 (N.flow) (N.dN) / (N.N)) N + (N.flow) dN) / (N.N).
  */
-static point grid_slope(const weft__wind *of, const weft__state *at, size_t i)
+static point grid_change(const weft__wind *of, const weft__state *at, size_t i)
 {
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->stride;
@@ -437,7 +437,7 @@ static point wind_force(const weft__wind *of, const weft__state *at, size_t i,
                         double share)
 {
     return of->mesh->triangles != NULL ? sails_force(of, at, i, share)
-           : at->along != NULL         ? grid_slope(of, at, i)
+           : at->along != NULL         ? grid_change(of, at, i)
                                        : grid_force(of, at, i, share);
 }
 
@@ -570,7 +570,7 @@ static void wind_bound(const void *own, const weft__state *at, size_t i,
         = mesh->triangles != NULL ? sails_area(mesh, at->y, i) : weft__area(mesh, i);
     const double most = of->air.drag * area * mesh->inverse_mass[i];
     for (size_t s = 0; s < sides->count; ++s) {
-        weft__bound_add(sums[s], fmax(0.0, sides->way[s][1]) * most);
+        weft__bound_add(sums[s], fmax(0.0, sides->direction[s][1]) * most);
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* plate_slope.c -- weighted fits of quadratics about the middle of each edge. Only
+/* plate_edge_slope.c -- weighted fits of quadratics about the middle of each edge. Only
  * + - * / and square roots: the same bits everywhere. */
 #include "forces/bending/plate.h"
 
@@ -26,7 +26,7 @@ typedef struct search {
     const weft__triangles *mesh;
     const bool *held;
     const weft_allocator *memory;
-    weft__slopes *out;
+    weft__edge_slopes *out;
     uint32_t *lists; /* all of those below */
     size_t *first;   /* of each place, its neighbours along edges of live triangles */
     uint32_t *near;
@@ -66,7 +66,7 @@ bool *weft__held_triangles(const weft__triangles *of, const uint32_t *pin,
 
 /* ---- neighbours ------------------------------------------------------------------ */
 
-static bool plate_slope_reserve(search *s)
+static bool edge_slope_reserve(search *s)
 {
     const size_t places = s->mesh->places;
     uint32_t *lists = s->lists
@@ -88,7 +88,7 @@ static bool plate_slope_reserve(search *s)
 }
 
 /* first[p + 1] moves from the start of the neighbours of p to their end. */
-static void plate_slope_join(search *s)
+static void edge_slope_join(search *s)
 {
     const weft__triangles *mesh = s->mesh;
     for (size_t e = 0; e < mesh->edges; ++e) {
@@ -109,8 +109,8 @@ static void plate_slope_join(search *s)
 
 /* ---- the patch ------------------------------------------------------------------- */
 
-static void plate_slope_take(search *s, uint32_t place, size_t e, uint32_t *to,
-                             size_t *count)
+static void edge_slope_take(search *s, uint32_t place, size_t e, uint32_t *to,
+                            size_t *count)
 {
     if (s->seen[place] != e + 1) {
         s->seen[place] = (uint32_t)(e + 1);
@@ -125,7 +125,7 @@ static void offset(const search *s, uint32_t place, double y[2])
 }
 
 /* S^(-1/2), by S^(1/2) = (S + sqrt(det) I) / sqrt(tr + 2 sqrt(det)). */
-static void plate_slope_measure(search *s)
+static void edge_slope_measure(search *s)
 {
     double sum[3] = { 0.0, 0.0, 0.0 }, y[2];
     for (size_t k = 0; k < s->count; ++k) {
@@ -160,9 +160,9 @@ static void patch(search *s, size_t e)
     s->gathered = false;
     for (size_t k = 0; k < 2; ++k) {
         const uint32_t p = edge->place[k];
-        plate_slope_take(s, p, e, s->points, &s->count);
+        edge_slope_take(s, p, e, s->points, &s->count);
         for (size_t j = s->first[p]; j < s->first[p + 1]; ++j) {
-            plate_slope_take(s, s->near[j], e, s->points, &s->count);
+            edge_slope_take(s, s->near[j], e, s->points, &s->count);
         }
     }
     qsort(s->points, s->count, sizeof *s->points, weft__ascending);
@@ -173,11 +173,11 @@ static void patch(search *s, size_t e)
     s->middle[1] = (a[1] + b[1]) / 2.0;
     s->normal[0] = t[1] / length;
     s->normal[1] = -t[0] / length;
-    plate_slope_measure(s);
+    edge_slope_measure(s);
 }
 
 /* The rings 2 and 3, and 4 and 5 if these are few. */
-static void plate_slope_gather(search *s, size_t e)
+static void edge_slope_gather(search *s, size_t e)
 {
     size_t begin = 0;
     s->gathered = true;
@@ -186,7 +186,7 @@ static void plate_slope_gather(search *s, size_t e)
         const size_t end = s->waiting, count = ring == 2 ? s->count : end - begin;
         for (size_t k = 0; k < count; ++k) {
             for (size_t j = s->first[from[k]]; j < s->first[from[k] + 1]; ++j) {
-                plate_slope_take(s, s->near[j], e, s->pool, &s->waiting);
+                edge_slope_take(s, s->near[j], e, s->pool, &s->waiting);
             }
         }
         begin = end;
@@ -200,11 +200,11 @@ static void plate_slope_gather(search *s, size_t e)
 }
 
 /* Adds the nearest of the pool, and those as near; false: it is empty. */
-static bool plate_slope_widen(search *s, size_t e)
+static bool edge_slope_widen(search *s, size_t e)
 {
     const size_t before = s->count;
     if (!s->gathered) {
-        plate_slope_gather(s, e);
+        edge_slope_gather(s, e);
     }
     double least = INFINITY;
     for (size_t k = 0; k < s->waiting; ++k) {
@@ -225,7 +225,7 @@ static bool plate_slope_widen(search *s, size_t e)
 
 /* ---- the fit --------------------------------------------------------------------- */
 
-static double plate_slope_product(const double *a, const double *b, size_t count)
+static double edge_slope_product(const double *a, const double *b, size_t count)
 {
     double sum = 0.0;
     for (size_t k = 0; k < count; ++k) {
@@ -235,7 +235,7 @@ static double plate_slope_product(const double *a, const double *b, size_t count
 }
 
 /* W^(1/2), then the columns of W^(1/2) P. */
-static void plate_slope_fill(search *s)
+static void edge_slope_fill(search *s)
 {
     const size_t n = s->count;
     for (size_t k = 0; k < n; ++k) {
@@ -274,7 +274,7 @@ static void factor(search *s, factors *to)
         double longest = -1.0;
         for (size_t j = i; j < TERMS; ++j) {
             const double *column = q + to->order[j] * n;
-            const double square = plate_slope_product(column, column, n);
+            const double square = edge_slope_product(column, column, n);
             at = square > longest ? j : at;
             longest = fmax(longest, square);
         }
@@ -293,7 +293,7 @@ static void factor(search *s, factors *to)
         for (size_t j = i + 1; j < TERMS; ++j) {
             double *column = q + to->order[j] * n;
             const double share = to->r[i][to->order[j]]
-                = plate_slope_product(unit, column, n);
+                = edge_slope_product(unit, column, n);
             for (size_t k = 0; k < n; ++k) {
                 column[k] -= share * unit[k];
             }
@@ -307,10 +307,10 @@ static void factor(search *s, factors *to)
 static double fit(search *s, const double d[TERMS])
 {
     const size_t n = s->count;
-    const double size = sqrt(plate_slope_product(d, d, TERMS));
+    const double size = sqrt(edge_slope_product(d, d, TERMS));
     double y[TERMS] = { 0.0 };
     factors f;
-    plate_slope_fill(s);
+    edge_slope_fill(s);
     factor(s, &f);
     double missed = 0.0;
     for (size_t i = 0; i < TERMS; ++i) {
@@ -334,10 +334,10 @@ static double fit(search *s, const double d[TERMS])
         }
         s->fit[k] = s->work[k] * sum;
     }
-    return sqrt(plate_slope_product(s->fit, s->fit, n)) / size;
+    return sqrt(edge_slope_product(s->fit, s->fit, n)) / size;
 }
 
-static void plate_slope_keep_better(search *s)
+static void edge_slope_keep_better(search *s)
 {
     double d[TERMS] = { 0.0 };
     whiten(s, s->normal, d + 1);
@@ -390,10 +390,10 @@ static faces faces_of(const search *s, const weft__edge *edge, bool held)
     return mean;
 }
 
-static bool plate_slope_store(search *s, const uint32_t *places, const double *shares,
-                              size_t count)
+static bool edge_slope_store(search *s, const uint32_t *places, const double *shares,
+                             size_t count)
 {
-    weft__slopes *out = s->out;
+    weft__edge_slopes *out = s->out;
     if (!weft__reserve(s->memory, &out->particle, &out->room, out->count + count,
                        sizeof *out->particle)
         || !weft__reserve(s->memory, &out->share, &out->share_room, out->count + count,
@@ -415,21 +415,21 @@ static void find_fit(search *s, size_t e)
     s->gain = INFINITY;
     s->fitted = 0;
     while (wider) {
-        while (s->count < ENOUGH && plate_slope_widen(s, e)) {
+        while (s->count < ENOUGH && edge_slope_widen(s, e)) {
         }
-        plate_slope_keep_better(s);
+        edge_slope_keep_better(s);
         wider = s->gain > 1.0 && s->count < MOST
-                && (s->fitted == 0 || ++tries <= WIDENINGS) && plate_slope_widen(s, e);
+                && (s->fitted == 0 || ++tries <= WIDENINGS) && edge_slope_widen(s, e);
     }
 }
 
-static bool plate_slope_slope(search *s, size_t e)
+static bool edge_slope_fit(search *s, size_t e)
 {
     const weft__edge *edge = &s->mesh->edge_list[e];
     patch(s, e);
     faces mean = faces_of(s, edge, true);
     if (mean.count > 0) {
-        return plate_slope_store(s, mean.place, mean.share, mean.count);
+        return edge_slope_store(s, mean.place, mean.share, mean.count);
     }
     find_fit(s, e);
     if (s->gain > BAD) {
@@ -437,12 +437,12 @@ static bool plate_slope_slope(search *s, size_t e)
         mean = faces_of(s, edge, false);
         whiten(s, s->normal, hat);
         const double size = sqrt(hat[0] * hat[0] + hat[1] * hat[1]);
-        if (sqrt(plate_slope_product(mean.share, mean.share, mean.count))
+        if (sqrt(edge_slope_product(mean.share, mean.share, mean.count))
             < s->gain * size) {
-            return plate_slope_store(s, mean.place, mean.share, mean.count);
+            return edge_slope_store(s, mean.place, mean.share, mean.count);
         }
     }
-    return plate_slope_store(s, s->points, s->best, s->fitted);
+    return edge_slope_store(s, s->points, s->best, s->fitted);
 }
 
 /* L^2 / sqrt(12) times the second derivative along an edge, by the points of the best
@@ -469,7 +469,7 @@ static bool curve(search *s, size_t e)
     for (size_t k = 0; k < s->count; ++k) {
         s->fit[k] *= (t[0] * t[0] + t[1] * t[1]) / sqrt(12.0);
     }
-    return plate_slope_store(s, s->points, s->fit, s->count);
+    return edge_slope_store(s, s->points, s->fit, s->count);
 }
 
 /* Whether a live triangle needs the slope of edge e. */
@@ -482,15 +482,16 @@ static bool needed(const search *s, const weft__edge *edge)
            && (edge_live(s, edge) || edge_live(s, &s->mesh->edge_list[edge->sewn]));
 }
 
-bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const bool *held,
-                         bool curved, weft__stop *stop, const weft_allocator *memory)
+bool weft__edge_slopes_create(weft__edge_slopes *out, const weft__triangles *of,
+                              const bool *held, bool curved, weft__stop *stop,
+                              const weft_allocator *memory)
 {
     search s = { .mesh = of, .held = held, .memory = memory, .out = out };
-    *out = (weft__slopes){ .first
-                           = weft__zeroed(memory, of->edges + 1, sizeof *out->first) };
-    bool made = out->first != NULL && plate_slope_reserve(&s);
+    *out = (weft__edge_slopes){ .first = weft__zeroed(memory, of->edges + 1,
+                                                      sizeof *out->first) };
+    bool made = out->first != NULL && edge_slope_reserve(&s);
     if (made) {
-        plate_slope_join(&s);
+        edge_slope_join(&s);
     }
     for (size_t e = 0; made && e < of->edges; ++e) {
         if (weft__stops(stop)) {
@@ -498,7 +499,7 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
         } else if (curved) {
             made = curve(&s, e);
         } else if (needed(&s, &of->edge_list[e])) {
-            made = plate_slope_slope(&s, e);
+            made = edge_slope_fit(&s, e);
         }
         out->first[e + 1] = out->count;
     }
@@ -506,7 +507,7 @@ bool weft__slopes_create(weft__slopes *out, const weft__triangles *of, const boo
     return made;
 }
 
-void weft__slopes_free(weft__slopes *of, const weft_allocator *memory)
+void weft__edge_slopes_free(weft__edge_slopes *of, const weft_allocator *memory)
 {
     WEFT__FREE_ALL(memory, of->first, of->particle, of->share);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* mail.h -- what bands tell each other in an evaluation: v' of particles of triangles;
- * and, with contact of the cloth with itself, all their states. */
+/* exchange.h -- what bands tell each other in an evaluation: v' of particles of
+ * triangles; and, with contact of the cloth with itself, all their states. */
 #pragma once
 
 #include "cloth/model.h"
@@ -16,7 +16,7 @@ typedef struct weft__joint {
     weft_parcel *parcels;    /* one for each other band */
 } weft__joint;
 
-typedef struct weft__mail {
+typedef struct weft__exchange {
     weft_parcel *parcels; /* by rank; NULL: a grid, or a whole cloth */
     size_t count, before; /* parcels; those of bands before this one */
     uint32_t *sent; /* own particles that are ghosts elsewhere, parcel by parcel */
@@ -24,7 +24,7 @@ typedef struct weft__mail {
     size_t missing; /* particles for which the first ghost stands */
     bool *edge;     /* own blocks with particles that are sent */
     weft__joint joint;
-} weft__mail;
+} weft__exchange;
 
 /* ---- joint.c: all of these also do without a joint, as the cloth is then whole, or
  * has no such contact

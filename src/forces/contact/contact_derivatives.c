@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_slopes.c -- the derivatives of contact, by mass, along (dx, dv):
+/* contact_derivatives.c -- the derivatives of contact, per unit mass, along (dx, dv):
  * docs/theory/sensitivities.md, "The derivatives of the forces". friction = most hold
  * w, most = mu |g| N, d hold = -fade (w.dw + d(q^2) / 2). */
 #include "forces/contact/contact_law.h"
 
-typedef struct law_slopes {
-    double press, damp; /* [1/s^2] S, [1/s] D */
-    double most;        /* [m/s^2] */
-    double hold, fade;  /* [s/m], [s^3/m^3] */
-    double gap, speed;  /* the derivatives of q^2 / 2 by both */
-} law_slopes;
+typedef struct law_partials {
+    double normal_stiffness, normal_damping; /* [1/s^2] S, [1/s] D */
+    double most;                             /* [m/s^2] */
+    double hold, fade;                       /* [s/m], [s^3/m^3] */
+    double gap, speed;                       /* the derivatives of q^2 / 2 by both */
+} law_partials;
 
 /* q^2 = mu^2 e f^2 s^p b^2 / (100 a z) and b = p z + s, a = p (p - 1) z^2 + 2 p s z + 2
  * s^2; along s = 1 - z. */
-static void smooth_slopes(const weft_contact_def *law, double friction,
-                          const weft__touch *touch, law_slopes *of)
+static void smooth_partials(const weft_contact_def *law, double friction,
+                            const weft__touch *touch, law_partials *of)
 {
     const double per = 1.0 / law->thickness, p = law->exponent;
     const double z = touch->gap * per, s = 1.0 - z, b = p * z + s;
@@ -33,8 +33,8 @@ static void smooth_slopes(const weft_contact_def *law, double friction,
     of->speed = -scale * s * b * law->damping / sqrt(1.0 + u * u);
 }
 
-static void coulomb_slopes(const weft_contact_def *law, const weft__touch *touch,
-                           law_slopes *of)
+static void coulomb_partials(const weft_contact_def *law, const weft__touch *touch,
+                             law_partials *of)
 {
     const double length = weft__length(touch->slip), slip = law->slip;
     const double inverse = length > 0.0 ? 1.0 / length : 0.0;
@@ -43,17 +43,17 @@ static void coulomb_slopes(const weft_contact_def *law, const weft__touch *touch
     of->fade = slides ? inverse * inverse * inverse : inverse / (slip * slip);
 }
 
-static law_slopes slopes_of(const weft_contact_def *law, double friction,
-                            const weft__touch *touch)
+static law_partials partials_of(const weft_contact_def *law, double friction,
+                                const weft__touch *touch)
 {
     const double u = law->damping * touch->speed, push = touch->push * touch->factor;
-    law_slopes of = { .press = touch->stiffness * touch->factor,
-                      .damp = law->damping * push / sqrt(1.0 + u * u),
-                      .most = friction * push * touch->steepness };
+    law_partials of = { .normal_stiffness = touch->stiffness * touch->factor,
+                        .normal_damping = law->damping * push / sqrt(1.0 + u * u),
+                        .most = friction * push * touch->steepness };
     if (friction != 0.0 && law->law == WEFT_FRICTION_SMOOTH) {
-        smooth_slopes(law, friction, touch, &of);
+        smooth_partials(law, friction, touch, &of);
     } else if (friction != 0.0) {
-        coulomb_slopes(law, touch, &of);
+        coulomb_partials(law, touch, &of);
     }
     return of;
 }
@@ -86,23 +86,22 @@ static turned turned_of(const weft__touches *at, const double dx[3], const doubl
 }
 
 /* [m/s^2] The change of a touch's F / m. */
-static void contact_slopes_change_of(const weft__touches *at, const law_slopes *of,
-                                     const double dx[3], const double dv[3],
-                                     double change[3])
+static void contact_change_of(const weft__touches *at, const law_partials *of,
+                              const double dx[3], const double dv[3], double change[3])
 {
     const weft__touch *touch = &at->touch;
     const turned by = turned_of(at, dx, dv);
     const double gap = weft__dot(touch->gradient, dx);
     const double push = touch->push * touch->factor;
-    const double pushed = -of->press * gap - of->damp * by.speed;
+    const double pushed = -of->normal_stiffness * gap - of->normal_damping * by.speed;
     const double most
         = at->pose.friction * (by.steepness * push + touch->steepness * pushed);
     const double slower
         = weft__dot(touch->slip, by.slip) + of->gap * gap + of->speed * by.speed;
-    const double drag = most * of->hold - of->most * of->fade * slower;
+    const double friction_rate = most * of->hold - of->most * of->fade * slower;
     for (size_t k = 0; k < 3; ++k) {
         const double friction
-            = drag * touch->slip[k] + of->most * of->hold * by.slip[k];
+            = friction_rate * touch->slip[k] + of->most * of->hold * by.slip[k];
         change[k] = pushed * touch->gradient[k] + push * by.gradient[k] - friction;
     }
 }
@@ -118,12 +117,12 @@ int weft__contact_change(const void *own, const weft__state *at, weft__unit unit
          = weft__touches_of(of, at->t, at->y, weft__block(of->mesh, first),
                             weft__block(of->mesh, end));
          weft__each_touch(&all);) {
-        const law_slopes by = slopes_of(&of->law, all.pose.friction, &all.touch);
+        const law_partials by = partials_of(&of->law, all.pose.friction, &all.touch);
         const double *d = at->along + all.i;
         const double dx[3] = { d[0], d[n], d[2 * n] };
         const double dv[3] = { d[3 * n], d[4 * n], d[5 * n] };
         double change[3];
-        contact_slopes_change_of(&all, &by, dx, dv, change);
+        contact_change_of(&all, &by, dx, dv, change);
         for (size_t k = 0; k < 3; ++k) {
             const double more = all.touch.gap > 0.0 ? change[k] : (double)NAN;
             to[k * n + all.i] += more;
@@ -138,12 +137,12 @@ static void matrices(const weft__touches *at, double stiffness[3][3],
                      double damping[3][3])
 {
     static const double none[3];
-    const law_slopes of = slopes_of(&at->own->law, at->pose.friction, &at->touch);
+    const law_partials of = partials_of(&at->own->law, at->pose.friction, &at->touch);
     for (size_t c = 0; c < 3; ++c) {
         const double unit[3] = { c == 0, c == 1, c == 2 };
         double by_x[3], by_v[3];
-        contact_slopes_change_of(at, &of, unit, none, by_x);
-        contact_slopes_change_of(at, &of, none, unit, by_v);
+        contact_change_of(at, &of, unit, none, by_x);
+        contact_change_of(at, &of, none, unit, by_v);
         for (size_t r = 0; r < 3; ++r) {
             stiffness[r][c] = -by_x[r];
             damping[r][c] = -by_v[r];
@@ -215,27 +214,28 @@ int weft__contact_blocks(const void *own, void *space, const weft__state *at,
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-/* The derivatives of a contact, by mass. */
-typedef struct grip_slopes {
-    double push;      /* [m/s^2] N */
-    double stiffness; /* [1/s^2] S = kn f |g|^2 along n */
-    double damping;   /* [1/s] D = damping N |g| / sqrt(1 + u^2) along n */
-    double drag;      /* [1/s] T of friction, across the slip: the larger one */
-    double speed;     /* [m/s] |w| + |n.(v - V)| */
-    double curvature; /* [1/m] no normal turns faster */
-    double spin;      /* [rad/s] */
+/* The derivatives of a contact, per unit mass. */
+typedef struct contact_partials {
+    double push;          /* [m/s^2] N */
+    double stiffness;     /* [1/s^2] S = kn f |g|^2 along n */
+    double damping;       /* [1/s] D = damping N |g| / sqrt(1 + u^2) along n */
+    double friction_rate; /* [1/s] T of friction, across the slip: the larger one */
+    double speed;         /* [m/s] |w| + |n.(v - V)| */
+    double curvature;     /* [1/m] no normal turns faster */
+    double spin;          /* [rad/s] */
     double friction;
-} grip_slopes;
+} contact_partials;
 
-static void contact_slopes_add_slopes(const grip_slopes *of, weft__grip *grip)
+static void contact_add_partials(const contact_partials *of,
+                                 weft__contact_stiffness *contact_stiffness)
 {
     const double mu = of->friction;
-    const double damping = of->damping * (1.0 + mu) + of->drag;
-    grip->stiff += 0.5 * mu * of->stiffness
-                   + damping * (of->curvature * of->speed + of->spin)
-                   + of->curvature * mu * of->push;
-    grip->drag += 0.5 * mu * of->damping;
-    grip->turn += of->curvature * of->push;
+    const double damping = of->damping * (1.0 + mu) + of->friction_rate;
+    contact_stiffness->any_stiffness
+        += 0.5 * mu * of->stiffness + damping * (of->curvature * of->speed + of->spin)
+           + of->curvature * mu * of->push;
+    contact_stiffness->any_damping += 0.5 * mu * of->damping;
+    contact_stiffness->negative_stiffness += of->curvature * of->push;
 }
 
 /* The normal turns by 1 / (r + d) about a ball and round a capsule, by at most 3 / (r +
@@ -246,16 +246,17 @@ static double curvature(const weft__pose *pose, double gap, bool joined)
     return flat ? 0.0 : (joined ? 4.0 : 1.0) / (pose->radius + gap);
 }
 
-static grip_slopes grip_slopes_of(const weft_contact_def *law, const weft__pose *pose,
-                                  const weft__touch *touch)
+static contact_partials contact_partials_of(const weft_contact_def *law,
+                                            const weft__pose *pose,
+                                            const weft__touch *touch)
 {
     const double g = touch->steepness, u = law->damping * touch->speed;
     const double push = touch->push * touch->factor;
-    return (grip_slopes){
+    return (contact_partials){
         .push = push,
         .stiffness = touch->stiffness * touch->factor * (g * g),
         .damping = law->damping * push * g / sqrt(1.0 + u * u),
-        .drag = touch->drag,
+        .friction_rate = touch->friction_rate,
         .speed = weft__length(touch->slip) + fabs(touch->speed),
         .curvature = curvature(pose, touch->gap, touch->joined),
         .spin = weft__length(pose->spin),
@@ -264,13 +265,15 @@ static grip_slopes grip_slopes_of(const weft_contact_def *law, const weft__pose 
 }
 
 static void add_touches(const weft__contact *own, const weft__state *at, size_t i,
-                        weft__grip *grip)
+                        weft__contact_stiffness *contact_stiffness)
 {
     for (weft__touches all = weft__touches_of(own, at->t, at->y, i, i + 1);
          weft__each_touch(&all);) {
-        const grip_slopes of = grip_slopes_of(&own->law, &all.pose, &all.touch);
-        weft__grip_add(grip, all.touch.normal, of.stiffness, of.damping, of.drag);
-        contact_slopes_add_slopes(&of, grip);
+        const contact_partials of
+            = contact_partials_of(&own->law, &all.pose, &all.touch);
+        weft__contact_stiffness_add(contact_stiffness, all.touch.normal, of.stiffness,
+                                    of.damping, of.friction_rate);
+        contact_add_partials(&of, contact_stiffness);
     }
 }
 
@@ -303,8 +306,9 @@ static double deepest(int exponent, double value)
 
 /* The slopes at s in [low, high], no number of them less than any: forces grow with s
  * and with the speed against the shape, which is largest at `low`. */
-static grip_slopes most_between(const weft_contact_def *law, const weft__pose *pose,
-                                double share, double low, double high)
+static contact_partials most_between(const weft_contact_def *law,
+                                     const weft__pose *pose, double share, double low,
+                                     double high)
 {
     const double speed
         = law->stopping_speed * sqrt(fmax(0.0, 1.0 - phi(low, law->exponent)));
@@ -315,11 +319,11 @@ static grip_slopes most_between(const weft_contact_def *law, const weft__pose *p
                           .steepness = 1.0 };
     weft__touch_forces(law, mu, &touch);
     const bool joins = pose->kind == WEFT_CAPSULE || pose->kind == WEFT_BOX;
-    return (grip_slopes){
+    return (contact_partials){
         .push = touch.push * touch.factor,
         .stiffness = touch.stiffness * touch.factor,
         .damping = law->damping * touch.push * (1.0 + a / sqrt(1.0 + a * a)),
-        .drag = touch.drag,
+        .friction_rate = touch.friction_rate,
         .speed = 2.0 * speed,
         .curvature = curvature(pose, 0.0, joins),
         .spin = weft__length(pose->spin),
@@ -327,49 +331,55 @@ static grip_slopes most_between(const weft_contact_def *law, const weft__pose *p
     };
 }
 
-void weft__grip_most(const weft_contact_def *law, const weft__pose *pose, double share,
-                     double phi, weft__grip *most)
+void weft__contact_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
+                                  double share, double phi,
+                                  weft__contact_stiffness *most)
 {
     enum { PARTS = 64 };
     const double end = deepest(law->exponent, phi);
     for (size_t k = 0; k < PARTS; ++k) {
         const double low = end * (double)k / (double)PARTS;
-        const grip_slopes of
+        const contact_partials of
             = most_between(law, pose, share, low, low + end / (double)PARTS);
-        weft__grip grip = { .stiff = 0.0 };
-        contact_slopes_add_slopes(&of, &grip);
+        weft__contact_stiffness contact_stiffness = { .any_stiffness = 0.0 };
+        contact_add_partials(&of, &contact_stiffness);
         for (size_t j = 0; j < 3; ++j) {
-            const double damping = fmax(of.damping, of.drag) + grip.drag;
-            most->press[j] = fmax(most->press[j], of.stiffness + grip.stiff);
-            most->slide[j] = fmax(most->slide[j], damping);
+            const double damping
+                = fmax(of.damping, of.friction_rate) + contact_stiffness.any_damping;
+            most->normal_stiffness[j]
+                = fmax(most->normal_stiffness[j],
+                       of.stiffness + contact_stiffness.any_stiffness);
+            most->friction_damping[j] = fmax(most->friction_damping[j], damping);
         }
     }
 }
 
-static weft__grip grip_any(const weft__contact *own)
+static weft__contact_stiffness contact_stiffness_any(const weft__contact *own)
 {
-    weft__grip most = { .stiff = 0.0 };
+    weft__contact_stiffness most = { .any_stiffness = 0.0 };
     for (size_t k = 0; k < own->shape_count; ++k) {
         const weft__shape *shape = &own->shapes[k];
         weft__pose pose = weft__pose_of(shape, 0.0);
         const double spin = weft__length(shape->spin);
         pose.spin[0] = spin + weft__rigid_fastest(&shape->motion); /* at any time */
         pose.spin[1] = pose.spin[2] = 0.0;
-        weft__grip_most(&own->law, &pose, 1.0, 1.0, &most);
+        weft__contact_stiffness_most(&own->law, &pose, 1.0, 1.0, &most);
     }
     return most;
 }
 
-void weft__contact_grip(const void *own, void *space, const weft__state *at,
-                        size_t first, size_t count, weft__grip *grips)
+void weft__shapes_contact_stiffness(const void *own, void *space, const weft__state *at,
+                                    size_t first, size_t count,
+                                    weft__contact_stiffness *contact_stiffness)
 {
     (void)space;
     const weft__contact *of = own;
-    const weft__grip any = at->y == NULL ? grip_any(of) : (weft__grip){ 0 };
+    const weft__contact_stiffness any
+        = at->y == NULL ? contact_stiffness_any(of) : (weft__contact_stiffness){ 0 };
     for (size_t i = 0; i < count; ++i) {
-        grips[i] = any;
+        contact_stiffness[i] = any;
         if (at->y != NULL) {
-            add_touches(of, at, first + i, &grips[i]);
+            add_touches(of, at, first + i, &contact_stiffness[i]);
         }
     }
 }
@@ -377,14 +387,14 @@ void weft__contact_grip(const void *own, void *space, const weft__state *at,
 /* ---- the power method ------------------------------------------------------------ */
 
 /* [1/s] The slope of friction along the slip. */
-static double drag_along(const weft_contact_def *law, const weft__touch *touch,
-                         double friction)
+static double friction_rate_along(const weft_contact_def *law, const weft__touch *touch,
+                                  double friction)
 {
     const double slip = weft__length(touch->slip);
     const double most = friction * touch->push * touch->factor * touch->steepness;
     if (law->law == WEFT_FRICTION_SMOOTH && most > 0.0) {
-        const double part = slip * touch->drag / most;
-        return touch->drag * (1.0 - part * part);
+        const double part = slip * touch->friction_rate / most;
+        return touch->friction_rate * (1.0 - part * part);
     }
     return fmax(0.0, 2.0 * most * (1.0 - slip / law->slip) / law->slip);
 }
@@ -397,19 +407,21 @@ void weft__contact_multiply(const void *own, const weft__state *at, double a, do
     for (weft__touches all = weft__touches_of(contact, at->t, at->y, 0, n);
          weft__each_touch(&all);) {
         const weft__touch *touch = &all.touch;
-        const grip_slopes of = grip_slopes_of(&contact->law, &all.pose, touch);
-        const double along = drag_along(&contact->law, touch, all.pose.friction);
+        const contact_partials of
+            = contact_partials_of(&contact->law, &all.pose, touch);
+        const double along
+            = friction_rate_along(&contact->law, touch, all.pose.friction);
         const double slip = weft__length(touch->slip), m = contact->mesh->mass[all.i];
         const double here[3] = { x[all.i], x[n + all.i], x[2 * n + all.i] };
         const double in = weft__dot(here, touch->normal);
         const double by = slip > 0.0 ? weft__dot(here, touch->slip) / slip : 0.0;
         for (size_t k = 0; k < 3; ++k) {
-            const double way = slip > 0.0 ? touch->slip[k] / slip : 0.0;
-            const double across = here[k] - in * touch->normal[k] - by * way;
+            const double slip_direction = slip > 0.0 ? touch->slip[k] / slip : 0.0;
+            const double across = here[k] - in * touch->normal[k] - by * slip_direction;
             out[k * n + all.i]
                 += m
                    * ((a * of.stiffness + b * of.damping) * in * touch->normal[k]
-                      + b * (of.drag * across + along * by * way));
+                      + b * (of.friction_rate * across + along * by * slip_direction));
         }
     }
 }

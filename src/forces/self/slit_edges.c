@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* skin_lips.c -- pairs of primitives of one piece that are nearer than two thicknesses
- * in its flat rest shape. At a slit, where two lips lie on each other, they never act;
- * elsewhere they are a notch that is too narrow for the thickness. */
+/* slit_edges.c -- pairs of primitives of one piece that are nearer than two thicknesses
+ * in its flat rest shape. At a slit, where two slit edges lie on each other, they never
+ * act; elsewhere they are a notch that is too narrow for the thickness. */
 #include <stdlib.h>
 
 #include "base/grow.h"
 #include "forces/self/self.h"
 
-/* Lips lie on each other that are nearer than this part of the thickness. */
+/* Slit edges lie on each other that are nearer than this part of the thickness. */
 #define TOGETHER 1e-2
 #define ROUNDOFF 1e-9
 
@@ -16,20 +16,20 @@ typedef struct near_pair {
     double distance;
 } near_pair;
 
-typedef struct lip_search {
+typedef struct slit_search {
     const weft__triangles *of;
-    const weft__skin *skin; /* of particles */
-    const weft__self *flat; /* of places */
+    const weft__contact_surface *surface; /* of particles */
+    const weft__self *flat;               /* of places */
     const weft_allocator *memory;
     const double *y;
     double range;
     near_pair *at;
     size_t count, room;
     bool no_memory;
-} lip_search;
+} slit_search;
 
 /* The same pair of particles; false: they have one in common. */
-static bool to_particles(const lip_search *of, const weft__pair *from, weft__pair *to)
+static bool to_particles(const slit_search *of, const weft__pair *from, weft__pair *to)
 {
     const size_t all = weft__pair_particles(from);
     const size_t first = from->kind == WEFT__EDGES ? 2 : 1;
@@ -43,17 +43,18 @@ static bool to_particles(const lip_search *of, const weft__pair *from, weft__pai
         }
     }
     const uint32_t *p = to->particle;
-    to->item[0] = first == 1 ? p[0] : weft__skin_edge(of->skin, p[0], p[1]);
+    to->item[0]
+        = first == 1 ? p[0] : weft__contact_surface_edge(of->surface, p[0], p[1]);
     to->item[1] = from->kind == WEFT__VERTICES ? p[1]
                   : from->kind == WEFT__VERTEX_TRIANGLE
-                      ? weft__skin_triangle(of->skin, p + 1)
-                      : weft__skin_edge(of->skin, p[first], p[first + 1]);
+                      ? weft__contact_surface_triangle(of->surface, p + 1)
+                      : weft__contact_surface_edge(of->surface, p[first], p[first + 1]);
     return true;
 }
 
-static bool skin_lips_keep(void *ctx, const weft__pair *pair)
+static bool slit_edges_keep(void *ctx, const weft__pair *pair)
 {
-    lip_search *of = ctx;
+    slit_search *of = ctx;
     near_pair found
         = { .distance = weft__pair_distance(pair, of->y, of->flat->points) };
     if (!(found.distance < of->range) || !to_particles(of, pair, &found.pair)) {
@@ -67,22 +68,26 @@ static bool skin_lips_keep(void *ctx, const weft__pair *pair)
     return !of->no_memory;
 }
 
-static bool is_lip(const weft__skin *skin, weft__pair_kind kind, size_t a, size_t b)
+static bool is_slit_pair(const weft__contact_surface *surface, weft__pair_kind kind,
+                         size_t a, size_t b)
 {
     uint64_t key[2];
     const weft__pair pair = { .kind = kind, .item = { (uint32_t)a, (uint32_t)b } };
     weft__pair_key(&pair, key);
-    return weft__is_lip(skin, key);
+    return weft__is_slit_pair(surface, key);
 }
 
-bool weft__at_lips(const weft__skin *skin, size_t edge, size_t triangle)
+bool weft__at_slit(const weft__contact_surface *surface, size_t edge, size_t triangle)
 {
-    const uint32_t *ends = skin->edge[edge], *c = skin->triangle[triangle];
+    const uint32_t *ends = surface->edge[edge], *c = surface->triangle[triangle];
     bool any = false;
-    for (size_t k = 0; k < 3 && skin->lip_count > 0; ++k) {
+    for (size_t k = 0; k < 3 && surface->slit_pair_count > 0; ++k) {
         const uint32_t a = c[k], b = c[(k + 1) % 3];
-        any = any || is_lip(skin, WEFT__EDGES, edge, weft__skin_edge(skin, a, b))
-              || (k < 2 && is_lip(skin, WEFT__VERTEX_TRIANGLE, ends[k], triangle));
+        any = any
+              || is_slit_pair(surface, WEFT__EDGES, edge,
+                              weft__contact_surface_edge(surface, a, b))
+              || (k < 2
+                  && is_slit_pair(surface, WEFT__VERTEX_TRIANGLE, ends[k], triangle));
     }
     return any;
 }
@@ -93,40 +98,41 @@ static int by_key(const void *a, const void *b)
     return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-/* Whether a point of one side, and one of the other, is at a lip. */
-static bool both_at_lips(const weft__skin *skin, const weft__pair *pair)
+/* Whether a point of one side, and one of the other, is at a slit. */
+static bool both_at_slit(const weft__contact_surface *surface, const weft__pair *pair)
 {
     weft_primitive sides[2];
     bool at[2] = { false, false };
     weft__pair_primitives(pair, sides);
     for (size_t k = 0; k < 2; ++k) {
         for (size_t j = 0; j < sides[k].count; ++j) {
-            at[k] = at[k] || skin->at_lip[sides[k].particle[j]];
+            at[k] = at[k] || surface->at_slit[sides[k].particle[j]];
         }
     }
     return at[0] && at[1];
 }
 
-/* What was found, as lips or as the notch. */
-static void sort_out(const lip_search *of, weft__skin *skin)
+/* What was found, as slit edges or as the notch. */
+static void sort_out(const slit_search *of, weft__contact_surface *surface)
 {
     for (size_t i = 0; i < of->count; ++i) {
         const weft__pair *pair = &of->at[i].pair;
         for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
-            bool *at = &skin->at_lip[pair->particle[k]];
+            bool *at = &surface->at_slit[pair->particle[k]];
             *at = *at || of->at[i].distance < 0.5 * TOGETHER * of->range;
         }
     }
     for (size_t i = 0; i < of->count; ++i) {
         const near_pair *at = &of->at[i];
-        if (both_at_lips(skin, &at->pair)) {
-            weft__pair_key(&at->pair, skin->lips[skin->lip_count++]);
-        } else if (at->distance < skin->notch_width) {
-            skin->notch_width = at->distance;
-            weft__pair_primitives(&at->pair, skin->notch);
+        if (both_at_slit(surface, &at->pair)) {
+            weft__pair_key(&at->pair, surface->slit_pairs[surface->slit_pair_count++]);
+        } else if (at->distance < surface->notch_width) {
+            surface->notch_width = at->distance;
+            weft__pair_primitives(&at->pair, surface->notch);
         }
     }
-    qsort(skin->lips, skin->lip_count, sizeof *skin->lips, by_key);
+    qsort(surface->slit_pairs, surface->slit_pair_count, sizeof *surface->slit_pairs,
+          by_key);
 }
 
 /* Places, each piece in a plane of its own. */
@@ -142,7 +148,7 @@ static void lay_out(const weft__triangles *of, double range, double *y)
     }
 }
 
-static bool search(lip_search *by, const weft__self *flat)
+static bool search(slit_search *by, const weft__self *flat)
 {
     const size_t n = flat->points;
     double *y = weft__zeroed(by->memory, 3 * n, sizeof *y);
@@ -152,48 +158,50 @@ static bool search(lip_search *by, const weft__self *flat)
         by->y = y;
         lay_out(by->of, by->range, y);
         weft__tree_fill(&tree, knots);
-        (void)weft__each_pair(&tree, by->range, skin_lips_keep, by);
+        (void)weft__each_pair(&tree, by->range, slit_edges_keep, by);
     }
     by->no_memory = by->no_memory || y == NULL || knots == NULL;
     WEFT__FREE_ALL(by->memory, y, knots);
     return !by->no_memory;
 }
 
-bool weft__find_lips(weft__skin *skin, const weft__mesh *mesh, double thickness,
-                     const weft_allocator *memory)
+bool weft__find_slit_edges(weft__contact_surface *surface, const weft__mesh *mesh,
+                           double thickness, const weft_allocator *memory)
 {
     const weft__triangles *of = mesh->triangles;
     const weft__mesh flat_mesh = { .particles = of->places };
-    weft__skin_draft draft;
+    weft__surface_draft draft;
     weft__self flat = { .mesh = &flat_mesh, .points = of->places };
-    lip_search by = { .of = of,
-                      .skin = skin,
-                      .flat = &flat,
-                      .memory = memory,
-                      .range = 2.0 * thickness * (1.0 - ROUNDOFF) };
+    slit_search by = { .of = of,
+                       .surface = surface,
+                       .flat = &flat,
+                       .memory = memory,
+                       .range = 2.0 * thickness * (1.0 - ROUNDOFF) };
     if (of->count == 0) {
         return true;
     }
     /* the draft is of particles before it is of places, which grids do not have */
     const size_t room = of->places > mesh->particles ? of->places : mesh->particles;
-    if (weft__skin_draft_create(&draft, room, of->count, memory)) {
-        weft__skin_draft_mesh(&draft, of);
+    if (weft__surface_draft_create(&draft, room, of->count, memory)) {
+        weft__surface_draft_mesh(&draft, of);
         draft.points = draft.particles = of->places;
         memcpy(draft.corner, of->place, of->count * sizeof *draft.corner);
         draft.thickness = thickness;
-        flat.skin = weft__skin_create(&draft, memory);
+        flat.surface = weft__contact_surface_create(&draft, memory);
     }
-    weft__skin_draft_destroy(&draft, memory);
-    bool made = flat.skin != NULL && search(&by, &flat);
+    weft__surface_draft_destroy(&draft, memory);
+    bool made = flat.surface != NULL && search(&by, &flat);
     if (made && by.count > 0) {
-        skin->lips = weft__alloc(memory, by.count, sizeof *skin->lips);
-        skin->at_lip = weft__zeroed(memory, skin->points, sizeof *skin->at_lip);
-        made = skin->lips != NULL && skin->at_lip != NULL;
+        surface->slit_pairs
+            = weft__alloc(memory, by.count, sizeof *surface->slit_pairs);
+        surface->at_slit
+            = weft__zeroed(memory, surface->points, sizeof *surface->at_slit);
+        made = surface->slit_pairs != NULL && surface->at_slit != NULL;
         if (made) {
-            sort_out(&by, skin);
+            sort_out(&by, surface);
         }
     }
-    weft__skin_destroy(flat.skin, memory);
+    weft__contact_surface_destroy(flat.surface, memory);
     weft__free(memory, by.at);
     return made;
 }

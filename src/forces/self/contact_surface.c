@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* skin.c -- the tables of skin.h, in linear time. */
+/* contact_surface.c -- the tables of contact_surface.h, in linear time. */
 #include "forces/self/self_tree.h"
 
 #include <stdlib.h>
@@ -12,10 +12,10 @@
 
 /* ---- drafts ---------------------------------------------------------------------- */
 
-bool weft__skin_draft_create(weft__skin_draft *out, size_t points, size_t triangles,
-                             const weft_allocator *memory)
+bool weft__surface_draft_create(weft__surface_draft *out, size_t points,
+                                size_t triangles, const weft_allocator *memory)
 {
-    *out = (weft__skin_draft){
+    *out = (weft__surface_draft){
         .points = points,
         .particles = points,
         .triangles = triangles,
@@ -26,12 +26,12 @@ bool weft__skin_draft_create(weft__skin_draft *out, size_t points, size_t triang
     return out->corner != NULL && out->side != NULL && out->density != NULL;
 }
 
-void weft__skin_draft_destroy(weft__skin_draft *of, const weft_allocator *memory)
+void weft__surface_draft_destroy(weft__surface_draft *of, const weft_allocator *memory)
 {
     WEFT__FREE_ALL(memory, of->corner, of->side, of->density);
 }
 
-void weft__skin_draft_mesh(weft__skin_draft *to, const weft__triangles *of)
+void weft__surface_draft_mesh(weft__surface_draft *to, const weft__triangles *of)
 {
     for (size_t i = 0; i < to->points; ++i) {
         to->density[i] = INFINITY;
@@ -49,7 +49,7 @@ void weft__skin_draft_mesh(weft__skin_draft *to, const weft__triangles *of)
 
 /* A grid behind `first` points and `count` triangles; returns how many there are then.
  * mass [kg] of a particle, or density [kg/m^2] */
-static size_t draft_grid(weft__skin_draft *to, const weft__mesh *mesh, double mass,
+static size_t draft_grid(weft__surface_draft *to, const weft__mesh *mesh, double mass,
                          double density, size_t first, size_t count)
 {
     const size_t begin = 3 * count;
@@ -75,18 +75,18 @@ static size_t draft_grid(weft__skin_draft *to, const weft__mesh *mesh, double ma
     return count;
 }
 
-void weft__skin_draft_grid(weft__skin_draft *to, const weft__mesh *mesh,
-                           const weft_cloth_def *def)
+void weft__surface_draft_grid(weft__surface_draft *to, const weft__mesh *mesh,
+                              const weft_cloth_def *def)
 {
     const size_t count = draft_grid(to, mesh, def->mass, def->density, 0, 0);
     to->chain = count == 0 ? weft__shortest_edge(mesh) : 0.0;
     to->rows = mesh->rows, to->cols = mesh->cols;
 }
 
-void weft__skin_draft_parts(weft__skin_draft *to, const weft__triangles *of)
+void weft__surface_draft_parts(weft__surface_draft *to, const weft__triangles *of)
 {
     size_t count = of->count;
-    weft__skin_draft_mesh(to, of);
+    weft__surface_draft_mesh(to, of);
     for (size_t k = 0; k < of->part_count; ++k) {
         const weft__part *part = &of->parts[k];
         if (part->grid.rows > 0) {
@@ -127,7 +127,7 @@ static void sum_up(uint32_t *first, size_t points)
 }
 
 /* [m^2] of the triangle, by the squares of its sides. */
-static double skin_area_of(const double q[3])
+static double surface_area_of(const double q[3])
 {
     const double a = q[0] + q[1] - q[2];
     return 0.25 * sqrt(4.0 * q[0] * q[1] - a * a);
@@ -139,7 +139,8 @@ static double window_of(double thickness, double length)
 }
 
 /* By their lowest points, which come first. */
-static void add_triangles(const weft__skin_draft *of, uint32_t *at, weft__skin *to)
+static void add_triangles(const weft__surface_draft *of, uint32_t *at,
+                          weft__contact_surface *to)
 {
     memset(to->triangle_first, 0, (of->points + 1) * sizeof *to->triangle_first);
     for (size_t pass = 0; pass < 2; ++pass) {
@@ -151,7 +152,7 @@ static void add_triangles(const weft__skin_draft *of, uint32_t *at, weft__skin *
                 continue;
             }
             const size_t i = at[c[k]]++;
-            const double area = skin_area_of(of->side[t]);
+            const double area = surface_area_of(of->side[t]);
             to->triangle_area[i] = 2.0 * area;
             for (size_t j = 0; j < 3; ++j) {
                 const size_t from = (k + j) % 3;
@@ -168,14 +169,14 @@ static void add_triangles(const weft__skin_draft *of, uint32_t *at, weft__skin *
     }
 }
 
-static size_t list_sides(const weft__skin_draft *of, side *to)
+static size_t list_sides(const weft__surface_draft *of, side *to)
 {
     size_t count = 0;
     for (size_t j = 0; j < 3 * of->triangles; ++j) {
         const uint32_t *c = of->corner[j / 3];
         const double *square = of->side[j / 3];
         to[count++] = side_of(c[(j + 1) % 3], c[(j + 2) % 3], square[j % 3],
-                              skin_area_of(square));
+                              surface_area_of(square));
     }
     for (uint32_t i = 0; of->chain > 0.0 && i + 1 < of->particles; ++i) {
         to[count++] = side_of(i, i + 1, of->chain * of->chain, of->chain);
@@ -184,8 +185,8 @@ static size_t list_sides(const weft__skin_draft *of, side *to)
 }
 
 /* Of two sides that are sewn together the shorter one counts. */
-static void skin_add_edges(const weft__skin_draft *of, side *sides, size_t count,
-                           weft__skin *to)
+static void surface_add_edges(const weft__surface_draft *of, side *sides, size_t count,
+                              weft__contact_surface *to)
 {
     memset(to->edge_first, 0, (of->points + 1) * sizeof *to->edge_first);
     qsort(sides, count, sizeof *sides, by_ends);
@@ -217,8 +218,8 @@ static size_t tile_width(size_t points)
 
 /* The particles of a grid in square patches: G. M. Morton's order. Returns how many it
  * has added, of the patch of side 2^level from (r, c) on. */
-static size_t order_grid(const weft__skin_draft *of, size_t level, size_t r, size_t c,
-                         uint32_t *to)
+static size_t order_grid(const weft__surface_draft *of, size_t level, size_t r,
+                         size_t c, uint32_t *to)
 {
     size_t count = 0;
     if (r >= of->rows || c >= of->cols) {
@@ -237,7 +238,7 @@ static size_t order_grid(const weft__skin_draft *of, size_t level, size_t r, siz
 }
 
 /* Rows of a grid would make tiles that are long and narrow. */
-static void add_order(const weft__skin_draft *of, uint32_t *to)
+static void add_order(const weft__surface_draft *of, uint32_t *to)
 {
     size_t level = 0;
     while ((size_t)1 << level < of->rows || (size_t)1 << level < of->cols) {
@@ -249,7 +250,8 @@ static void add_order(const weft__skin_draft *of, uint32_t *to)
 }
 
 /* seen: zeros, of all points */
-static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to)
+static void add_tiles(const weft__surface_draft *of, uint32_t *seen,
+                      weft__contact_surface *to)
 {
     const size_t wide = tile_width(of->points);
     size_t count = 0;
@@ -257,14 +259,14 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
         const size_t end = first + wide < of->points ? first + wide : of->points;
         to->tile_first[tile++] = count;
         for (size_t node = first; node < end; ++node) {
-            const size_t i = weft__skin_point(to, node);
+            const size_t i = weft__contact_surface_point(to, node);
             seen[i] = (uint32_t)tile;
             if (to->order != NULL && first < of->particles) {
                 to->tile_point[count++] = (int32_t)i;
             }
         }
         for (size_t node = first; node < end; ++node) {
-            const size_t i = weft__skin_point(to, node);
+            const size_t i = weft__contact_surface_point(to, node);
             for (size_t e = to->edge_first[i]; e < to->edge_first[i + 1]; ++e) {
                 const uint32_t high = to->edge[e][1];
                 if (seen[high] != tile) {
@@ -273,8 +275,8 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
                 }
             }
         }
-        while (count % WEFT__SKIN_RUN != 0) {
-            to->tile_point[count++] = (int32_t)weft__skin_point(to, first);
+        while (count % WEFT__SURFACE_RUN != 0) {
+            to->tile_point[count++] = (int32_t)weft__contact_surface_point(to, first);
         }
         to->tile_first[tile] = count;
     }
@@ -293,15 +295,16 @@ static void add_tiles(const weft__skin_draft *of, uint32_t *seen, weft__skin *to
     X(area, points)                                                                    \
     X(density, points)                                                                 \
     X(tile_first, tiles + 1)                                                           \
-    X(tile_point, sides + points + WEFT__SKIN_RUN * tiles)
+    X(tile_point, sides + points + WEFT__SURFACE_RUN * tiles)
 
-weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *memory)
+weft__contact_surface *weft__contact_surface_create(const weft__surface_draft *of,
+                                                    const weft_allocator *memory)
 {
     const size_t points = of->points, triangles = of->triangles;
     const size_t sides = 3 * triangles + (of->chain > 0.0 ? of->particles : 0);
     const size_t tiles = (points - 1) / tile_width(points) + 1,
                  twice = of->grids ? 2 : 1;
-    weft__skin *to = weft__zeroed(memory, 1, sizeof *to);
+    weft__contact_surface *to = weft__zeroed(memory, 1, sizeof *to);
     side *list = weft__alloc(memory, sides, sizeof *list);
     uint32_t *work = weft__alloc(memory, points, sizeof *work);
     bool made = to != NULL && list != NULL && work != NULL;
@@ -321,7 +324,7 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
         to->grids = of->grids;
         memcpy(to->density, of->density, points * sizeof *to->density);
         add_triangles(of, work, to);
-        skin_add_edges(of, list, list_sides(of, list), to);
+        surface_add_edges(of, list, list_sides(of, list), to);
         memset(work, 0, points * sizeof *work);
         if (to->order != NULL) {
             add_order(of, to->order);
@@ -335,40 +338,41 @@ weft__skin *weft__skin_create(const weft__skin_draft *of, const weft_allocator *
     }
     WEFT__FREE_ALL(memory, list, work);
     if (!made) {
-        weft__skin_destroy(to, memory);
+        weft__contact_surface_destroy(to, memory);
     }
     return made ? to : NULL;
 }
 
-void weft__skin_destroy(weft__skin *of, const weft_allocator *memory)
+void weft__contact_surface_destroy(weft__contact_surface *of,
+                                   const weft_allocator *memory)
 {
     if (of != NULL) {
 #define FREE(array, number) weft__free(memory, of->array);
         ARRAYS(FREE)
-        WEFT__FREE_ALL(memory, of->lips, of->at_lip, of->order, of);
+        WEFT__FREE_ALL(memory, of->slit_pairs, of->at_slit, of->order, of);
     }
 }
 
-size_t weft__skin_bytes(const weft__skin *of)
+size_t weft__contact_surface_bytes(const weft__contact_surface *of)
 {
     const size_t points = of->points, triangles = of->triangles, sides = of->edges;
     const size_t tiles = (points - 1) / tile_width(points) + 1,
                  twice = of->grids ? 2 : 1;
 #define BYTES(array, number) +(number) * sizeof *of->array
-    return sizeof *of + of->lip_count * sizeof *of->lips
+    return sizeof *of + of->slit_pair_count * sizeof *of->slit_pairs
            + (of->order != NULL ? points * sizeof *of->order : 0) ARRAYS(BYTES);
 }
 
-bool weft__is_lip(const weft__skin *skin, const uint64_t key[2])
+bool weft__is_slit_pair(const weft__contact_surface *surface, const uint64_t key[2])
 {
-    size_t low = 0, high = skin->lip_count;
+    size_t low = 0, high = surface->slit_pair_count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        const uint64_t *at = skin->lips[middle];
+        const uint64_t *at = surface->slit_pairs[middle];
         const bool before = at[0] < key[0] || (at[0] == key[0] && at[1] < key[1]);
         low = before ? middle + 1 : low;
         high = before ? high : middle;
     }
-    return low < skin->lip_count && skin->lips[low][0] == key[0]
-           && skin->lips[low][1] == key[1];
+    return low < surface->slit_pair_count && surface->slit_pairs[low][0] == key[0]
+           && surface->slit_pairs[low][1] == key[1];
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "cloth/slope.h"
+#include "cloth/parameter_derivative.h"
 
 #include <string.h>
 
@@ -39,7 +39,7 @@ static void add_linear(const weft__force *force, const void *own, size_t n, doub
 
 int weft__rhs_transposed(const weft_cloth *cloth, void *const *spaces,
                          const weft__state *in, const double *w, double *room,
-                         double *out, double *net, weft__by_numbers *by)
+                         double *out, double *net, weft__parameter_gradient *by)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles;
@@ -78,7 +78,7 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
                                            const double *y, const double *w,
                                            double *out)
 {
-    weft__by_numbers by;
+    weft__parameter_gradient by;
     const weft__state at = { .t = t, .y = y };
     double *room = weft__alloc(&cloth->memory, 9 * cloth->mesh.particles, sizeof *room);
     const int failed = room == NULL ? -1
@@ -90,7 +90,7 @@ int weft_cloth_jacobian_product_transposed(const weft_cloth *cloth, double t,
 
 /* ---- what differs ---------------------------------------------------------------- */
 
-static bool slope_same_place(const weft_cloth *one, const weft_cloth *other)
+static bool parameter_same_place(const weft_cloth *one, const weft_cloth *other)
 {
     const weft__mesh *a = &one->mesh, *b = &other->mesh;
     bool same = a->particles == b->particles && a->block == b->block
@@ -100,7 +100,8 @@ static bool slope_same_place(const weft_cloth *one, const weft_cloth *other)
                 && one->contact.shape_count == other->contact.shape_count
                 && one->springs.group_count == other->springs.group_count;
     for (size_t g = 0; same && g < one->springs.group_count; ++g) {
-        same = one->springs.groups[g].way == other->springs.groups[g].way;
+        same = one->springs.groups[g].orientation
+               == other->springs.groups[g].orientation;
     }
     return same;
 }
@@ -132,20 +133,21 @@ static bool jumps_later(const weft__mesh *a, const weft__mesh *b)
 }
 
 /* Of springs, weight and air. */
-static void find_laws(weft__slope *of)
+static void find_laws(weft__parameter_derivative *of)
 {
     const weft__springs *less = &of->less->springs, *more = &of->more->springs;
     const weft__body *low = &of->less->body, *high = &of->more->body;
-    weft__spring_slope *to = &of->springs;
+    weft__spring_derivative *to = &of->springs;
     for (size_t g = 0; g < more->group_count; ++g) {
         const weft__group *a = &less->groups[g], *b = &more->groups[g];
-        const weft__slope_law law = { of->scale * (b->stiffness - a->stiffness),
-                                      of->scale * (b->damping - a->damping),
-                                      of->scale * (b->rest_length - a->rest_length) };
-        to->laws[b->way] = law;
+        const weft__law_derivative law
+            = { of->scale * (b->stiffness - a->stiffness),
+                of->scale * (b->damping - a->damping),
+                of->scale * (b->rest_length - a->rest_length) };
+        to->laws[b->orientation] = law;
         to->damped = to->damped || law.damping != 0.0;
         if (law.stiffness != 0.0 || law.damping != 0.0 || law.rest_length != 0.0) {
-            to->ways |= 1u << b->way;
+            to->orientations |= 1u << b->orientation;
         }
     }
     to->drag = of->scale * (high->drag - low->drag);
@@ -155,7 +157,7 @@ static void find_laws(weft__slope *of)
 }
 
 /* Of the masses, unless they are the same. */
-static bool find_masses(weft__slope *of, const weft_allocator *memory)
+static bool find_masses(weft__parameter_derivative *of, const weft_allocator *memory)
 {
     const weft__mesh *less = &of->less->mesh, *more = &of->more->mesh;
     const size_t n = less->particles;
@@ -171,7 +173,7 @@ static bool find_masses(weft__slope *of, const weft_allocator *memory)
     return to != NULL;
 }
 
-static uint64_t slope_hash_of(const weft_cloth *cloth, size_t k)
+static uint64_t parameter_hash_of(const weft_cloth *cloth, size_t k)
 {
     return weft__table[k].force->tables.hash != NULL
                ? weft__table[k].force->tables.hash(weft__own(cloth, k),
@@ -179,14 +181,18 @@ static uint64_t slope_hash_of(const weft_cloth *cloth, size_t k)
                : 0;
 }
 
-weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
-                             const weft_cloth *less, const weft_cloth *more,
-                             double span, double scale, const weft_allocator *memory,
-                             weft_error *err)
+weft_status weft__parameter_derivative_init(weft__parameter_derivative *of,
+                                            const weft_cloth *cloth,
+                                            const weft_cloth *less,
+                                            const weft_cloth *more, double span,
+                                            double scale, const weft_allocator *memory,
+                                            weft_error *err)
 {
-    *of = (weft__slope){ .less = less, .more = more, .scale = scale / span };
+    *of = (weft__parameter_derivative){ .less = less,
+                                        .more = more,
+                                        .scale = scale / span };
     if (less == NULL || more == NULL || !weft__positive(span)
-        || !slope_same_place(cloth, less) || !slope_same_place(cloth, more)) {
+        || !parameter_same_place(cloth, less) || !parameter_same_place(cloth, more)) {
         return weft_error_set(
             err, WEFT_INVALID,
             "two cloths with less and more of a parameter must have the "
@@ -215,8 +221,9 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
           || memcmp(less->mesh.spacing, more->mesh.spacing, sizeof less->mesh.spacing)
                  != 0;
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
-        of->differs[k] = k != WEFT__FORCE_body
-                         && (all || slope_hash_of(less, k) != slope_hash_of(more, k));
+        of->differs[k]
+            = k != WEFT__FORCE_body
+              && (all || parameter_hash_of(less, k) != parameter_hash_of(more, k));
         const weft__force *force = of->differs[k] && weft__force_at(less, k) != NULL
                                        ? weft__force_at(less, k)
                                    : of->differs[k] ? weft__force_at(more, k)
@@ -228,7 +235,8 @@ weft_status weft__slope_init(weft__slope *of, const weft_cloth *cloth,
     return WEFT_OK;
 }
 
-void weft__slope_free(const weft__slope *of, const weft_allocator *memory)
+void weft__parameter_derivative_free(const weft__parameter_derivative *of,
+                                     const weft_allocator *memory)
 {
     weft__free(memory, of->inverse_mass);
 }
@@ -236,8 +244,9 @@ void weft__slope_free(const weft__slope *of, const weft_allocator *memory)
 /* ---- the derivative -------------------------------------------------------------- */
 
 /* dv/dt of blocks [first, end) by the forces that differ. */
-static int slope_evaluate(const weft__slope *of, const weft_cloth *cloth,
-                          const weft__state *at, double *out, size_t first, size_t end)
+static int parameter_evaluate(const weft__parameter_derivative *of,
+                              const weft_cloth *cloth, const weft__state *at,
+                              double *out, size_t first, size_t end)
 {
     const weft__mesh *mesh = &cloth->mesh;
     const size_t n = mesh->particles, low = weft__block(mesh, first);
@@ -257,8 +266,9 @@ static int slope_evaluate(const weft__slope *of, const weft_cloth *cloth,
 }
 
 /* out += scale (more - less), of the accelerations of particles [low, high). */
-static void slope_add_difference(const weft__slope *of, double *const room[2],
-                                 double *out, size_t low, size_t high)
+static void parameter_add_difference(const weft__parameter_derivative *of,
+                                     double *const room[2], double *out, size_t low,
+                                     size_t high)
 {
     const size_t n = of->more->mesh.particles;
     for (size_t k = 3 * n; k < 6 * n; k += n) {
@@ -268,8 +278,8 @@ static void slope_add_difference(const weft__slope *of, double *const room[2],
     }
 }
 
-void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
-                     double rate[6])
+void weft__parameter_derivative_pin(const weft__parameter_derivative *of, size_t i,
+                                    const weft__state *at, double rate[6])
 {
     double less[6] = { 0.0 }, more[6] = { 0.0 };
     if (of->pins) {
@@ -281,17 +291,17 @@ void weft__slope_pin(const weft__slope *of, size_t i, const weft__state *at,
     }
 }
 
-void weft__slope_jump(const weft__slope *of, size_t i, double t, const double piece[2],
-                      double jump[6])
+void weft__parameter_derivative_jump(const weft__parameter_derivative *of, size_t i,
+                                     double t, const double piece[2], double jump[6])
 {
-    const weft_cloth *twins[2] = { of->less, of->more };
+    const weft_cloth *copies[2] = { of->less, of->more };
     double rate[6];
     memset(jump, 0, 6 * sizeof *jump);
     if (!of->pins || !weft__pin_meets(&of->less->mesh, i)) {
         return;
     }
     for (size_t j = 0; j < 4; ++j) {
-        const weft__mesh *mesh = &twins[j / 2]->mesh;
+        const weft__mesh *mesh = &copies[j / 2]->mesh;
         const double sign = j == 0 || j == 3 ? of->scale : -of->scale;
         double is[3][3];
         weft__curve_at(&mesh->motions[mesh->pin[i] - 1].path, t, piece[j % 2], is);
@@ -299,25 +309,28 @@ void weft__slope_jump(const weft__slope *of, size_t i, double t, const double pi
             jump[k] += sign * is[0][k];
         }
     }
-    weft__slope_pin(of, i, &(weft__state){ .t = t, .piece = &piece[1] }, rate);
+    weft__parameter_derivative_pin(of, i, &(weft__state){ .t = t, .piece = &piece[1] },
+                                   rate);
     memcpy(jump + 3, rate, 3 * sizeof *jump);
 }
 
-int weft__slope_blocks(const weft__slope *of, const weft__state *at, double *out,
-                       double *const room[2], size_t first, size_t end)
+int weft__parameter_derivative_blocks(const weft__parameter_derivative *of,
+                                      const weft__state *at, double *out,
+                                      double *const room[2], size_t first, size_t end)
 {
     int failed = 0;
     if (of->others) {
-        failed = slope_evaluate(of, of->less, at, room[0], first, end)
-                 | slope_evaluate(of, of->more, at, room[1], first, end);
-        slope_add_difference(of, room, out, weft__block(&of->more->mesh, first),
-                             weft__block(&of->more->mesh, end));
+        failed = parameter_evaluate(of, of->less, at, room[0], first, end)
+                 | parameter_evaluate(of, of->more, at, room[1], first, end);
+        parameter_add_difference(of, room, out, weft__block(&of->more->mesh, first),
+                                 weft__block(&of->more->mesh, end));
     }
     return failed;
 }
 
-int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__state *at,
-                    double *out, double *const room[2])
+int weft__parameter_derivative_all(const weft__parameter_derivative *of,
+                                   void *const *spaces, const weft__state *at,
+                                   double *out, double *const room[2])
 {
     const size_t n = of->more->mesh.particles;
     int failed = 0;
@@ -329,7 +342,7 @@ int weft__slope_all(const weft__slope *of, void *const *spaces, const weft__stat
         failed |= weft__rhs_all(side == 0 ? of->less : of->more, spaces, at,
                                 WEFT__ACCELERATION, room[side] + 3 * n);
     }
-    slope_add_difference(of, room, out, 0, n);
+    parameter_add_difference(of, room, out, 0, n);
     return failed;
 }
 
@@ -339,38 +352,39 @@ int weft_cloth_parameter_product(const weft_cloth *less, const weft_cloth *more,
     const weft__state at = { .t = t, .y = y };
     const size_t dim = weft_cloth_dim(more), n = dim / 6;
     const size_t blocks = weft__blocks(&more->mesh);
-    weft__slope of = { .inverse_mass = NULL };
+    weft__parameter_derivative of = { .inverse_mass = NULL };
     double *still = weft__zeroed(&more->memory, dim, 3 * sizeof *still);
     int failed = -1;
     if (still != NULL
-        && weft__slope_init(&of, more, less, more, span, 1.0, &more->memory, NULL)
+        && weft__parameter_derivative_init(&of, more, less, more, span, 1.0,
+                                           &more->memory, NULL)
                == WEFT_OK) {
         double *const rooms[2] = { still + dim, still + 2 * dim };
-        weft__ways one
+        weft__tangents one
             = { y, NULL, n, more->mesh.cols, 1, { { still, rooms[0], &of.springs } } };
         failed = less->springs.products(&less->springs, &less->body, &one, 0, blocks);
-        one.way[0].out = out;
+        one.tangent[0].out = out;
         failed |= more->springs.products(&more->springs, &more->body, &one, 0, blocks);
         for (size_t i = 0; i < dim; ++i) { /* between the two */
             out[i] = 0.5 * (out[i] + rooms[0][i]);
         }
-        failed |= weft__slope_blocks(&of, &at, out, rooms, 0, blocks);
-        failed |= weft__slope_all(&of, NULL, &at, out, rooms);
+        failed |= weft__parameter_derivative_blocks(&of, &at, out, rooms, 0, blocks);
+        failed |= weft__parameter_derivative_all(&of, NULL, &at, out, rooms);
         for (size_t j = 0; j < more->mesh.pinned; ++j) {
             double rate[6];
-            weft__slope_pin(&of, more->mesh.pins[j], &at, rate);
+            weft__parameter_derivative_pin(&of, more->mesh.pins[j], &at, rate);
             for (size_t k = 0; k < 6; ++k) {
                 out[k * n + more->mesh.pins[j]] = rate[k];
             }
         }
     }
-    weft__slope_free(&of, &more->memory);
+    weft__parameter_derivative_free(&of, &more->memory);
     weft__free(&more->memory, still);
     return failed;
 }
 
 /* The sum of a[i] b[i]. */
-static double slope_product_of(const double *a, const double *b, size_t count)
+static double parameter_product_of(const double *a, const double *b, size_t count)
 {
     double sum = 0.0;
     for (size_t i = 0; i < count; ++i) {
@@ -380,15 +394,15 @@ static double slope_product_of(const double *a, const double *b, size_t count)
 }
 
 /* By springs, weight, air and masses, on which net depends. */
-static double springs_product(const weft__slope *of, const double *w,
-                              const weft__by_numbers *by, const double *net)
+static double springs_product(const weft__parameter_derivative *of, const double *w,
+                              const weft__parameter_gradient *by, const double *net)
 {
-    const weft__spring_slope *slope = &of->springs;
+    const weft__spring_derivative *derivative = &of->springs;
     const size_t n = of->more->mesh.particles;
-    double sum
-        = slope_product_of(slope->gravity, by->gravity, 3) + slope->drag * by->drag;
+    double sum = parameter_product_of(derivative->gravity, by->gravity, 3)
+                 + derivative->drag * by->drag;
     for (size_t g = 0; g < WEFT_GROUPS; ++g) {
-        const weft__slope_law *law = &slope->laws[g];
+        const weft__law_derivative *law = &derivative->laws[g];
         sum += law->stiffness * by->stiffness[g] + law->damping * by->damping[g]
                + law->rest_length * by->rest_length[g];
     }
@@ -401,10 +415,12 @@ static double springs_product(const weft__slope *of, const double *w,
     return sum + by_mass[0] + by_mass[1] + by_mass[2];
 }
 
-int weft__slope_product(const weft__slope *of, void *const *spaces,
-                        const weft__state *at, const double *w,
-                        const weft__by_numbers *by, const double *net,
-                        double *const room[3], double *sum)
+int weft__parameter_derivative_product(const weft__parameter_derivative *of,
+                                       void *const *spaces, const weft__state *at,
+                                       const double *w,
+                                       const weft__parameter_gradient *by,
+                                       const double *net, double *const room[3],
+                                       double *sum)
 {
     const weft__mesh *mesh = &of->more->mesh;
     const size_t n = mesh->particles;
@@ -412,13 +428,14 @@ int weft__slope_product(const weft__slope *of, void *const *spaces,
     *sum += springs_product(of, w, by, net);
     if (of->others || of->whole) {
         memset(room[2] + 3 * n, 0, 3 * n * sizeof *room[2]);
-        failed = weft__slope_blocks(of, at, room[2], room, 0, weft__blocks(mesh));
-        failed |= weft__slope_all(of, spaces, at, room[2], room);
-        *sum += slope_product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
+        failed = weft__parameter_derivative_blocks(of, at, room[2], room, 0,
+                                                   weft__blocks(mesh));
+        failed |= weft__parameter_derivative_all(of, spaces, at, room[2], room);
+        *sum += parameter_product_of(w + 3 * n, room[2] + 3 * n, 3 * n);
     }
     for (size_t j = 0; of->pins && j < mesh->pinned; ++j) {
         double rate[6];
-        weft__slope_pin(of, mesh->pins[j], at, rate);
+        weft__parameter_derivative_pin(of, mesh->pins[j], at, rate);
         for (size_t k = 0; k < 6; ++k) {
             *sum += w[k * n + mesh->pins[j]] * rate[k];
         }
@@ -435,7 +452,7 @@ int weft_cloth_parameter_product_transposed(const weft_cloth *less,
     double *by = weft__alloc(&more->memory, dim, sizeof *by);
     const int failed
         = by == NULL ? -1 : weft_cloth_parameter_product(less, more, span, t, y, by);
-    *out = failed < 0 ? 0.0 : slope_product_of(w, by, dim);
+    *out = failed < 0 ? 0.0 : parameter_product_of(w, by, dim);
     weft__free(&more->memory, by);
     return failed;
 }
