@@ -2,7 +2,8 @@
 /* properties.h -- the scenes of tests/properties and simulations of them. Comments of a
  * scene say which properties it does not have (`# not bands: why`), how it becomes
  * large enough for several threads and bands (`# large: KEY=VALUE ...`), and a fixed
- * step at which the order of a method shows (`# step: 1.0e-3`, [s]). */
+ * step at which the order of a method shows (`# step: 1.0e-3`, [s]); if differences by
+ * parameters need less than 1e-4 of them, how much (`# span: 1.0e-5`). */
 #pragma once
 
 #include <dirent.h>
@@ -56,7 +57,7 @@ static inline const char *scene_says(const char *text, const char *key)
 
 typedef struct subject {
     char text[SCENE_TEXT]; /* of the scene's file */
-    double step;           /* [s] where the order shows */
+    double step, span;     /* [s] where the order shows; of parameters */
     weft_scene *scene;
     weft_scene_perturbed *perturbed;
     weft_cloth *cloth;
@@ -116,6 +117,8 @@ static inline subject load(const char *name, variant kind, const char *const *mo
     weft_scene_def def = weft_scene_def_default();
     read_scene(name, of.text);
     of.step = strtod(scene_says(of.text, "step"), NULL);
+    of.span = strtod(scene_says(of.text, "span"), NULL);
+    of.span = of.span > 0.0 ? of.span : 1e-4;
     (void)snprintf(sets_text, sizeof sets_text, "%s",
                    kind == LARGE ? scene_says(of.text, "large") : "");
     while ((sets[def.set_count] = strtok_r(NULL, " ", &rest)) != NULL) {
