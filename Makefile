@@ -86,7 +86,7 @@ help:
 	    'check-slow | check-python | check-notebooks | check-view | check-docs | check-mpi | check-install' \
 	    'check-validation | check-determinism | check-libm | check-reuse | check-wasm | check-window | check-abi' \
 	    'check-files | check-fit | check-self [SECONDS=] | check-elsewhere | check-compilers | check-sundials7' \
-	    'check-aarch64 | check-deb | check-dist | check-site | nightly' \
+	    'check-aarch64 | check-deb | check-dist | check-site | mutations | nightly' \
 	    'asan | tsan | valgrind | static | clang-syntax | fuzz | fuzz-corpus | coverage | guard | core' \
 	    'lint | hooks | format | docs | doxygen | site | viewer | pictures | wasm | window | playground' \
 	    'bench [BENCH=name] [RENEW=1] | validate [CASE=] [RENEW=1]' \

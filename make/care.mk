@@ -9,7 +9,7 @@ C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] program/*.[ch]
 lint: all
 	@tools/lint $(C_FILES)
 	@tools/versions
-	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds; }
+	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds && tools/mutate --check; }
 	@tools/layers $(BUILD)
 
 # A hook of git that checks the form of commit messages.

@@ -39,10 +39,16 @@ check-self:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) TESTS='self_random self_time' $(BUILD)/tests/run
 	SELF_SECONDS=$(SECONDS) CK_RUN_CASE=self $(BUILD)/tests/run self_random self_time
 
+# Each fault of tests/mutations.txt, made in a copy of the tree, fails a test; an hour of a processor.
+.PHONY: mutations
+mutations: all
+	tools/mutate $(BUILD)
+
 # What .ci/run leaves out because it is slow.
 nightly: all
 	@tools/tree $(BUILD)/tree remember
 	$(MAKE) check-slow
+	$(MAKE) mutations
 	$(MAKE) check-elsewhere
 	$(MAKE) check-site
 	$(MAKE) check-install WHOLE=1
