@@ -29,21 +29,6 @@ START_TEST(every_method_that_agrees_has_the_same_bits)
 }
 END_TEST
 
-START_TEST(laws_rims_and_rigidity_have_the_same_bits)
-{
-    scenario of = in_wind(10, 5, "arkode/dormand_prince");
-    of.cloth.law = WEFT_LAW_STRAIN;
-    of.cloth.rim_half = true;
-    of.cloth.across[WEFT_STRETCH] = (weft_spring_def){ true, 40.0, 0.02 };
-    check_bands(&of);
-    of.cloth.springs[WEFT_BEND].present = false;
-    of.cloth.bending = (weft_bending_def){ .rigidity = { 2e-4, 1e-4 },
-                                           .twist = -1.0,
-                                           .damping = 1e-3 };
-    check_bands(&of);
-}
-END_TEST
-
 START_TEST(narrow_long_and_short_bands_have_the_same_bits)
 {
     static const size_t sizes[][2] = { { 80, 4 }, { 10, 5 }, { 13, 33 }, { 14, 1 } };
@@ -71,32 +56,6 @@ START_TEST(threads_of_bands_have_the_same_bits)
         drop(&parts);
         drop(&whole);
     }
-}
-END_TEST
-
-START_TEST(contact_has_the_same_bits)
-{
-    scenario of = on_shapes();
-    outcome whole;
-    check_bands(&of);
-    run_whole(&of, &whole);
-    ck_assert_ptr_nonnull(strstr(whole.series[FRAMES], "touching 0x1."));
-    drop(&whole);
-}
-END_TEST
-
-START_TEST(ledgers_have_the_same_bits)
-{
-    static const char *const methods[]
-        = { "arkode/dormand_prince", "verlet/velocity_verlet" };
-    for (size_t i = 0; i < 2; ++i) {
-        scenario of = in_wind(11, 6, methods[i]);
-        of.sim.ledger = true;
-        check_runs(&of);
-    }
-    scenario of = on_shapes();
-    of.sim.ledger = true;
-    check_runs(&of);
 }
 END_TEST
 
@@ -282,11 +241,8 @@ TEST_SUITE(bands)
     TCase *same = tcase_create("same bits"), *slow = test_long(suite, 120);
     tcase_set_timeout(same, 120);
     tcase_add_test(same, every_method_that_agrees_has_the_same_bits);
-    tcase_add_test(same, laws_rims_and_rigidity_have_the_same_bits);
     tcase_add_test(same, narrow_long_and_short_bands_have_the_same_bits);
     tcase_add_test(same, threads_of_bands_have_the_same_bits);
-    tcase_add_test(same, contact_has_the_same_bits);
-    tcase_add_test(same, ledgers_have_the_same_bits);
     tcase_add_test(slow, runs_stop_at_the_same_time);
     tcase_add_test(same, events_of_the_embedder_are_the_smallest_of_all_bands);
     tcase_add_test(slow, bands_take_steps_back_together);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* tags: slow asan-long */
 /* test_bands_self.c -- a cloth in bands that touches itself has the bits of the whole
- * cloth on any number of bands: those of grids and of triangles, of friction and
- * ledger, of steps that are taken back, and of what is saved. */
+ * cloth on any number of bands: those of events and threads, of steps that are taken
+ * back, and of failures. */
 #include "bands_run.h"
 #include "folded.h"
-#include "folded_mesh.h"
 
 /* A run that begins in this state of the whole, saved there. */
 static void begin_at(scenario *of, const double *xyz, const double *v, outcome *saved)
@@ -61,37 +60,6 @@ static void along(double u, double w, double x[3], double v[3])
     v[0] += x[1];
 }
 
-/* As mesh_u, of 2 cm. */
-static void close_fold(double u, double v, double x[3], double speed[3])
-{
-    const double rho = 0.02, bend = folded_pi * rho, s0 = 0.5 - 0.5 * bend;
-    const double angle = fmin(fmax((u - s0) / rho, 0.0), folded_pi);
-    x[0] = u < s0 + bend ? fmin(u, s0) + rho * sin(angle) : 2.0 * s0 + bend - u;
-    x[1] = rho - rho * cos(angle);
-    x[2] = v + 0.2 * x[1];
-    speed[0] = 5.0 * x[1], speed[2] = 0.0;
-    speed[1] = (u < 0.5 ? 40.0 : -40.0) * (u - 0.5) * (u - 0.5);
-}
-
-/* 72 x 72 vertices: 11 blocks. */
-static scenario triangles_in(test_mesh *sheet, mesh_shape *shape, const char *method,
-                             outcome *saved)
-{
-    static double xyz[3 * 5184], v[3 * 5184];
-    scenario of = run_by(method);
-    mesh_sheet(sheet, 72, 72, 1.0 / 71.0, MESH_RANDOM, 0.2, 5);
-    mesh_shuffle(sheet, 7, NULL);
-    sheet->fabrics[0].damping[0] = sheet->fabrics[0].damping[1] = 2e-4;
-    of.cloth = mesh_cloth(sheet);
-    of.sim.config.fixed_step *= 0.2;
-    of.cloth.contact.thickness = 0.5 * mesh_least_height(sheet);
-    of.cloth.contact.self = true;
-    of.duration = 0.0013;
-    mesh_set(sheet, 1.0, shape, xyz, v);
-    begin_at(&of, xyz, v, saved);
-    return of;
-}
-
 static void check_touching(const scenario *of, const char *what)
 {
     outcome whole;
@@ -102,20 +70,6 @@ static void check_touching(const scenario *of, const char *what)
     drop(&whole);
     check_bands(of);
 }
-
-START_TEST(grids_have_the_same_bits)
-{
-    static const char *const methods[]
-        = { "arkode/dormand_prince", "verlet/velocity_verlet", "stiff/rkc2" };
-    folded_shape *const shapes_of[] = { across, along };
-    for (size_t i = 0; i < 6; ++i) {
-        outcome saved;
-        const scenario of = grid_in(shapes_of[i % 2], methods[i / 2], &saved);
-        check_touching(&of, "self touching 0x1.");
-        drop(&saved);
-    }
-}
-END_TEST
 
 START_TEST(ledgers_events_and_threads_have_the_same_bits)
 {
@@ -134,18 +88,6 @@ START_TEST(ledgers_events_and_threads_have_the_same_bits)
     run_bands(&of, 2, &parts);
     check_bits(&of, &whole, &parts);
     drop(&parts), drop(&whole), drop(&saved);
-}
-END_TEST
-
-START_TEST(triangles_have_the_same_bits)
-{
-    test_mesh sheet;
-    outcome saved;
-    const scenario of
-        = triangles_in(&sheet, close_fold, "verlet/velocity_verlet", &saved);
-    check_touching(&of, "self touching 0x1.");
-    drop(&saved);
-    mesh_free(&sheet);
 }
 END_TEST
 
@@ -204,11 +146,9 @@ END_TEST
 TEST_SUITE(bands_self)
 {
     Suite *suite = suite_create("bands that touch themselves");
-    TCase *same = tcase_create("same bits"), *slow = test_long(suite, 240);
+    TCase *same = tcase_create("same bits");
     tcase_set_timeout(same, 240);
-    tcase_add_test(slow, grids_have_the_same_bits);
     tcase_add_test(same, ledgers_events_and_threads_have_the_same_bits);
-    tcase_add_test(slow, triangles_have_the_same_bits);
     tcase_add_test(same, steps_are_taken_back_together);
     tcase_add_test(same, failures_have_the_message_of_the_whole);
     suite_add_tcase(suite, same);

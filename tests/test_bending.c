@@ -671,44 +671,6 @@ static weft_sim *fly(const weft_cloth *cloth, const char *method, double toleran
     return sim;
 }
 
-#ifdef HAVE_ARKODE
-START_TEST(ledger_closes)
-{
-    weft_cloth *cloth = flag(0.01, 0.02);
-    weft_sim *sim = fly(cloth, "arkode/dormand_prince", 1e-10, 0.0, true);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.5, NULL), WEFT_OK);
-    const weft_ledger ledger = weft_sim_ledger(sim);
-    ck_assert(ledger.energy.elastic[WEFT_BEND] > 1e-6);
-    ck_assert(ledger.dissipated_springs > 1e-3 && fabs(ledger.work_pins) > 1e-3);
-    ck_assert_msg(fabs(ledger.residual) < 1e-8, "%g J", ledger.residual);
-    weft_sim_destroy(sim);
-    weft_cloth_destroy(cloth);
-}
-END_TEST
-#endif
-
-START_TEST(a_run_resumes_byte_for_byte)
-{
-    weft_cloth *cloth = flag(0.01, 0.02), *softer = flag(0.02, 0.02);
-    weft_sim *sim = fly(cloth, "verlet/velocity_verlet", 0.0, 1e-4, false);
-    weft_sim *later = fly(cloth, "verlet/velocity_verlet", 0.0, 1e-4, false);
-    weft_sim *other = fly(softer, "verlet/velocity_verlet", 0.0, 1e-4, false);
-    const size_t size = weft_sim_save_size(sim), dim = weft_cloth_dim(cloth);
-    unsigned char *saved = malloc(size);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.05, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_save(sim, saved, size, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_restore(later, saved, size, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_restore(other, saved, size, NULL), WEFT_INVALID);
-    ck_assert_int_eq(weft_sim_advance(sim, 0.1, NULL), WEFT_OK);
-    ck_assert_int_eq(weft_sim_advance(later, 0.1, NULL), WEFT_OK);
-    ck_assert(memcmp(weft_sim_state(sim), weft_sim_state(later), dim * sizeof(double))
-              == 0);
-    free(saved);
-    weft_sim_destroy(sim), weft_sim_destroy(later), weft_sim_destroy(other);
-    weft_cloth_destroy(cloth), weft_cloth_destroy(softer);
-}
-END_TEST
-
 /* Methods that use the structure end where Verlet's does; rkc2 needs strong damping. */
 START_TEST(implicit_methods_bend_the_same_way)
 {
@@ -761,10 +723,6 @@ TEST_SUITE(bending)
     tcase_add_test(tcase, free_plate_swings_at_its_frequency);
     tcase_add_test(tcase, definitions_that_make_no_sense_are_refused);
     tcase_add_test(tcase, twist_has_a_default);
-#ifdef HAVE_ARKODE
-    tcase_add_test(tcase, ledger_closes);
-#endif
-    tcase_add_test(tcase, a_run_resumes_byte_for_byte);
     tcase_add_test(tcase, implicit_methods_bend_the_same_way);
     suite_add_tcase(suite, tcase);
     return suite;

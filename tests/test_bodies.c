@@ -105,32 +105,6 @@ static void lay(double *y, uint64_t seed)
     }
 }
 
-START_TEST(forces_are_slopes_of_the_energy)
-{
-    double y[6 * N], d[3 * N], f[3 * N], slope = 0.0, along = 0.0, most = 0.0;
-    uint64_t seed = (uint64_t)_i + 1;
-    put(plate(4, 0.07, 0.07));
-    def.contact.friction = def.contact.damping = 0.0;
-    def.gravity[1] = 0.0;
-    lay(y, seed);
-    weft_cloth_force(cloth, 0.0, y, f);
-    for (size_t i = 0; i < 3 * N; ++i) {
-        d[i] = 2.0 * random_uniform(&seed) - 1.0;
-        along += d[i] * f[i];
-        most = fmax(most, fabs(f[i]));
-    }
-    ck_assert_double_gt(most, 0.0);
-    for (int side = -1; side <= 1; side += 2) {
-        double at[6 * N];
-        for (size_t i = 0; i < 6 * N; ++i) {
-            at[i] = y[i] + (i < 3 * N ? side * 1e-8 * d[i] : 0.0);
-        }
-        slope += side * weft_cloth_energy(cloth, 0.0, at).contact / 2e-8;
-    }
-    ck_assert_double_eq_tol(along, -slope, 1e-5 * most);
-}
-END_TEST
-
 START_TEST(loads_are_the_forces_that_the_cloth_feels)
 {
     double y[6 * N], f[3 * N], sum[6] = { 0.0 };
@@ -428,85 +402,6 @@ START_TEST(friction_holds_on_a_tilted_facet)
 }
 END_TEST
 
-/* A ball that turns and rises under the sheet, a plate that is bent by keys. */
-static void set_up_motion(void)
-{
-    weft_shape *ball = put(icosphere(2, 0.06));
-    ball->at[1] = -0.068, ball->velocity[1] = 0.2;
-    ball->turn = (weft_turn){ .axis = { 0.2, 1.0, 0.0 },
-                              .about = { 0.01, 0.0, 0.0 },
-                              .rate = 3.0,
-                              .amplitude = 0.4,
-                              .frequency = 2.0 };
-    ball->friction = 0.8;
-    body_mesh *bent = plate(3, 0.2, 0.2);
-    memcpy(bent->places + 48, bent->places, 48 * sizeof(double));
-    memcpy(bent->places + 96, bent->places, 48 * sizeof(double));
-    for (size_t i = 0; i < 32; ++i) {
-        bent->places[48 + 3 * i + 1] = 0.01 * (double)(i / 16 + 1) * (double)(i % 3);
-    }
-    bent->body.keys = 3, bent->body.fps = 20.0;
-    put(bent)->at[1] = -0.06;
-    springs(30.0, 0.03);
-    run.ledger = true;
-}
-
-START_TEST(bodies_that_move_close_the_ledger)
-{
-    set_up_motion();
-    begin(1e-9);
-    go(0.15);
-    const weft_ledger at = weft_sim_ledger(sim);
-    ck_assert_double_gt(fabs(at.shape_work), 1e-5);
-    ck_assert_double_gt(at.dissipated_friction, 1e-6);
-    ck_assert_double_lt(fabs(at.residual), 1e-8 * fabs(at.shape_work));
-}
-END_TEST
-
-static uint64_t hash_of(size_t threads, bool plain, bool saved)
-{
-    setup();
-    set_up_motion();
-    run.config.threads = threads;
-    cloth = test_cloth(&def);
-    if (plain) {
-        weft__cloth_choose(cloth, WEFT__LOOPS);
-    }
-    run.cloth = cloth;
-    run.config.rtol = run.config.atol_position = run.config.atol_velocity = 1e-5;
-    ck_assert(weft_sim_create(&run, &sim, &err) == WEFT_OK);
-    go(0.06);
-    unsigned char *bytes = malloc(weft_sim_save_size(sim));
-    ck_assert(weft_sim_save(sim, bytes, weft_sim_save_size(sim), &err) == WEFT_OK);
-    if (saved) {
-        const size_t size = weft_sim_save_size(sim);
-        weft_sim_destroy(sim);
-        ck_assert(weft_sim_create(&run, &sim, &err) == WEFT_OK);
-        ck_assert_msg(weft_sim_restore(sim, bytes, size, &err) == WEFT_OK, "%s",
-                      err.message);
-    }
-    free(bytes);
-    go(0.12);
-    const uint64_t hash = weft_sim_measure(sim).hash;
-    ck_assert_uint_gt(weft_sim_measure(sim).touching, 0);
-    const weft_stiffness listed
-        = weft_sim_stiffness(sim, weft_sim_time(sim), weft_sim_state(sim));
-    const weft_stiffness sought = weft_cloth_stiffness(
-        weft_sim_cloth(sim), weft_sim_time(sim), weft_sim_state(sim));
-    ck_assert_mem_eq(&listed, &sought, sizeof sought);
-    teardown();
-    return hash;
-}
-
-START_TEST(bits_are_those_of_any_threads_instructions_and_restored_states)
-{
-    const uint64_t one = hash_of(1, false, false);
-    ck_assert_uint_eq(hash_of(3, false, false), one);
-    ck_assert_uint_eq(hash_of(1, true, false), one);
-    ck_assert_uint_eq(hash_of(2, false, true), one);
-}
-END_TEST
-
 /* Down, and each particle at random by much less. */
 static void shift(double *y, double down, uint64_t *seed)
 {
@@ -613,7 +508,6 @@ TEST_SUITE(bodies)
     tcase_add_checked_fixture(time, setup, teardown);
     tcase_add_checked_fixture(slow, setup, teardown);
     tcase_set_timeout(time, 300.0);
-    tcase_add_loop_test(state, forces_are_slopes_of_the_energy, 0, 4);
     tcase_add_test(state, loads_are_the_forces_that_the_cloth_feels);
     tcase_add_loop_test(state, products_are_those_of_pairs_with_bodies, 0, 3);
     tcase_add_test(state, a_pinned_cloth_feels_no_body);
@@ -628,9 +522,6 @@ TEST_SUITE(bodies)
     tcase_add_test(slow, plates_of_any_cells_stop_a_sheet_at_one_depth);
     tcase_add_loop_test(time, nothing_tunnels_through_two_triangles, 0, 5);
     tcase_add_loop_test(slow, friction_holds_on_a_tilted_facet, 0, 2);
-    tcase_add_test(slow, bodies_that_move_close_the_ledger);
-    tcase_add_test(slow,
-                   bits_are_those_of_any_threads_instructions_and_restored_states);
     tcase_add_test(slow, a_landing_keeps_the_order);
     suite_add_tcase(suite, state);
     suite_add_tcase(suite, time);

@@ -114,41 +114,6 @@ static void touch(weft_shape_kind kind, double t)
     }
 }
 
-/* The energy along y + s f(t, y), t + s: its slope at s = 0. */
-static double energy_slope(double t, const double *f, double s)
-{
-    double sides[2];
-    for (int side = 0; side < 2; ++side) {
-        double z[6 * N];
-        const double h = side == 0 ? s : -s;
-        for (size_t j = 0; j < 6 * (size_t)N; ++j) {
-            z[j] = y[j] + h * f[j];
-        }
-        sides[side] = weft_energy_total(weft_cloth_energy(cloth, t + h, z));
-    }
-    return (sides[0] - sides[1]) / (2.0 * s);
-}
-
-START_TEST(powers_are_the_rate_of_the_energy)
-{
-    const double t = 0.37;
-    double f[6 * N], power[WEFT_POWERS];
-    def.contact.law = _i % 2 == 0 ? WEFT_FRICTION_SMOOTH : WEFT_FRICTION_COULOMB;
-    def.contact.exponent = 3 + _i % 8;
-    touch((weft_shape_kind)(_i % 4), t);
-    ck_assert_uint_eq(weft_cloth_touching(cloth, t, y), N);
-    ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, f), 0);
-    weft_cloth_power(cloth, t, y, power);
-    const double rate = energy_slope(t, f, 0x1p-26);
-    const double heat = power[WEFT_POWER_CONTACT] + power[WEFT_POWER_FRICTION];
-    ck_assert_double_eq_tol(power[WEFT_POWER_SHAPES] - heat, rate,
-                            1e-5 * (heat + fabs(rate)));
-    ck_assert_double_gt(power[WEFT_POWER_CONTACT], 0.0);
-    ck_assert_double_gt(power[WEFT_POWER_FRICTION], 0.0);
-    ck_assert(heat == weft_cloth_dissipation(cloth, t, y));
-}
-END_TEST
-
 /* Without damping and friction the force is -dU/dx, and without a shape's work. */
 START_TEST(forces_are_the_slope_of_the_energy)
 {
@@ -618,7 +583,6 @@ TEST_SUITE(contact)
     Suite *suite = suite_create("contact");
     TCase *tcase = tcase_create("contact");
     tcase_add_checked_fixture(tcase, setup, teardown);
-    tcase_add_loop_test(tcase, powers_are_the_rate_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_the_slope_of_the_energy, 0, 16);
     tcase_add_loop_test(tcase, forces_are_those_of_the_formulas, 0, 3);
     tcase_add_loop_test(tcase, a_number_that_the_kind_does_not_read_changes_no_bit, 0,

@@ -275,57 +275,8 @@ END_TEST
 /* ---- powers ------------------------------------------------------------------------
  */
 
-static double total_energy(const double *y)
-{
-    const weft_energy e = weft_cloth_energy(cloth, 0.0, y);
-    return e.kinetic + e.gravitational + e.elastic[0] + e.elastic[1] + e.elastic[2];
-}
-
-/* Some state at time t, with pins at the velocity of their motion. */
-static void some_state(double t, double y[6 * 20])
-{
-    double f[6 * 20];
-    weft_cloth_start(cloth, y);
-    ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, f), 0);
-    for (size_t i = 0; i < 120; ++i) {
-        if (!weft_cloth_pinned(cloth, i % 20)) {
-            y[i] += 0.1 * sin((double)(i * i));
-        } else if (i >= 60) {
-            y[i] = f[i - 60];
-        }
-    }
-}
-
 /* The energy along y + s f(t, y): its slope at s = 0, by a central difference. The
  * moved pin is each of the particles in turn. */
-START_TEST(powers_are_the_rate_of_the_energy)
-{
-    double y[6 * 20], f[6 * 20], ahead[6 * 20], behind[6 * 20], power[WEFT_POWERS];
-    const double t = 0.3, s = 0x1p-14;
-    model.law = _i % 2 == 0 ? WEFT_LAW_HOOKE : WEFT_LAW_STRAIN;
-    pins[0].rows.first = pins[0].rows.last = _i / 5;
-    pins[0].cols.first = pins[0].cols.last = _i % 5;
-    all_at_once();
-    teardown();
-    model.pin_count = 1;
-    cloth = test_cloth(&model);
-    some_state(t, y);
-    ck_assert_int_eq(weft_cloth_rhs(cloth, t, y, f), 0);
-    weft_cloth_power(cloth, t, y, power);
-    for (size_t i = 0; i < 120; ++i) {
-        ahead[i] = y[i] + s * f[i];
-        behind[i] = y[i] - s * f[i];
-    }
-    const double rate = (total_energy(ahead) - total_energy(behind)) / (2.0 * s);
-    const double lost = power[WEFT_POWER_SPRINGS] + power[WEFT_POWER_DRAG];
-    near(power[WEFT_POWER_WIND] + power[WEFT_POWER_PINS] - lost, rate, 1e-6);
-    near(lost, weft_cloth_dissipation(cloth, 0.0, y), 1e-15);
-    for (size_t k = 0; k <= WEFT_POWER_PINS; ++k) {
-        ck_assert_double_gt(fabs(power[k]), 1e-4);
-    }
-}
-END_TEST
-
 /* L = 0 has no direction: no power either. */
 START_TEST(a_spring_without_length_has_no_power)
 {
@@ -426,7 +377,6 @@ TEST_SUITE(ledger)
     add(suite, "failure", a_failed_step_leaves_it_untouched, 1);
     add(suite, "corrections", corrections_are_accounted_for, 1);
     add(suite, "outside", a_state_from_outside_is_gone_on_with, 1);
-    add(suite, "powers", powers_are_the_rate_of_the_energy, 20);
     add(suite, "no length", a_spring_without_length_has_no_power, 1);
     add(suite, "program", series_has_its_columns_where_it_is_asked_for, 1);
     return suite;

@@ -909,25 +909,6 @@ static double product(const double *a, const double *b, size_t count)
     return sum;
 }
 
-START_TEST(force_is_the_slope_of_the_energy)
-{
-    sample of;
-    sample_init(&of, 0);
-    double *moved = malloc(6 * of.n * sizeof *moved), energy[2];
-    for (size_t side = 0; side < 2; ++side) {
-        for (size_t i = 0; i < 6 * of.n; ++i) {
-            moved[i] = of.y[i] + (side == 0 ? -0.5 : 0.5) * of.along[i];
-        }
-        energy[side] = measured(&of, moved).energy.elastic[WEFT_BEND];
-    }
-    push(&of, of.y, of.force);
-    const double work = product(of.force, of.along, 3 * of.n);
-    ck_assert_double_eq_tol((energy[0] - energy[1]) / work, 1.0, 1e-9);
-    free(moved);
-    sample_free(&of);
-}
-END_TEST
-
 START_TEST(momentum_is_kept_and_heat_is_what_damping_takes)
 {
     sample of;
@@ -1116,7 +1097,6 @@ TEST_SUITE(plate)
     tcase_add_test(tcase, hinge_has_one_zero_mode_more);
     tcase_add_test(tcase, matrix_does_not_depend_on_numbers);
     tcase_add_test(tcase, bound_holds_and_is_sharp);
-    tcase_add_test(tcase, force_is_the_slope_of_the_energy);
     tcase_add_loop_test(tcase, momentum_is_kept_and_heat_is_what_damping_takes, 0, 3);
     tcase_add_test(tcase, moving_pins_put_in_what_the_cloth_takes);
     tcase_add_loop_test(tcase, fast_forms_have_the_bits_of_the_loops, 0, 3);

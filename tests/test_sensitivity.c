@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* tags: slow asan-long */
-/* Derivatives of runs by numbers of their scenes: against exact solutions, and against
- * differences of runs with fixed steps, of which they are the derivative. */
+/* Derivatives of runs by numbers of their scenes: against exact solutions, and of
+ * tables and of Verlet's map against differences of runs. test_properties.c has those
+ * of all kinds of scenes. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -34,20 +35,6 @@
     "    - {shape: sphere, at: [0.25, -0.2, -0.22], radius: 0.2, velocity: [0.3, 0, "  \
     "0.1]}\n"
 
-#define SQUARE BUILD_DIR "/tests/sensitivity.obj"
-
-/* A mesh of a fabric, onto a plane. */
-#define MESH                                                                           \
-    "cloth:\n"                                                                         \
-    "  mesh: {file: \"" SQUARE "\"}\n"                                                 \
-    "  fabric: {density: 0.15, stretch: [300, 250], shear: 40, bend: [2e-4, 1e-4], "   \
-    "damping: 0.01}\n"                                                                 \
-    "  pins: [{near: [0, 0, 0]}]\n"                                                    \
-    "forces: {gravity: [0, 0, -9.81]}\n"                                               \
-    "contact:\n"                                                                       \
-    "  thickness: 0.02\n"                                                              \
-    "  shapes: [{shape: plane, at: [0, 0, -0.05], normal: [0, 0, 1]}]\n"
-
 /* A strip whose lower end is lifted to the upper one, which it touches. */
 #define FOLD                                                                           \
     "cloth:\n"                                                                         \
@@ -62,27 +49,6 @@
     "    - {at: {rows: 11, cols: all}, velocity: [0.04, 0, 0.6]}\n"                    \
     "forces: {gravity: [0, 0, -9.81], damping: 0.01}\n"                                \
     "contact: {thickness: 0.02, self: true, slip: 0.05}\n"
-
-/* A sheet that falls on a plate of triangles, which slides and rises. */
-#define PLATE                                                                          \
-    "cloth:\n"                                                                         \
-    "  grid: {rows: 5, cols: 5, spacing: 0.04, origin: [0.06, 0.05, 0.008], down: "    \
-    "[0, 1, 0]}\n"                                                                     \
-    "  density: 0.2\n"                                                                 \
-    "  springs:\n"                                                                     \
-    "    stretch: {stiffness: 50, damping: 0.02}\n"                                    \
-    "    shear: {stiffness: 20, damping: 0.01}\n"                                      \
-    "  velocity: [0.1, 0.2, -0.6]\n"                                                   \
-    "  pins: [{at: top-left, velocity: [0.1, 0, -0.05]}]\n"                            \
-    "forces: {gravity: [0, 0, -9.81]}\n"                                               \
-    "contact:\n"                                                                       \
-    "  thickness: 0.01\n"                                                              \
-    "  slip: 0.05\n"                                                                   \
-    "  damping: 0.3\n"                                                                 \
-    "  stopping_speed: 1\n"                                                            \
-    "  shapes:\n"                                                                      \
-    "    - {shape: mesh, file: \"" SQUARE "\", at: [0.01, 0.02, -0.003], friction: "   \
-    "0.4, velocity: [-0.2, 0, 0.1]}\n"
 
 /* Pins on paths of both splines, of which one begins and ends within the run, and wind
  * that changes. */
@@ -222,27 +188,6 @@ static void check_numbers(const char *text, double d, double bound)
     finish(&of);
 }
 
-static const char sheet_numbers[] = SHEET RK4
-    "run: {duration: 0.15}\n"
-    "sensitivity:\n"
-    "  of: [cloth.springs.stretch.stiffness, cloth.springs.shear.stiffness, "
-    "cloth.springs.bend.stiffness, cloth.springs.stretch.damping, cloth.density, "
-    "cloth.grid.spacing.0, forces.gravity.2, forces.damping, forces.wind.velocity.1, "
-    "forces.wind.drag]\n";
-static const char shape_numbers[] = SHEET RK4
-    "run: {duration: 0.15}\n"
-    "sensitivity:\n"
-    "  of: [contact.friction, contact.thickness, contact.damping, "
-    "contact.stopping_speed, contact.shapes.0.radius, contact.shapes.0.at.2, "
-    "contact.shapes.0.velocity.0, cloth.pins.0.velocity.1, cloth.pins.1.amplitude.2, "
-    "cloth.pins.1.frequency]\n";
-static const char fabric_numbers[]
-    = MESH "stepper: {plugin: gsl, method: rk4, fixed_step: 2e-4}\n"
-           "run: {duration: 0.12}\n"
-           "sensitivity:\n"
-           "  of: [cloth.fabric.density, cloth.fabric.stretch.0, cloth.fabric.shear, "
-           "cloth.fabric.bend.0, cloth.fabric.damping, contact.thickness, "
-           "contact.shapes.0.at.2]\n";
 static const char fold_numbers[]
     = FOLD "stepper: {plugin: gsl, method: rk4, fixed_step: 2.5e-4}\n"
            "run: {duration: 0.25}\n"
@@ -267,82 +212,9 @@ static const char table_values_euler[] = TABLES
     "  of: [cloth.pins.0.path.1.3, cloth.pins.0.path.2.1, cloth.pins.1.path.rows.1.3, "
     "forces.wind.table.rows.1.3]\n";
 
-#define PLATE_NUMBERS                                                                  \
-    "run: {duration: 0.02}\n"                                                          \
-    "sensitivity:\n"                                                                   \
-    "  of: [contact.shapes.0.unit, contact.shapes.0.friction, contact.thickness, "     \
-    "contact.damping, contact.stopping_speed, contact.shapes.0.at.2, "                 \
-    "contact.shapes.0.velocity.0, contact.shapes.0.velocity.2, cloth.density, "        \
-    "cloth.springs.stretch.stiffness, cloth.velocity.2, cloth.pins.0.velocity.2]\n"
-static const char plate_numbers[] = PLATE RK4 PLATE_NUMBERS;
-
-START_TEST(numbers_of_a_sheet_are_those_of_differences)
-{
-    check_numbers(sheet_numbers, 5e-5, 1e-7);
-}
-END_TEST
-
-START_TEST(numbers_of_shapes_and_pins_are_those_of_differences)
-{
-    check_numbers(shape_numbers, 5e-5, 1e-7);
-}
-END_TEST
-
 START_TEST(numbers_of_tables_are_those_of_differences)
 {
     check_numbers(_i == 0 ? table_numbers : table_values_euler, 5e-5, 1e-7);
-}
-END_TEST
-
-static void write_square(size_t side)
-{
-    FILE *file = fopen(SQUARE, "w");
-    ck_assert_ptr_nonnull(file);
-    for (size_t i = 0; i < side * side; ++i) {
-        const double x = 0.1 * (double)(i % side), y = 0.1 * (double)(i / side);
-        fprintf(file, "v %g %g 0\nvt %g %g\n", x, y, x, y);
-    }
-    for (size_t i = 0; i + side < side * side; ++i) {
-        if (i % side + 1 < side) {
-            const size_t a = i + 1, b = i + 2, c = i + side + 1, d = i + side + 2;
-            fprintf(file, "f %zu/%zu %zu/%zu %zu/%zu\nf %zu/%zu %zu/%zu %zu/%zu\n", a,
-                    a, b, b, c, c, b, b, d, d, c, c);
-        }
-    }
-    ck_assert_int_eq(fclose(file), 0);
-}
-
-START_TEST(numbers_of_a_fabric_are_those_of_differences)
-{
-    write_square(4);
-    check_numbers(fabric_numbers, 5e-5, 1e-6);
-}
-END_TEST
-
-/* The last one changes a velocity by 50 m/s per unit of its logarithm. Differences by
- * it of the orders 6 to 12 agree with one another, and scatter by some 1e-8 with their
- * width: the roundoff of the runs. */
-START_TEST(numbers_of_self_contact_are_those_of_differences)
-{
-    end of = run(fold_numbers, NULL, 0);
-    ck_assert_uint_gt(weft_sim_measure(of.sim).self_touching, 4);
-    for (size_t j = 0; j < 4; ++j) {
-        check_number(&of, fold_numbers, j, j < 3 ? 1e-4 : 6e-5, j < 3 ? 1e-8 : 2e-8);
-    }
-    finish(&of);
-}
-END_TEST
-
-/* The first one moves its edges past those of the cloth. */
-START_TEST(numbers_of_a_body_are_those_of_differences)
-{
-    write_square(4);
-    end of = run(plate_numbers, NULL, 0);
-    ck_assert_uint_gt(weft_sim_measure(of.sim).touching, 10);
-    for (size_t j = 0; j < weft_scene_sensitivities(of.scene)->count; ++j) {
-        check_number(&of, plate_numbers, j, j == 0 ? 1e-5 : 4e-4, 1e-8);
-    }
-    finish(&of);
 }
 END_TEST
 
@@ -610,83 +482,6 @@ START_TEST(scale_is_that_of_the_results_alone)
 }
 END_TEST
 
-/* ---- the derivative of the right-hand side ----------------------------------------
- */
-
-/* The derivative of the right-hand side at (t, y) by p = `value` of a key, of the
- * fourth order in steps of d p. */
-static void slope_of_rates(const char *text, const char *key, double value, double d,
-                           double t, const double *y, size_t dim, double *slope)
-{
-    const double weights[] = { 1.0, -8.0, 8.0, -1.0 }, at[] = { -2.0, -1.0, 1.0, 2.0 };
-    double *rates = malloc(dim * sizeof *rates);
-    memset(slope, 0, dim * sizeof *slope);
-    for (size_t i = 0; i < 4; ++i) {
-        char set[160];
-        const char *const sets[] = { set, "sensitivity=null" };
-        (void)snprintf(set, sizeof set, "%s=%.17g", key, value * (1.0 + at[i] * d));
-        end of = begin(text, sets, 2);
-        ck_assert_int_eq(weft_cloth_rhs(of.cloth, t, y, rates), 0);
-        for (size_t k = 0; k < dim; ++k) {
-            slope[k] += weights[i] * rates[k] / (12.0 * d);
-        }
-        finish(&of);
-    }
-    free(rates);
-}
-
-static const struct {
-    const char *text;
-    double step; /* of p: of contact, which is steep, a short one */
-} products[] = { { sheet_numbers, 2e-4 },
-                 { shape_numbers, 2e-4 },
-                 { fabric_numbers, 2e-4 },
-                 { plate_numbers, 2e-5 },
-                 { fold_numbers, 5e-5 } };
-
-START_TEST(product_is_the_derivative_of_the_right_hand_side_by_a_number)
-{
-    const char *text = products[_i].text;
-    write_square(4);
-    end of = run(text, NULL, 0);
-    const weft_scene_sensitivity *numbers = weft_scene_sensitivities(of.scene);
-    const weft_sensitivity_def *def = weft_scene_perturbed_def(of.perturbed);
-    const size_t dim = weft_cloth_dim(of.cloth);
-    const double t = weft_sim_time(of.sim), *y = weft_sim_state(of.sim);
-    double *out = malloc(2 * dim * sizeof *out), *slope = out + dim, rate = 0.0;
-    ck_assert_int_eq(weft_cloth_rhs(of.cloth, t, y, out), 0);
-    for (size_t i = 0; i < dim; ++i) {
-        rate = fmax(rate, fabs(out[i]));
-    }
-    for (size_t j = 0; j < def->count; ++j) {
-        const weft_parameter *number = &def->parameters[j];
-        const double roundoff = DBL_EPSILON * rate / number->span;
-        double most = 0.0, error = 0.0, along, sum = 0.0;
-        ck_assert_int_eq(weft_cloth_parameter_product(number->less, number->more,
-                                                      number->span, t, y, out),
-                         0);
-        slope_of_rates(text, numbers->keys[j], numbers->values[j], products[_i].step, t,
-                       y, dim, slope);
-        for (size_t i = 0; i < dim; ++i) {
-            most = fmax(most, fabs(slope[i]));
-            error = fmax(error, fabs(out[i] - slope[i]));
-            sum += y[i] * out[i];
-        }
-        ck_assert_msg(most > 0.0 && error <= 1e-8 * most + roundoff,
-                      "%s: %g, of which %g is wrong", numbers->keys[j], most, error);
-        ck_assert_int_eq(weft_cloth_parameter_product_transposed(
-                             number->less, number->more, number->span, t, y, y, &along),
-                         0);
-        ck_assert_double_eq(along, sum);
-    }
-    ck_assert_int_eq(
-        weft_cloth_parameter_product(of.cloth, def->parameters[0].more, 0.0, t, y, out),
-        -1);
-    free(out);
-    finish(&of);
-}
-END_TEST
-
 /* ---- gradients --------------------------------------------------------------------
  */
 
@@ -826,39 +621,6 @@ START_TEST(gradient_of_tables_is_that_of_forward_mode)
         "stepper={plugin: verlet, method: symplectic_euler, fixed_step: 1e-3}",
     };
     (void)check_gradient(TABLES TABLE_NUMBERS, steppers[_i]);
-}
-END_TEST
-
-START_TEST(gradient_of_a_mesh_is_that_of_forward_mode)
-{
-    write_square(4);
-    (void)check_gradient(
-        MESH "run: {duration: 0.12}\n"
-             "sensitivity:\n"
-             "  of: [cloth.fabric.density, cloth.fabric.stretch.0, "
-             "cloth.fabric.shear, cloth.fabric.bend.0, cloth.fabric.damping, "
-             "contact.thickness, contact.shapes.0.at.2]\n",
-        "stepper={plugin: gsl, method: rkf45, fixed_step: 1e-4}");
-}
-END_TEST
-
-/* In touch with itself, and with a body, rough. */
-START_TEST(gradient_of_contact_is_that_of_forward_mode)
-{
-    write_square(4);
-    if (_i == 0) {
-        (void)check_gradient(
-            FOLD "run: {duration: 0.23}\n"
-                 "sensitivity:\n"
-                 "  of: [contact.thickness, contact.friction, contact.damping, "
-                 "cloth.density, cloth.springs.bend.stiffness, "
-                 "cloth.pins.1.velocity.2]\n",
-            "stepper={plugin: verlet, method: velocity_verlet, fixed_step: 5e-4}");
-    } else {
-        (void)check_gradient(
-            PLATE PLATE_NUMBERS,
-            "stepper={plugin: gsl, method: rkf45, rtol: 1e-5, atol: 1e-5}");
-    }
 }
 END_TEST
 
@@ -1173,12 +935,7 @@ TEST_SUITE(sensitivity)
     Suite *suite = suite_create("sensitivity");
     TCase *tests = tcase_create("runs");
     tcase_set_timeout(tests, 300);
-    tcase_add_test(tests, numbers_of_a_sheet_are_those_of_differences);
-    tcase_add_test(tests, numbers_of_shapes_and_pins_are_those_of_differences);
     tcase_add_loop_test(tests, numbers_of_tables_are_those_of_differences, 0, 2);
-    tcase_add_test(tests, numbers_of_a_fabric_are_those_of_differences);
-    tcase_add_test(tests, numbers_of_self_contact_are_those_of_differences);
-    tcase_add_test(tests, numbers_of_a_body_are_those_of_differences);
     tcase_add_test(tests, verlet_has_the_derivative_of_its_own_map);
     tcase_add_test(tests, a_hanging_mass_is_exact);
     tcase_add_test(tests, implicit_and_stabilised_methods_have_their_order);
@@ -1189,12 +946,8 @@ TEST_SUITE(sensitivity)
     tcase_add_loop_test(tests, a_restored_run_goes_on_to_the_same_bits, 0, 2);
     tcase_add_test(tests, a_landing_is_right_at_loose_tolerances);
     tcase_add_test(tests, scale_is_that_of_the_results_alone);
-    tcase_add_loop_test(
-        tests, product_is_the_derivative_of_the_right_hand_side_by_a_number, 0, 5);
     tcase_add_loop_test(tests, gradient_is_that_of_forward_mode, 0, 8);
     tcase_add_loop_test(tests, gradient_of_tables_is_that_of_forward_mode, 0, 4);
-    tcase_add_test(tests, gradient_of_a_mesh_is_that_of_forward_mode);
-    tcase_add_loop_test(tests, gradient_of_contact_is_that_of_forward_mode, 0, 2);
     tcase_add_test(tests, gradient_of_a_fall_is_exact);
     tcase_add_test(tests, gradient_goes_through_steps_that_were_taken_back);
     tcase_add_test(tests, a_run_leaves_its_derivatives);

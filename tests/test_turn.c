@@ -98,21 +98,6 @@ static void sheet_on_turning_shapes(void)
     model.contact.damping = 1.0;
 }
 
-START_TEST(the_work_of_shapes_that_turn_closes_the_ledger)
-{
-    sheet_on_turning_shapes();
-    run.ledger = true;
-    run.method = test_method_named("arkode/dormand_prince");
-    tolerance(1e-10);
-    start();
-    go(0.4);
-    const weft_ledger all = weft_sim_ledger(sim);
-    ck_assert_double_gt(all.shape_work, 0.05);
-    ck_assert_double_gt(all.dissipated_friction, 1e-3);
-    ck_assert_double_eq_tol(all.residual, 0.0, 1e-8 * all.shape_work);
-}
-END_TEST
-
 static void pose(const weft_sim *of, double at_rotation[12])
 {
     weft_cloth_shape_pose(weft_sim_cloth(of), 0, weft_sim_time(of), at_rotation, NULL);
@@ -213,7 +198,6 @@ TEST_SUITE(turn)
     tcase_add_checked_fixture(tcase, setup, teardown);
     tcase_add_test(tcase, a_box_that_turns_is_a_turntable);
     tcase_add_loop_test(tcase, nothing_passes_a_blade, 0, 8);
-    tcase_add_test(tcase, the_work_of_shapes_that_turn_closes_the_ledger);
     tcase_add_test(tcase, a_shape_that_is_driven_goes_on_from_its_pose);
     tcase_add_test(tcase, a_saved_shape_turns_on_with_the_same_bits);
     tcase_add_test(tcase, hashes_tell_turns_apart);

@@ -77,34 +77,6 @@ START_TEST(power_of_the_wind_is_its_force_times_velocity)
 }
 END_TEST
 
-START_TEST(product_is_the_derivative_of_the_wind)
-{
-    static double z[6 * N], ahead[6 * N], behind[6 * N];
-    const double step = 1e-7;
-    fill(m.y, 0.01, 3 * N, true);
-    fill(m.y + 3 * N, 2.0, 3 * N, false);
-    fill(m.d, 1.0, 6 * N, false);
-    for (size_t j = 0; j < 6 * N; ++j) {
-        z[j] = m.y[j] + step * m.d[j];
-    }
-    ck_assert_int_eq(weft_cloth_rhs(m.cloth, 0.0, z, ahead), 0);
-    for (size_t j = 0; j < 6 * N; ++j) {
-        z[j] = m.y[j] - step * m.d[j];
-    }
-    ck_assert_int_eq(weft_cloth_rhs(m.cloth, 0.0, z, behind), 0);
-    ck_assert_int_eq(weft_cloth_jacobian_product(m.cloth, 0.0, m.y, m.d, m.f), 0);
-    double most = 0.0;
-    for (size_t j = 3 * N; j < 6 * N; ++j) {
-        most = fmax(most, fabs(m.f[j]));
-    }
-    ck_assert_double_gt(most, 10.0);
-    for (size_t j = 3 * N; j < 6 * N; ++j) {
-        ck_assert_double_eq_tol(m.f[j] / most,
-                                (ahead[j] - behind[j]) / (2.0 * step) / most, 1e-7);
-    }
-}
-END_TEST
-
 /* By the quotient of the worst direction: along the normal of a flat sheet. */
 START_TEST(bound_of_damping_holds_and_is_reached)
 {
@@ -257,7 +229,6 @@ TEST_SUITE(wind)
     tcase_add_checked_fixture(tcase, setup, teardown);
     tcase_add_test(tcase, flat_sheet_feels_the_wind_along_its_normal_alone);
     tcase_add_test(tcase, power_of_the_wind_is_its_force_times_velocity);
-    tcase_add_test(tcase, product_is_the_derivative_of_the_wind);
     tcase_add_test(tcase, bound_of_damping_holds_and_is_reached);
     tcase_add_test(tcase, folded_triangle_of_no_area_feels_no_wind);
     tcase_add_test(tcase, a_wind_that_was_set_is_the_wind_of_a_definition);
