@@ -260,19 +260,19 @@ END_TEST
 
 /* Springs of a graph without any order: a ring, chords of all lengths, a star and two
  * particles that nothing holds. */
-enum { RING = 997, LONE = 2, BONDS = 4 * RING };
-static weft_spring_run chords[BONDS];
+enum { RING = 997, LONE = 2, PAIRS = 4 * RING };
+static weft_spring_run chords[PAIRS];
 
 static int chord_planes(double t, const double *y, double *planes, double *blocks,
                         void *ctx)
 {
     (void)t, (void)y, (void)blocks, (void)ctx;
-    for (size_t e = 0; e < BONDS; ++e) {
+    for (size_t e = 0; e < PAIRS; ++e) {
         const double a = sin((double)e), b = cos((double)e);
         const double values[6]
             = { a, b * a, b * b, 900.0 + 50.0 * a, 100.0 * (1.0 + b), 0.1 };
         for (size_t k = 0; k < 6; ++k) {
-            planes[k * BONDS + e] = values[k];
+            planes[k * PAIRS + e] = values[k];
         }
     }
     return 0;
@@ -295,8 +295,8 @@ START_TEST(any_graph_is_solved)
     }
     const weft_structure graph = { .struct_size = sizeof graph,
                                    .particles = N,
-                                   .run_count = BONDS,
-                                   .pair_count = BONDS,
+                                   .run_count = PAIRS,
+                                   .pair_count = PAIRS,
                                    .runs = chords,
                                    .mass = mass,
                                    .drag = drag,

@@ -37,7 +37,7 @@ WIDE static void add_positive(double *to, const double *from, size_t count)
 }
 
 /* The symmetric part of each link's block: the others' sum is symmetric. */
-static void add_links_diagonal(const weft__network *self, double *d)
+static void add_couplings_diagonal(const weft__network *self, double *d)
 {
     static const size_t place[6] = { 0, 1, 2, 4, 5, 8 };
     static const size_t mirror[6] = { 0, 3, 6, 4, 7, 8 }, square[3] = { 0, 3, 5 };
@@ -64,17 +64,17 @@ static void diagonal(const weft__network *self, double *d)
 {
     memcpy(d, self->point, 6 * self->n * sizeof *d);
     for (size_t plane = 0; plane < 6; ++plane) {
-        const double *bond = self->spring_entries + plane * self->pair_count;
+        const double *entries = self->spring_entries + plane * self->pair_count;
         double *to = d + plane * self->n;
         const bool square = plane == 0 || plane == 3 || plane == 5; /* xx, yy, zz */
         for (size_t r = 0; r < self->run_count; ++r) {
             const weft_spring_run *run = &self->runs[r];
-            (square ? add_positive : add_to)(to + run->p, bond, run->count);
-            (square ? add_positive : add_to)(to + run->q, bond, run->count);
-            bond += run->count;
+            (square ? add_positive : add_to)(to + run->p, entries, run->count);
+            (square ? add_positive : add_to)(to + run->q, entries, run->count);
+            entries += run->count;
         }
     }
-    add_links_diagonal(self, d);
+    add_couplings_diagonal(self, d);
 }
 
 /* In place. A block of 0 stays 0. */

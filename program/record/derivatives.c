@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* derivatives.c -- derivatives of a run by numbers of its scene, as files have them. */
+/* derivatives.c -- derivatives of a run with respect to parameters of its scene, as
+ * files have them. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -60,7 +61,7 @@ static double diagonal(const weft_cloth *cloth)
 }
 
 double record_sensitivity_growth(const weft_scene *scene, const weft_sim *sim,
-                                 size_t *number)
+                                 size_t *parameter)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(scene);
     double most = 0.0;
@@ -69,8 +70,8 @@ double record_sensitivity_growth(const weft_scene *scene, const weft_sim *sim,
             = 0.01 * fabs(unit_of(of, j)) * record_sensitivity_most(scene, sim, j);
         if (moved > most) {
             most = moved;
-            if (number != NULL) {
-                *number = j;
+            if (parameter != NULL) {
+                *parameter = j;
             }
         }
     }

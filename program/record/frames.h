@@ -88,7 +88,7 @@ static inline void record_face(const record_faces *of, size_t f, size_t corners[
 
 /* ---- the frames ---- */
 
-enum { RECORD_KEY = 128 }; /* room for a key of a number, as names of sets have it */
+enum { RECORD_KEY = 128 }; /* room for a parameter's key, as names of sets have it */
 
 typedef struct record_frames {
     record_faces faces;

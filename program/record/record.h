@@ -61,18 +61,18 @@ void record_csv_quoted(FILE *stream, const char *text);
 weft_status record_crossings(const char *directory, const weft_cloth *cloth,
                              const double *y, weft_error *err);
 
-/* ---- derivatives.c: derivatives of a run by numbers of its scene, in its `scale`:
- * p dy/dp, or dy/dp ---- */
+/* ---- derivatives.c: derivatives of a run with respect to parameters of its scene, in
+ * its `scale`: p dy/dp, or dy/dp ---- */
 
-/* Positions, or velocities, of number j: 3 N in the order of the files. */
+/* Positions, or velocities, of parameter j: 3 N in the order of the files. */
 void record_sensitivity(const weft_scene *scene, const weft_sim *sim, size_t j,
                         bool velocities, double *xyz);
 /* The largest |s| of a position. */
 double record_sensitivity_most(const weft_scene *scene, const weft_sim *sim, size_t j);
-/* By how many times the cloth's rest diagonal 1 % of a number moves a particle, and of
- * which number (NULL: not wanted); 0 without sensitivities. */
+/* By how many times the cloth's rest diagonal 1 % of a parameter moves a particle, and
+ * of which one (NULL: not wanted); 0 without sensitivities. */
 double record_sensitivity_growth(const weft_scene *scene, const weft_sim *sim,
-                                 size_t *number);
+                                 size_t *parameter);
 /* sensitivity.csv: all of them at present. */
 #define RECORD_SENSITIVITY "sensitivity.csv"
 weft_status record_sensitivities(const char *directory, const weft_scene *scene,

@@ -145,7 +145,7 @@ static bool has(const record_series *series, unsigned option)
     return option == EVERY || (series->optional & option) != 0;
 }
 
-size_t record_series_numbers(const record_series *series)
+size_t record_series_sensitivities(const record_series *series)
 {
     return series->scene != NULL ? weft_scene_sensitivities(series->scene)->count : 0;
 }
@@ -164,7 +164,7 @@ void record_series_begin(record_series *series, unsigned optional,
     COLUMNS(NAME)
 #undef NAME_OF_LEDGER
 #undef NAME
-    for (size_t j = 0; j < record_series_numbers(series); ++j) {
+    for (size_t j = 0; j < record_series_sensitivities(series); ++j) {
         (void)snprintf(series->own_names[j], RECORD_COLUMN_NAME, "sensitivity_%s",
                        weft_scene_sensitivities(series->scene)->keys[j]);
         series->names[series->columns++] = series->own_names[j];
@@ -207,7 +207,7 @@ weft_status record_series_add(record_series *series, const record_frame *frame,
     COLUMNS(CELL)
 #undef CELL_OF_LEDGER
 #undef CELL
-    for (size_t j = 0; j < record_series_numbers(series); ++j) {
+    for (size_t j = 0; j < record_series_sensitivities(series); ++j) {
         const double most = record_sensitivity_most(series->scene, frame->sim, j);
         used += (size_t)snprintf(line + used, sizeof line - used, "%.17g,", most);
         series->row[column++] = most;

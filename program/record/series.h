@@ -57,8 +57,8 @@ typedef struct record_series {
     weft_spring worst;              /* the spring of max_strain in the last row */
 } record_series;
 
-/* How many numbers it is differentiated by. */
-size_t record_series_numbers(const record_series *series);
+/* How many parameters it is differentiated with respect to. */
+size_t record_series_sensitivities(const record_series *series);
 
 /* Names the columns, those of the sensitivities of `scene` last (NULL: none). Until a
  * file is opened, record_series_add only fills `row`. */

@@ -154,7 +154,7 @@ static bool is_recorded(const record_vtkhdf *self, size_t set)
     return set == VELOCITY ? wanted[WEFT_RECORD_VELOCITY]
            : set == STRAIN ? wanted[WEFT_RECORD_STRAIN]
            : set >= SENSITIVITY && set < PARTS
-               ? set - SENSITIVITY < record_series_numbers(self->def.series)
+               ? set - SENSITIVITY < record_series_sensitivities(self->def.series)
            : set >= FIELDS ? vtkhdf_is_field(self->def.series->names[set - FIELDS])
                            : true;
 }

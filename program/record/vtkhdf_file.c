@@ -320,7 +320,7 @@ static bool field(const builder *self, weft_record_field field, const char *path
 static bool sensitivities(const builder *self)
 {
     bool good = true;
-    for (size_t j = 0; j < record_series_numbers(self->def->series); ++j) {
+    for (size_t j = 0; j < record_series_sensitivities(self->def->series); ++j) {
         char path[160], offsets[160];
         const char *key = weft_scene_sensitivities(self->def->series->scene)->keys[j];
         (void)snprintf(path, sizeof path, ROOT "PointData/s_%s", key);

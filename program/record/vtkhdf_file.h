@@ -62,7 +62,7 @@ enum {
     VTKHDF_POINTS,
     VTKHDF_VELOCITY,
     VTKHDF_STRAIN,
-    VTKHDF_SENSITIVITY, /* of each number */
+    VTKHDF_SENSITIVITY, /* with respect to each parameter */
     VTKHDF_ROW_SETS = VTKHDF_SENSITIVITY + WEFT_SENSITIVITIES
 };
 

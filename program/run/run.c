@@ -21,7 +21,7 @@ static void on_log(void *ctx, weft_log_level level, const char *text)
     }
 }
 
-/* At most once a run, also when quiet. */
+/* At most once per run, even with --quiet. */
 static void warn_of_held(run *self)
 {
     char spring[SPRING];

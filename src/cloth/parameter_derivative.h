@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* parameter_derivative.h -- the derivative of the right-hand side by a number of the
- * definition, from two cloths that have less and more of it: of the forces whose
- * numbers differ, of the masses and of the motions of pins.
+/* parameter_derivative.h -- the derivative of the right-hand side with respect
+ * to a parameter of the definition, from two cloths that have less and more of it: of
+ * the forces whose parameters differ, of the masses and of the motions of pins.
  *
  * That of springs, weight, air and masses is their law's, which products of the
  * Jacobian add (weft__spring_derivative). All others are a central difference. */
@@ -27,7 +27,7 @@ typedef struct weft__parameter_derivative {
 } weft__parameter_derivative;
 
 /* The derivative times `scale`, of two that are `span` apart. Errors:
- * WEFT_INVALID if the two differ from `cloth` in more than numbers; WEFT_NO_MEMORY.
+ * WEFT_INVALID if the two differ from `cloth` in more than parameters; WEFT_NO_MEMORY.
  * Free it then too. */
 weft_status weft__parameter_derivative_init(weft__parameter_derivative *of,
                                             const weft_cloth *cloth,

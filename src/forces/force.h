@@ -113,10 +113,10 @@ typedef struct weft__force_changes {
 } weft__force_changes;
 
 /* The force itself. The first of the table starts a sum, the others add to it.
- * `change`: the derivative of add along at->along, which of a linear force is add
- * itself; `transposed`: its transpose, of the whole cloth, which of a linear force is
- * add by x and by v apart, and of springs, weight and air that of the springs.
- * `swept`: the sweep over springs has it, and products with their directions.
+ * `change`: the derivative of add along at->along; for a linear force this is add
+ * itself. `transposed`: its transpose, of the whole cloth; for a linear force this is
+ * add with respect to x and to v apart, and of springs, weight and air that of the
+ * springs. `swept`: the sweep over springs has it, and products with their directions.
  * `piece`: keeps the times of its tables and keys that are next to t (mesh/track.h). */
 typedef struct weft__force_law {
     bool linear, swept;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scene_sensitivity.c -- the numbers by which a scene is differentiated, what of it has
- * no derivative, and the cloths with less and more of each. */
+/* scene_sensitivity.c -- the parameters with respect to which a scene is
+ * differentiated, what of it has no derivative, and the cloths with less and more of
+ * each. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +12,9 @@
 
 enum { KEY_LENGTH = 96 }; /* with what results put before it, the name of a column */
 
-/* Of a number, to less and to more of it: what is linear in it has 5e-10 of roundoff,
- * and the difference of a length a thousand times the thickness an error of 1e-8. */
+/* Of a parameter, to less and to more of it: what is linear in it has 5e-10 of
+ * roundoff, and the difference of a length a thousand times the thickness an error of
+ * 1e-8. */
 #define STEP 0x1p-22
 
 /* ---- keys ------------------------------------------------------------------------ */
@@ -264,7 +266,7 @@ typedef struct perturbed_copy {
 struct weft_scene_perturbed {
     weft_allocator memory;
     weft_sensitivity_def def;
-    weft_parameter numbers[WEFT_SENSITIVITIES];
+    weft_parameter parameters[WEFT_SENSITIVITIES];
     perturbed_copy of[WEFT_SENSITIVITIES][2];
 };
 
@@ -286,7 +288,8 @@ void weft_scene_perturbed_destroy(weft_scene_perturbed *perturbed)
     }
 }
 
-/* Whether two scenes that differ by a number have as many triangles of each shape. */
+/* Whether two scenes that differ in a parameter have as many triangles of each shape.
+ */
 static bool same_triangles(const weft_scene *a, const weft_scene *b)
 {
     const weft_contact_def *of[2] = { &a->cloth.contact, &b->cloth.contact };
@@ -360,8 +363,8 @@ static weft_status make_pair(weft_scene_perturbed *of, const weft_scene *scene,
             status = load_perturbed(scene, def, i, p, one, err);
         }
     }
-    of->numbers[i] = (weft_parameter){ key, of->of[i][0].cloth, of->of[i][1].cloth,
-                                       (at[1] - at[0]) / u };
+    of->parameters[i] = (weft_parameter){ key, of->of[i][0].cloth, of->of[i][1].cloth,
+                                          (at[1] - at[0]) / u };
     return status == WEFT_OK && at[0] == at[1] ? outside : status;
 }
 
@@ -375,7 +378,7 @@ weft_status weft_scene_perturbed_create(const weft_scene *scene,
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for sensitivities");
     }
     of->memory = scene->memory;
-    of->def = (weft_sensitivity_def){ scene->sensitivity.count, of->numbers,
+    of->def = (weft_sensitivity_def){ scene->sensitivity.count, of->parameters,
                                       scene->sensitivity.control };
     weft_status status = WEFT_OK;
     for (size_t i = 0; status == WEFT_OK && i < of->def.count; ++i) {

@@ -5,9 +5,9 @@
  * computed again, kept, and gone through from their end. Both levels have as much
  * memory.
  *
- * With the derivatives G_j of the objective by the states j = k + 1, ... of a step
- * (sim/stages.h), that by rate k is w_k = sum share_jk G_j, G_k = J^T w_k, and what it
- * adds by a number w_k.df/dp. */
+ * With the derivatives G_j of the objective with respect to the states j = k + 1, ...
+ * of a step (sim/stages.h), that by rate k is w_k = sum share_jk G_j, G_k = J^T w_k,
+ * and what it adds with respect to a parameter w_k.df/dp. */
 #include <math.h>
 
 #include "base/memory.h"
@@ -29,7 +29,7 @@ typedef struct adjoint {
     weft_sim *sim;
     weft_allocator memory;
     weft__stages *table;
-    weft__parameter_derivative *derivatives; /* of each number */
+    weft__parameter_derivative *derivatives; /* of each parameter */
     recorded_step *steps;
     size_t count, room_for; /* steps */
     size_t *frame;          /* of each frame the step after it */
@@ -43,7 +43,7 @@ typedef struct adjoint {
      * second half is ever written. */
     double *vectors, *w, *carried;
     double *room[3];
-    double *net; /* [N] 3 N, if the masses depend on a number, else NULL */
+    double *net; /* [N] 3 N, if the masses depend on a parameter, else NULL */
     double *value, *by_parameter;
 } adjoint;
 
@@ -132,15 +132,15 @@ static weft_status adjoint_make_room(adjoint *of, weft_error *err)
 static weft_status make_derivatives(adjoint *of, weft_error *err)
 {
     for (size_t j = 0; j < of->def->count; ++j) {
-        const weft_parameter *number = &of->def->parameters[j];
+        const weft_parameter *parameter = &of->def->parameters[j];
         weft_error inner = { 0 };
         const weft_status status = weft__parameter_derivative_init(
-            &of->derivatives[j], of->sim->cloth, number->less, number->more,
-            number->span, 1.0, &of->memory, &inner);
+            &of->derivatives[j], of->sim->cloth, parameter->less, parameter->more,
+            parameter->span, 1.0, &of->memory, &inner);
         if (status != WEFT_OK) {
-            return weft_error_set(err, status, "gradient, parameter %zu, %.60s: %.200s",
-                                  j, number->name == NULL ? "unnamed" : number->name,
-                                  inner.message);
+            return weft_error_set(
+                err, status, "gradient, parameter %zu, %.60s: %.200s", j,
+                parameter->name == NULL ? "unnamed" : parameter->name, inner.message);
         }
         of->by_parameter[j] = 0.0;
         if (of->derivatives[j].inverse_mass != NULL) {
@@ -414,7 +414,7 @@ static void find_by_rate(const adjoint *of, size_t k, double h, double *w)
     }
 }
 
-/* Adds w.df/dp of each number in a state, and writes J^T w. */
+/* Adds w.df/dp of each parameter in a state, and writes J^T w. */
 static int go_through(adjoint *of, double t, const double *y, const double *w,
                       double *out)
 {
@@ -462,8 +462,8 @@ static void find_start(const adjoint *of, double h, double *to)
     }
 }
 
-/* Adds what depends on the numbers where a piece ends after a step: the places of pins
- * are the sum of what the step leads to and a jump, their velocities are set. */
+/* Adds what depends on the parameters where a piece ends after a step: the places of
+ * pins are the sum of what the step leads to and a jump, their velocities are set. */
 static void jump_back(adjoint *of, size_t step)
 {
     const weft__mesh *mesh = &of->sim->cloth->mesh;
@@ -564,7 +564,8 @@ static weft_status go_back(adjoint *of, weft_error *err)
                : status;
 }
 
-/* The derivative by the first state, and by the numbers that it depends on. */
+/* The derivative with respect to the first state, and to the parameters that it depends
+ * on. */
 static void finish(adjoint *of, double *by_start)
 {
     const size_t dim = dim_of(of);

@@ -472,15 +472,15 @@ static void do_rest(band_rhs *all, bool now)
 {
     const weft__forces *forces = all->forces;
     const weft__mesh *mesh = &forces->cloth->mesh;
-    const bool joins = forces->exchange.joint.cloth != NULL;
+    const bool gathers = forces->exchange.gather.cloth != NULL;
     all->edges = false;
-    if (now == joins) {
+    if (now == gathers) {
         weft__pool_run(forces->pool, mesh->triangles != NULL ? do_kind : do_inner, all,
                        all->parts);
     }
-    if (now && joins) {
-        (void)weft__joint_end(forces, all->of->y, 0);
-        if (weft__joint_add(forces, all->dydt + 3 * mesh->particles) != 0) {
+    if (now && gathers) {
+        (void)weft__gather_end(forces, all->of->y, 0);
+        if (weft__gather_add(forces, all->dydt + 3 * mesh->particles) != 0) {
             atomic_store(&all->failed, 1);
         }
     }
@@ -531,7 +531,7 @@ int weft__bands_rhs(const weft__forces *forces, const weft__state *of, double *d
                              .above = band.above,
                              .own = band.own,
                              .below = band.below };
-    weft__joint_begin(forces, of->y);
+    weft__gather_begin(forces, of->y);
     if (!grid) {
         return rhs_of_triangles(&all);
     }

@@ -67,7 +67,7 @@ void weft__forces_destroy(weft__forces *forces)
     WEFT__FREE_ALL(&forces->memory, forces->contact_stiffness, forces->measures,
                    forces->all, forces->exchange.parcels, forces->exchange.sent,
                    forces->exchange.room, forces->exchange.edge,
-                   forces->exchange.joint.room, forces->exchange.joint.parcels);
+                   forces->exchange.gather.room, forces->exchange.gather.parcels);
 }
 
 /* The first block of a span, the last that of none. */
@@ -154,7 +154,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
     if ((forces->self != NULL || forces->bodies != NULL) && of != weft__block_worst) {
-        weft__joint_measure(forces, at, &sum);
+        weft__gather_measure(forces, at, &sum);
     }
     return sum;
 }

@@ -9,10 +9,10 @@
 
 #include "sim/forces.h"
 
-/* Whether that is possible: on a whole grid whose forces act within two rows. */
+/* Whether rounds are possible: on a whole grid whose forces act within two rows. */
 bool weft__round_can(const weft__forces *forces);
 
-/* And faster, as it is where the state is large. */
+/* Whether they are worthwhile: only where the state exceeds the caches. */
 bool weft__round_pays(const weft__forces *forces);
 
 /* As weft_pass.round; does not ask `stop`. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* sensitivity.c -- the derivatives s = u dy/dp of the state by numbers p, which the
- * stepper integrates with it (docs/guides/gradients.md):
+/* sensitivity.c -- the derivatives s = u dy/dp of the state with respect to parameters
+ * p, which the stepper integrates with it (docs/guides/gradients.md):
  *
  *     s' = J s + u df/dp
  *
@@ -89,11 +89,11 @@ static bool sensitivity_make_room(weft_sim *sim, weft__sensitivity *of)
 static void sensitivity_start(const weft_sim *sim, weft__sensitivity *of, size_t j)
 {
     const size_t dim = weft_cloth_dim(sim->cloth);
-    const weft_parameter *number = &sim->def.sensitivity->parameters[j];
-    weft_cloth_start(number->less, of->room[0]);
-    weft_cloth_start(number->more, of->room[1]);
+    const weft_parameter *parameter = &sim->def.sensitivity->parameters[j];
+    weft_cloth_start(parameter->less, of->room[0]);
+    weft_cloth_start(parameter->more, of->room[1]);
     for (size_t i = 0; i < dim; ++i) {
-        of->s[j * dim + i] = (of->room[1][i] - of->room[0][i]) / number->span;
+        of->s[j * dim + i] = (of->room[1][i] - of->room[0][i]) / parameter->span;
     }
 }
 
@@ -120,15 +120,15 @@ weft_status weft__sensitivity_init(weft_sim *sim, weft_error *err)
         return WEFT_NO_MEMORY;
     }
     for (size_t j = 0; j < of->count; ++j) {
-        const weft_parameter *number = &def->parameters[j];
+        const weft_parameter *parameter = &def->parameters[j];
         weft_error inner = { 0 };
         const weft_status status = weft__parameter_derivative_init(
-            &of->of[j], sim->cloth, number->less, number->more, number->span,
+            &of->of[j], sim->cloth, parameter->less, parameter->more, parameter->span,
             of->factor, &sim->memory, &inner);
         if (status != WEFT_OK) {
             return weft_error_set(
                 err, status, "sensitivity, parameter %zu, %.60s: %.200s", j,
-                number->name == NULL ? "unnamed" : number->name, inner.message);
+                parameter->name == NULL ? "unnamed" : parameter->name, inner.message);
         }
     }
     if (!sensitivity_make_room(sim, of)) {
@@ -287,7 +287,7 @@ typedef struct job {
     atomic_int failed;
 } job;
 
-/* The products of numbers [j, j + count) of springs, weight and air, and unless the
+/* The products of parameters [j, j + count) of springs, weight and air, and unless the
  * state's rates are there already, these. */
 static int sweep(const job *of, size_t j, size_t count, size_t first, size_t end)
 {
@@ -309,7 +309,7 @@ static int sweep(const job *of, size_t j, size_t count, size_t first, size_t end
                                    end);
 }
 
-/* What the other forces add to those of number j. */
+/* What the other forces add to those of parameter j. */
 static int add_others(const job *of, size_t j, size_t first, size_t end)
 {
     const weft__sensitivity *all = &of->sim->sensitivity;
@@ -371,7 +371,7 @@ static void block_rates(void *ctx, size_t first, size_t end)
     }
 }
 
-/* Contact of the whole cloth, of all numbers. */
+/* Contact of the whole cloth, of all parameters. */
 static int add_whole(const job *of)
 {
     const weft_sim *sim = of->sim;

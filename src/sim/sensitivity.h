@@ -5,9 +5,9 @@
 #include "cloth/parameter_derivative.h"
 #include "weft/sim.h"
 
-/* sensitivity.c: derivatives of the state by numbers, which the stepper integrates with
- * it. It sees (1 + count) N particles: in each plane rows of the state, each followed
- * by that of each s. */
+/* sensitivity.c: derivatives of the state with respect to parameters, which the stepper
+ * integrates with it. It sees (1 + count) N particles: in each plane rows of the state,
+ * each followed by that of each s. */
 typedef struct weft__sensitivity {
     size_t count;  /* 0: none */
     double factor; /* of s for the stepper: 1, or too small for its error control */

@@ -89,8 +89,8 @@ static weft_status make_forces(weft_sim *sim, weft_error *err)
                                       sizeof *sim->forces.all);
     }
     if (sim->forces.measures == NULL
-        || !weft__joint_create(&sim->forces,
-                               sim->ledger.on || sim->def.event == weft_stop_event)
+        || !weft__gather_create(&sim->forces,
+                                sim->ledger.on || sim->def.event == weft_stop_event)
         || (comm != NULL && comm->rank == 0 && sim->forces.all == NULL)) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for a simulation");
     }

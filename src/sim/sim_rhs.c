@@ -36,7 +36,7 @@ static void note_penetration(weft_sim *sim, double t, const double *y, int faile
     const uint64_t call = ++sim->guard.calls;
     if (failed == 0) {
         sim->guard.penetration = (weft__penetration){ .call = call };
-    } else if (sim->def.comm == NULL || weft__joint_finite(&sim->forces, y)) {
+    } else if (sim->def.comm == NULL || weft__gather_finite(&sim->forces, y)) {
         sim->guard.penetration = weft__rhs_penetration(&sim->forces, t, y);
         sim->guard.penetration.call = call;
     }

@@ -65,7 +65,7 @@ weft_stiffness weft_sim_stiffness(const weft_sim *sim, double t, const double *y
 {
     const weft_comm *comm = sim->def.comm;
     double most[WEFT__SIDES];
-    weft__joint_sides(&sim->forces, t, y, most);
+    weft__gather_sides(&sim->forces, t, y, most);
     if (comm != NULL) {
         weft__bands_most(&sim->forces, most, WEFT__SIDES);
     }

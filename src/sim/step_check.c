@@ -29,10 +29,10 @@ static void step_check_check_span(void *ctx, size_t first, size_t end)
 static weft__penetration self_penetration(const weft__forces *forces,
                                           const weft__path *path)
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     const weft__stride stride
-        = { &weft__joint_cloth(of, forces->cloth)->self,
-            weft__joint_last(of, path->y0, 0), weft__joint_last(of, path->y1, 1),
+        = { &weft__gather_cloth(of, forces->cloth)->self,
+            weft__gather_last(of, path->y0, 0), weft__gather_last(of, path->y1, 1),
             path->t1 - path->t0 };
     weft__penetration out = { .t = path->t1 };
     out.found = forces->self != NULL
@@ -43,11 +43,11 @@ static weft__penetration self_penetration(const weft__forces *forces,
 bool weft__path_clear(const weft__forces *forces, const weft__path *path)
 {
     path_check of = { .cloth = forces->cloth, .path = path };
-    weft__joint_begin(forces, path->y0);
-    (void)weft__joint_end(forces, path->y0, 0);
-    weft__joint_begin(forces, path->y1);
+    weft__gather_begin(forces, path->y0);
+    (void)weft__gather_end(forces, path->y0, 0);
+    weft__gather_begin(forces, path->y1);
     weft__forces_spans(forces, step_check_check_span, &of);
-    (void)weft__joint_end(forces, path->y1, 1);
+    (void)weft__gather_end(forces, path->y1, 1);
     weft__bodies_penetration with;
     return !atomic_load(&of.failed) && !self_penetration(forces, path).found
            && (forces->bodies == NULL
@@ -86,7 +86,7 @@ weft__penetration weft__path_penetration(const weft__forces *forces,
                                    .gap = with.gap,
                                    .t = path->t1 };
     }
-    if (forces->exchange.joint.part) { /* the first of all pairs */
+    if (forces->exchange.gather.part) { /* the first of all pairs */
         weft__self_list_forget(forces->self);
     }
     return out.found ? out : self_penetration(forces, path);
@@ -129,10 +129,10 @@ weft__penetration weft__rhs_penetration(const weft__forces *forces, double t,
     out.particle
         = out.found ? weft__whole_index(&forces->cloth->mesh, out.particle) : 0;
     if (!out.found && forces->self != NULL) {
-        const weft__joint *with = &forces->exchange.joint;
-        const weft__state of = { .t = t, .y = weft__joint_last(with, y, 0) };
+        const weft__gather *with = &forces->exchange.gather;
+        const weft__state of = { .t = t, .y = weft__gather_last(with, y, 0) };
         weft_measures sum = weft__measures_start;
-        weft__self_measure(&weft__joint_cloth(with, forces->cloth)->self,
+        weft__self_measure(&weft__gather_cloth(with, forces->cloth)->self,
                            with->part ? NULL : forces->self, &of, &sum);
         memcpy(out.pair, sum.self_pair, sizeof out.pair);
         out.gap = sum.self_gap;

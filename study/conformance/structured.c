@@ -5,31 +5,31 @@
 
 #include "study/conformance/trial.h"
 
-enum { BEADS = WEFT__STRING / 6, BONDS = 7, NEAR = BEADS - 1, FAR = BONDS - NEAR };
+enum { BEADS = WEFT__STRING / 6, PAIRS = 7, NEAR = BEADS - 1, FAR = PAIRS - NEAR };
 
 static const weft_spring_run runs[] = { { 0, 1, NEAR }, { 0, 2, FAR } };
-static const weft_block_coupling links[FAR] = { { 0, 2 }, { 1, 3 }, { 2, 4 } };
+static const weft_block_coupling couplings[FAR] = { { 0, 2 }, { 1, 3 }, { 2, 4 } };
 static const double mass[BEADS] = { 0.0, 0.01, 0.01, 0.02, 0.01 }; /* [kg] */
 static const double drag[BEADS] = { 1e-3, 1e-3, 1e-3, 1e-3, 1e-3 };
 
-typedef struct bond {
+typedef struct coupled_pair {
     size_t p, q;
     double u[3], stiffness, damping, pull; /* [N/m] k, [kg/s] c, [N/m] T / L */
     double length;
-} bond;
+} coupled_pair;
 
 /* Neighbours are 0.1 m apart at rest, and their springs are damped. */
-static bond bond_at(const double *y, size_t b)
+static coupled_pair coupled_pair_at(const double *y, size_t b)
 {
     const weft_spring_run *run = &runs[b < runs[0].count ? 0 : 1];
     const size_t i = b < runs[0].count ? b : b - runs[0].count;
-    bond at = { run->p + i,
-                run->q + i,
-                { 0.0 },
-                run == runs ? 40.0 : 10.0,
-                run == runs ? 0.4 : 0.0,
-                0,
-                0 };
+    coupled_pair at = { run->p + i,
+                        run->q + i,
+                        { 0.0 },
+                        run == runs ? 40.0 : 10.0,
+                        run == runs ? 0.4 : 0.0,
+                        0,
+                        0 };
     double square = 0.0, rate = 0.0;
     for (size_t k = 0; k < 3; ++k) {
         at.u[k] = y[k * BEADS + at.q] - y[k * BEADS + at.p];
@@ -54,8 +54,8 @@ int weft__string_rhs(double t, const double *y, double *dydt, void *ctx)
         dydt[3 * BEADS + j] = -drag[j % BEADS] * y[3 * BEADS + j]
                               - (j / BEADS == 2 ? 9.81 * mass[j % BEADS] : 0.0);
     }
-    for (size_t b = 0; b < BONDS; ++b) {
-        const bond at = bond_at(y, b);
+    for (size_t b = 0; b < PAIRS; ++b) {
+        const coupled_pair at = coupled_pair_at(y, b);
         for (size_t k = 0; k < 3; ++k) {
             dydt[(k + 3) * BEADS + at.p] += at.pull * at.length * at.u[k];
             dydt[(k + 3) * BEADS + at.q] -= at.pull * at.length * at.u[k];
@@ -75,7 +75,7 @@ static int string_linearise(double t, const double *y, double *planes, double *b
     const size_t count = ((const weft_structure *)ctx)->pair_count;
     (void)t, (void)blocks;
     for (size_t b = 0; b < count; ++b) {
-        const bond at = bond_at(y, b);
+        const coupled_pair at = coupled_pair_at(y, b);
         const double numbers[WEFT_PAIR_PLANES] = { at.u[0], at.u[1],
                                                    at.u[2], at.stiffness - at.pull,
                                                    at.pull, at.damping };
@@ -86,13 +86,13 @@ static int string_linearise(double t, const double *y, double *planes, double *b
     return 0;
 }
 
-/* The far springs as links: A = (k - T / L) u u^T + (T / L) I. */
+/* The far springs as couplings: A = (k - T / L) u u^T + (T / L) I. */
 static int string_links(double t, const double *y, double *numbers, void *ctx)
 {
     (void)t, (void)ctx;
     memset(numbers, 0, FAR * WEFT_COUPLING_NUMBERS * sizeof *numbers);
     for (size_t e = 0; e < FAR; ++e, numbers += WEFT_COUPLING_NUMBERS) {
-        const bond at = bond_at(y, NEAR + e);
+        const coupled_pair at = coupled_pair_at(y, NEAR + e);
         for (size_t j = 0; j < 9; ++j) {
             numbers[j] = (at.stiffness - at.pull) * at.u[j / 3] * at.u[j % 3]
                          + (j % 4 == 0 ? at.pull : 0.0);
@@ -101,7 +101,7 @@ static int string_links(double t, const double *y, double *numbers, void *ctx)
     return 0;
 }
 
-/* A row of the stiffness matrix has at most twice the sum of its bonds'. */
+/* A row of the stiffness matrix has at most twice the sum of its pairs'. */
 static size_t string_modes(double t, const double *y, double (*corners)[2], size_t room,
                            void *ctx)
 {
@@ -117,13 +117,13 @@ static size_t string_modes(double t, const double *y, double (*corners)[2], size
     return 4;
 }
 
-/* To a method that knows links some springs are given as such. */
+/* To a method that knows couplings some springs are given as such. */
 void weft__string_init(weft_structure *at, bool knows_links)
 {
     *at = (weft_structure){ .struct_size = sizeof *at,
                             .particles = BEADS,
                             .run_count = knows_links ? 1 : 2,
-                            .pair_count = knows_links ? NEAR : BONDS,
+                            .pair_count = knows_links ? NEAR : PAIRS,
                             .runs = runs,
                             .mass = mass,
                             .drag = drag,
@@ -131,7 +131,7 @@ void weft__string_init(weft_structure *at, bool knows_links)
                             .modes = string_modes,
                             .ctx = at,
                             .block_coupling_count = knows_links ? FAR : 0,
-                            .block_couplings = links,
+                            .block_couplings = couplings,
                             .linearise_blocks = string_links };
 }
 

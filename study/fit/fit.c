@@ -30,27 +30,28 @@ static int lacking(int none, ...)
 #endif
 
 #define FARTHEST 1.5   /* of the first step, in logarithms */
-#define ASTRAY   3.0   /* by so much a part of the time takes no number that it knows */
+#define ASTRAY   3.0   /* a part of the time changes no known parameter by more */
 #define NEAR     1e-3  /* relative change of chi2 or the logarithms that ends a part */
 #define NEAREST  1e-6  /* and the last */
-#define WORST    1e100 /* residuals of numbers with which there is no run */
+#define WORST    1e100 /* residuals of parameters with which there is no run */
 
 enum { MOST_RUNS = 60 /* of a part */ };
 
 /* ---- a run ----------------------------------------------------------------------- */
 
-/* The scene with the numbers as they are; `differentiated`: and its sensitivities. */
-static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
+/* The scene with the parameters as they are; `differentiated`: and its sensitivities.
+ */
+static int open_parameters(fit *self, bool differentiated, weft_scene **scene)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
     arguments given = *self->given;
     size_t count = 1 + given.sets.count;
-    for (size_t j = 0; j < self->numbers; ++j) { /* before every value */
+    for (size_t j = 0; j < self->parameters; ++j) { /* before every value */
         if (of->before[j] != NULL) {
             self->sets[count++] = of->before[j];
         }
     }
-    for (size_t j = 0; j < self->numbers; ++j) {
+    for (size_t j = 0; j < self->parameters; ++j) {
         (void)snprintf(self->values[j], sizeof self->values[j], "%s=%.*g", of->keys[j],
                        weft_text_digits(fit_value(self, j)), fit_value(self, j));
         self->sets[count++] = self->values[j];
@@ -62,7 +63,7 @@ static int open_numbers(fit *self, bool differentiated, weft_scene **scene)
 }
 
 /* What the cloth has where a point was seen, of positions; or, of the outline, of
- * those if j is 0, and then of their jacobian. */
+ * those if j is 0, and then of their Jacobian. */
 static void look(const fit *self, fit_point *point, size_t j, double x[3])
 {
     shadow_point *at = &point->edge;
@@ -81,7 +82,7 @@ static void look(const fit *self, fit_point *point, size_t j, double x[3])
 }
 
 /* What points [from, to), whose time it is, have to the part j of the results: 0 the
- * residuals, then the jacobian. Returns the row behind them. */
+ * residuals, then the Jacobian. Returns the row behind them. */
 static size_t compare_points(fit *self, size_t from, size_t to, size_t j, size_t row)
 {
     double *results = j == 0 ? self->residuals : self->jacobian + (j - 1) * self->rows;
@@ -113,7 +114,7 @@ static weft_status follow(fit *self, const weft_scene *scene, weft_sim *sim,
         TRY(weft_sim_advance(sim, t, err));
         weft_sim_positions(sim, self->room);
         next = compare_points(self, first, end, 0, row);
-        for (size_t j = 0; j < self->numbers; ++j) {
+        for (size_t j = 0; j < self->parameters; ++j) {
             record_sensitivity(scene, sim, j, false, self->room);
             (void)compare_points(self, first, end, j + 1, row);
         }
@@ -137,7 +138,7 @@ static weft_status simulate(fit *self, const weft_scene *scene, weft_error *err)
     weft_sim_destroy(sim);
     weft_cloth_destroy(cloth);
     weft_scene_perturbed_destroy(perturbed);
-    for (size_t i = 0; status == WEFT_OK && i < self->rows * self->numbers; ++i) {
+    for (size_t i = 0; status == WEFT_OK && i < self->rows * self->parameters; ++i) {
         const fit_point *point = &self->points[i % self->rows];
         if (self->shadow.ends != NULL && point->edge.of == NULL) {
             status = weft_error_set(err, WEFT_SOLVER,
@@ -155,7 +156,7 @@ static void run(fit *self)
 {
     weft_scene *scene = NULL;
     self->err = (weft_error){ 0 };
-    if (open_numbers(self, true, &scene) != EXIT_DONE) {
+    if (open_parameters(self, true, &scene) != EXIT_DONE) {
         (void)weft_error_set(&self->err, WEFT_BAD_SCENE, "a number out of range");
     }
     self->known = scene != NULL && simulate(self, scene, &self->err) == WEFT_OK;
@@ -182,13 +183,13 @@ typedef struct fit_part {
     size_t begun; /* at this run */
 } fit_part;
 
-/* cminpack_funcder_mn: `what` is 1 for the residuals, 2 for the jacobian. */
-static int evaluate(void *ctx, int rows, int numbers, const double *at,
+/* cminpack_funcder_mn: `what` is 1 for the residuals, 2 for the Jacobian. */
+static int evaluate(void *ctx, int rows, int parameters, const double *at,
                     double *residuals, double *jacobian, int stride, int what)
 {
     fit_part *self = ctx;
     fit *of = self->of;
-    const size_t n = (size_t)numbers, m = (size_t)rows;
+    const size_t n = (size_t)parameters, m = (size_t)rows;
     bool other = of->stale;
     for (size_t j = 0; j < n; ++j) {
         const double log = self->base[j] + at[j];
@@ -212,7 +213,7 @@ static int evaluate(void *ctx, int rows, int numbers, const double *at,
 /* Over the first of->now points. */
 static weft_status minimise(fit *of, double tolerance, weft_error *err)
 {
-    const size_t n = of->numbers, m = of->rows;
+    const size_t n = of->parameters, m = of->rows;
     fit_part self = { .of = of, .begun = of->runs };
     double at[WEFT_SENSITIVITIES] = { 0.0 }, diag[WEFT_SENSITIVITIES];
     double work[3][WEFT_SENSITIVITIES],
@@ -253,10 +254,10 @@ static weft_status minimise_parts(fit *self, weft_error *err)
         }
         double before[WEFT_SENSITIVITIES];
         memcpy(before, self->at, sizeof before);
-        if (self->rows >= self->numbers) {
+        if (self->rows >= self->parameters) {
             TRY(minimise(self, share > 1 ? NEAR : NEAREST, err));
         }
-        for (size_t j = 0; share > 1 && j < self->numbers; ++j) {
+        for (size_t j = 0; share > 1 && j < self->parameters; ++j) {
             self->at[j]
                 = fabs(self->at[j] - before[j]) < ASTRAY ? self->at[j] : before[j];
         }
@@ -264,9 +265,9 @@ static weft_status minimise_parts(fit *self, weft_error *err)
     return WEFT_OK;
 }
 
-/* ---- what the data say of the numbers -------------------------------------------- */
+/* ---- what the data say of the parameters ----------------------------------------- */
 
-/* Turns columns p and q of the jacobian, and of the directions, to orthogonal ones;
+/* Turns columns p and q of the Jacobian, and of the directions, to orthogonal ones;
  * returns the cosine between them before. */
 static double turn(fit *self, size_t p, size_t q)
 {
@@ -281,7 +282,7 @@ static double turn(fit *self, size_t p, size_t q)
     const double z = (bb - aa) / (2.0 * ab);
     const double t = (z < 0.0 ? -1.0 : 1.0) / (fabs(z) + sqrt(1.0 + z * z));
     const double c = 1.0 / sqrt(1.0 + t * t), s = c * t;
-    for (size_t i = 0; i < self->rows + self->numbers; ++i) {
+    for (size_t i = 0; i < self->rows + self->parameters; ++i) {
         double *x = i < self->rows ? &a[i] : &self->direction[p][i - self->rows];
         double *y = i < self->rows ? &b[i] : &self->direction[q][i - self->rows];
         const double u = c * *x - s * *y;
@@ -295,7 +296,7 @@ static double turn(fit *self, size_t p, size_t q)
  * jacobian become their left vectors times them. */
 static void decompose(fit *self)
 {
-    const size_t n = self->numbers;
+    const size_t n = self->parameters;
     double most = 1.0;
     for (size_t i = 0; i < n * n; ++i) {
         self->direction[i / n][i % n] = i / n == i % n ? 1.0 : 0.0;
@@ -372,7 +373,7 @@ static int read_sigma(fit *self)
 
 static weft_status make_room(fit *self, weft_error *err)
 {
-    const size_t rows = self->coordinates, n = self->numbers;
+    const size_t rows = self->coordinates, n = self->parameters;
     self->room = malloc((3 * self->particles + rows * (n + 1)) * sizeof *self->room);
     self->residuals = self->room + 3 * self->particles;
     self->jacobian = self->residuals + rows;
@@ -385,7 +386,7 @@ static weft_status results(fit *self, const char *directory, weft_error *err)
 {
     weft_scene *fitted = NULL;
     decompose(self);
-    if (open_numbers(self, false, &fitted) != EXIT_DONE) {
+    if (open_parameters(self, false, &fitted) != EXIT_DONE) {
         return weft_error_set(err, WEFT_SOLVER, "the fitted scene is refused");
     }
     const weft_status status = record_scene_text(directory, "fitted.yaml", fitted, err);
@@ -397,7 +398,7 @@ static weft_status fit_numbers(fit *self, weft_error *err)
 {
     char name[RECORD_PATH];
     const char *directory = out_directory(self->given, "-fit", name);
-    self->numbers = weft_scene_sensitivities(self->scene)->count;
+    self->parameters = weft_scene_sensitivities(self->scene)->count;
     TRY(scene_supported(self->scene, err));
     TRY(fit_read(self, self->given->operands[1], err));
     TRY(make_room(self, err));

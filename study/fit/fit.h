@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* fit.h -- weft fit: the numbers of a scene with which its particles follow measured
+/* fit.h -- weft fit: the parameters of a scene with which its particles follow measured
  * tracks, or its shadow at the end has a measured outline. The sum of squares of
- * (x - data) / sigma is minimised over the logarithms of the numbers by Levenberg and
- * Marquardt's method (MINPACK's lmder), whose Jacobian is the scene's `sensitivity`;
- * first over an eighth of the data's time, then over a quarter, half and all of it,
- * because from afar the whole has other minima (docs/guides/gradients.md). */
+ * (x - data) / sigma is minimised over the logarithms of the parameters by Levenberg
+ * and Marquardt's method (MINPACK's lmder), whose Jacobian is the scene's
+ * `sensitivity`; first over an eighth of the data's time, then over a quarter, half and
+ * all of it, because from afar the whole has other minima (docs/guides/gradients.md).
+ */
 #pragma once
 
 #include "program/cli.h"
@@ -23,9 +24,9 @@ typedef struct fit_point {
 
 typedef struct fit {
     const arguments *given;
-    weft_scene *scene; /* with `sensitivity` of the numbers; their start values */
+    weft_scene *scene; /* with `sensitivity` of the parameters; their start values */
     size_t particles;
-    const char **sets; /* of the sensitivities, those that were given, of the numbers */
+    const char **sets; /* of sensitivities, those given, of parameters */
     char differentiate[1024], values[WEFT_SENSITIVITIES][128];
     double sigma; /* [m] */
 
@@ -34,7 +35,7 @@ typedef struct fit {
     size_t point_count, coordinates;
     size_t now, rows; /* how many of the points are compared, and coordinates */
 
-    size_t numbers, runs;
+    size_t parameters, runs;
     double at[WEFT_SENSITIVITIES]; /* logarithms, less those of the start: of the run
                                       whose results are below */
     double *residuals, *jacobian;  /* (x - data) / sigma; d/d log p, columns */
@@ -43,7 +44,7 @@ typedef struct fit {
     weft_error err;                /* or why not */
     bool converged;
 
-    double singular[WEFT_SENSITIVITIES], /* values of the jacobian, per unit of log p */
+    double singular[WEFT_SENSITIVITIES], /* values of the Jacobian, per unit of log p */
         direction[WEFT_SENSITIVITIES][WEFT_SENSITIVITIES],
         covariance[WEFT_SENSITIVITIES][WEFT_SENSITIVITIES]; /* of the logarithms */
 } fit;
@@ -51,7 +52,7 @@ typedef struct fit {
 /* fit_data.c: DATA.csv, or an outline. WEFT_IO with its line. */
 weft_status fit_read(fit *self, const char *file, weft_error *err);
 
-/* fit_write.c: fit.yaml, fit.svg, and the numbers to stdout. */
+/* fit_write.c: fit.yaml, fit.svg, and the parameters to stdout. */
 weft_status fit_write(const fit *self, const char *directory, weft_error *err);
 
 /* p */

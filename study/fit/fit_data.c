@@ -254,9 +254,9 @@ weft_status fit_read(fit *self, const char *file, weft_error *err)
     if (status == WEFT_OK && of.kind >= BY_ANGLE) {
         status = check_outline(self, &of, cloth, err);
     }
-    if (status == WEFT_OK && self->coordinates < self->numbers) {
+    if (status == WEFT_OK && self->coordinates < self->parameters) {
         status = weft_error_set(err, WEFT_IO, "%.200s: %zu coordinates for %zu numbers",
-                                file, self->coordinates, self->numbers);
+                                file, self->coordinates, self->parameters);
     }
     weft_cloth_destroy(cloth);
     (void)fclose(of.stream);

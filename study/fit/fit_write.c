@@ -16,15 +16,15 @@ static double error_of(const fit *self, size_t j)
 static void write_numbers(const fit *self, yaml_out *to)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
-    for (size_t j = 0; j < self->numbers; ++j) {
+    for (size_t j = 0; j < self->parameters; ++j) {
         yaml_out_write(to, "%s: { value: %g, standard_error: %g, start: %g }",
                        of->keys[j], fit_value(self, j), error_of(self, j),
                        of->values[j]);
     }
     yaml_out_write(to, "correlation: [");
-    for (size_t i = 0; i < self->numbers; ++i) {
+    for (size_t i = 0; i < self->parameters; ++i) {
         yaml_out_write(to, "[");
-        for (size_t j = 0; j < self->numbers; ++j) {
+        for (size_t j = 0; j < self->parameters; ++j) {
             yaml_out_write(to, "%g",
                            self->covariance[i][j]
                                / sqrt(self->covariance[i][i] * self->covariance[j][j]));
@@ -38,10 +38,10 @@ static void write_unresolved(const fit *self, yaml_out *to)
 {
     const weft_scene_sensitivity *of = weft_scene_sensitivities(self->scene);
     yaml_out_write(to, "unresolved: [");
-    for (size_t k = 0; k < self->numbers; ++k) {
+    for (size_t k = 0; k < self->parameters; ++k) {
         if (self->singular[k] < UNSEEN) {
             yaml_out_write(to, "{ singular_value: %g, direction: {", self->singular[k]);
-            for (size_t j = 0; j < self->numbers; ++j) {
+            for (size_t j = 0; j < self->parameters; ++j) {
                 yaml_out_write(to, "%s: %g", of->keys[j], self->direction[k][j]);
             }
             yaml_out_write(to, "} }");
@@ -192,18 +192,18 @@ weft_status fit_write(const fit *self, const char *directory, weft_error *err)
     TRY(draw(self, directory, err));
     TRY(write_yaml(self, directory, err));
     printf("%-40s %12s %12s %12s\n", "number", "value", "error", "start");
-    for (size_t j = 0; j < self->numbers; ++j) {
+    for (size_t j = 0; j < self->parameters; ++j) {
         printf("%-40s %12.6g %12.2g %12.6g\n", of->keys[j], fit_value(self, j),
                error_of(self, j), of->values[j]);
         unseen += self->singular[j] < UNSEEN;
     }
     print_item("chi2", "%.6g for %zu coordinates less %zu numbers", fit_chi2(self),
-               self->coordinates, self->numbers);
+               self->coordinates, self->parameters);
     if (unseen > 0) {
         print_item("unresolved",
                    "%zu of %zu directions: the data hardly change along "
                    "them (fit.yaml)",
-                   unseen, self->numbers);
+                   unseen, self->parameters);
     }
     print_item("results", "%s: fit.yaml, fitted.yaml, fit.svg", directory);
     return WEFT_OK;

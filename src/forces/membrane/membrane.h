@@ -58,8 +58,8 @@ typedef struct weft__membrane_block {
  *     F = -share (S h) on its parts,           S = sum of K (q + damping dq/dt + z)
  *     F = +(E d) and -(E d) at its ends,       E = sum of K z
  *
- * beside the forces of membrane.h. Parts are summed by turns in two sums. The barrier
- * knows chords alone. The fast form takes
+ * beside the forces of membrane.h. Terms alternate between two partial
+ * sums. The barrier takes chords, not arcs. The fast form takes
  * groups of particles of a block, with copies of what is near them. */
 enum { WEFT__ARC_EDGES = 2560, WEFT__ARC_NEAR = 1536 }; /* of a group, at most */
 

@@ -18,7 +18,8 @@ static void springs_difference(const double *a, size_t n, size_t p, size_t q,
     }
 }
 
-/* [N] of one of them on p, or its derivative along `along` and by a number. */
+/* [N] of one of them on p, or its derivative along `along` and with respect to a
+ * parameter. */
 static void spring_force(const weft__springs *own, weft__spring *at,
                          const weft__tangents *in, const weft__tangent *tangent,
                          double pull[3])

@@ -35,8 +35,8 @@ typedef struct weft__group {
 
 typedef struct weft__springs weft__springs;
 
-/* The derivative by a number, per unit of it, of springs, weight and masses: of what
- * those of all groups are, by the orientation of each. */
+/* The derivative with respect to a parameter, per unit of it, of springs, weight and
+ * masses: of what those of all groups are, by the orientation of each. */
 typedef struct weft__law_derivative {
     double stiffness, damping, rest_length;
 } weft__law_derivative;
@@ -65,16 +65,17 @@ typedef struct weft__tangents {
 typedef int weft__products_fn(const weft__springs *own, const weft__body *body,
                               const weft__tangents *tangents, size_t first, size_t end);
 
-/* The derivatives of a sum by the numbers of springs, by their orientation, and of a
- * body. */
+/* The derivatives of a sum with respect to the parameters of springs, for each
+ * orientation, and of a body. */
 typedef struct weft__parameter_gradient {
     double stiffness[WEFT_GROUPS], damping[WEFT_GROUPS], rest_length[WEFT_GROUPS];
     double gravity[3], drag;
 } weft__parameter_gradient;
 
 /* J^T w of springs, weight and air, all particles having x' = v, and the derivatives of
- * w.f by their numbers: at->along is l = w by the masses, 3 N and as much behind it. To
- * net[3 N] goes the force of springs and air, unless it is NULL. Returns as start. */
+ * w.f with respect to their parameters: at->along is l = w by the masses, 3 N and as
+ * much behind it. To net[3 N] goes the force of springs and air, unless it is NULL.
+ * Returns as start. */
 typedef int weft__turned_fn(const weft__springs *own, const weft__body *body,
                             const weft__state *at, const double *w, double *out,
                             double *net, weft__parameter_gradient *by);
@@ -88,9 +89,9 @@ struct weft__springs {
     weft__turned_fn *transposed;
 };
 
-/* A transposed product sums by numbers every eighth column of a tile, row by row; the
- * last columns, from weft__last_columns on, which are in the ends of rows for some
- * width, after all others. */
+/* A transposed product sums for each parameter every eighth column of a tile, row by
+ * row; the last columns, from weft__last_columns on, which are in the ends of rows for
+ * some width, after all others. */
 enum { WEFT__TILE = 128, WEFT__EVERY = 8, WEFT__TOTALS = 3 * WEFT_GROUPS + 4 };
 typedef double weft__totals[WEFT__TOTALS][WEFT__EVERY];
 
@@ -229,7 +230,8 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
  *     q dd + (z.dd + c d.dw / L^2) d,   q = T / L,   r = w.d / L^2,
  *     z = ((k - q - c r) d + c w) / L^2
  *
- * and by a number on which k, c and s depend, as dk, dc and ds tell (NULL: none):
+ * and with respect to a parameter on which k, c and s depend, by dk, dc and ds (NULL:
+ * none):
  *
  *     (dk L (L - s) / L^2 + dc r - ds k L / L^2) d
  */

@@ -26,7 +26,7 @@ INLINE void add(weft__totals to, int total, size_t column, vec numbers,
     store(at, load(at) + (where != NULL ? only(numbers, *where) : numbers));
 }
 
-/* What a spring gives p, and by its numbers. */
+/* What a spring gives p, and the derivatives with respect to its parameters. */
 INLINE given_back turn(const spring *springs, unsigned has, int group, const double *p,
                        const double *q, size_t n, const law *laws, const mask *where,
                        size_t column, weft__totals to)
@@ -74,7 +74,8 @@ INLINE void transposed_write(sweep *self, const turning *form, const columns *of
     }
 }
 
-/* What springs s give a block of l at `at`, and by their numbers. */
+/* What springs s give a block of l at `at`, and the derivatives with respect to their
+ * parameters. */
 INLINE given_back land_turned(sweep *self, const spring *s, const columns *of,
                               const place *at, weft__totals to, carry *left)
 {

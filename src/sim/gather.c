@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* joint.c -- contact of a cloth in bands with itself: any two particles may meet, so
+/* gather.c -- contact of a cloth in bands with itself: any two particles may meet, so
  * each band gets the state of all others in each evaluation, and adds the forces on its
  * own particles in the order of one process. */
 #include "sim/bands.h"
@@ -20,7 +20,7 @@ static size_t own_of(const weft__forces *forces, size_t rank, size_t *first)
     return (end < all ? end : all) - *first;
 }
 
-static bool joint_make_room(weft__joint *of, const weft__forces *forces)
+static bool gather_make_room(weft__gather *of, const weft__forces *forces)
 {
     const weft_allocator *memory = &forces->memory;
     const size_t numbers = weft_cloth_dim(of->cloth);
@@ -42,10 +42,10 @@ static bool joint_make_room(weft__joint *of, const weft__forces *forces)
     return true;
 }
 
-bool weft__joint_create(weft__forces *forces, bool all)
+bool weft__gather_create(weft__forces *forces, bool all)
 {
     const weft_cloth *cloth = forces->cloth;
-    weft__joint *of = &forces->exchange.joint;
+    weft__gather *of = &forces->exchange.gather;
     if (forces->comm == NULL || !cloth->contact.law.self) {
         return true;
     }
@@ -59,14 +59,14 @@ bool weft__joint_create(weft__forces *forces, bool all)
                                               of->part ? own : NULL, &forces->memory);
         forces->spaces[WEFT__FORCE_self] = forces->self;
     }
-    return forces->self != NULL && joint_make_room(of, forces);
+    return forces->self != NULL && gather_make_room(of, forces);
 }
 
 /* ---- states ---------------------------------------------------------------------- */
 
-void weft__joint_begin(const weft__forces *forces, const double *y)
+void weft__gather_begin(const weft__forces *forces, const double *y)
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     const weft_comm *comm = forces->comm;
     const size_t n = weft_cloth_particles(forces->cloth);
     for (size_t k = 0; of->cloth != NULL && k < 6; ++k) {
@@ -78,8 +78,8 @@ void weft__joint_begin(const weft__forces *forces, const double *y)
 }
 
 /* Planes of `count` particles, to their place in those of the whole. */
-static void joint_put(const weft__joint *of, const double *planes, size_t first,
-                      size_t count, double *y)
+static void gather_put(const weft__gather *of, const double *planes, size_t first,
+                       size_t count, double *y)
 {
     const size_t n = weft_cloth_particles(of->cloth);
     for (size_t k = 0; k < 6; ++k) {
@@ -87,36 +87,36 @@ static void joint_put(const weft__joint *of, const double *planes, size_t first,
     }
 }
 
-const double *weft__joint_end(const weft__forces *forces, const double *y, size_t k)
+const double *weft__gather_end(const weft__forces *forces, const double *y, size_t k)
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     const weft_comm *comm = forces->comm;
     if (of->cloth == NULL) {
         return y;
     }
     comm->end(comm->self);
-    joint_put(of, of->room, of->first, of->own, of->y[k]);
+    gather_put(of, of->room, of->first, of->own, of->y[k]);
     for (size_t j = 0, first = 0; j + 1 < (size_t)comm->size; ++j) {
         const weft_parcel *from = &of->parcels[j];
         first += first == of->first ? of->own : 0;
-        joint_put(of, from->in, first, from->ins / 6, of->y[k]);
+        gather_put(of, from->in, first, from->ins / 6, of->y[k]);
         first += from->ins / 6;
     }
     return of->y[k];
 }
 
-bool weft__joint_finite(const weft__forces *forces, const double *y)
+bool weft__gather_finite(const weft__forces *forces, const double *y)
 {
-    const weft__joint *of = &forces->exchange.joint;
-    return weft__all_finite(weft__joint_last(of, y, 0),
-                            weft_cloth_dim(weft__joint_cloth(of, forces->cloth)));
+    const weft__gather *of = &forces->exchange.gather;
+    return weft__all_finite(weft__gather_last(of, y, 0),
+                            weft_cloth_dim(weft__gather_cloth(of, forces->cloth)));
 }
 
 /* ---- what is made of them -------------------------------------------------------- */
 
-int weft__joint_add(const weft__forces *forces, double *dvdt)
+int weft__gather_add(const weft__forces *forces, double *dvdt)
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     const weft__self *own = &of->cloth->self;
     weft__self_sums sums = { .own = own,
                              .unit = WEFT__ACCELERATION,
@@ -131,27 +131,27 @@ int weft__joint_add(const weft__forces *forces, double *dvdt)
     return weft__self_list_each(forces->self, of->y[0], &pass);
 }
 
-void weft__joint_measure(const weft__forces *forces, const weft__state *at,
-                         weft_measures *sum)
+void weft__gather_measure(const weft__forces *forces, const weft__state *at,
+                          weft_measures *sum)
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     weft__state whole = *at;
-    weft__joint_begin(forces, at->y);
-    whole.y = weft__joint_end(forces, at->y, 0);
-    weft__measure_all(weft__joint_cloth(of, forces->cloth),
+    weft__gather_begin(forces, at->y);
+    whole.y = weft__gather_end(forces, at->y, 0);
+    weft__measure_all(weft__gather_cloth(of, forces->cloth),
                       of->part ? NULL : forces->spaces, &whole, sum);
 }
 
-void weft__joint_sides(const weft__forces *forces, double t, const double *y,
-                       double most[WEFT__SIDES])
+void weft__gather_sides(const weft__forces *forces, double t, const double *y,
+                        double most[WEFT__SIDES])
 {
-    const weft__joint *of = &forces->exchange.joint;
+    const weft__gather *of = &forces->exchange.gather;
     const weft_band band = forces->cloth->mesh.band;
     if (y != NULL) {
-        weft__joint_begin(forces, y);
-        y = weft__joint_end(forces, y, 0);
+        weft__gather_begin(forces, y);
+        y = weft__gather_end(forces, y, 0);
     }
-    weft_cloth own = *weft__joint_cloth(of, forces->cloth);
+    weft_cloth own = *weft__gather_cloth(of, forces->cloth);
     if (of->cloth != NULL) { /* of the whole the own blocks */
         own.mesh.band.above = band.first;
         own.mesh.band.own = band.own;
