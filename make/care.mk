@@ -3,13 +3,15 @@
 
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] program/*.[ch] program/*/*.[ch] program/*/*/*.[ch] \
                      study/*.[ch] study/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
-                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] \
+                     tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] tests/toy/*/*.[ch] \
                      examples/*.[ch] wasm/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint: all
 	@tools/lint $(C_FILES)
 	@tools/versions
-	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds && tools/mutate --check; }
+	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds; }
+	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/mutate --check && tools/places; }
+	@! git rev-parse --git-dir >/dev/null 2>&1 || git apply --check tests/toy/elsewhere.patch
 	@tools/layers $(BUILD)
 
 # A hook of git that checks the form of commit messages.
@@ -124,6 +126,7 @@ fuzz-corpus:
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h
 	@printf '%s\n' \
-	    $(filter-out $(if $(HAVE_MPI),,program/mpi/%) $(if $(HAVE_SDL2),,%/window.c),$(filter %.c,$(C_FILES))) | \
+	    $(filter-out $(if $(HAVE_MPI),,program/mpi/%) $(if $(HAVE_SDL2),,%/window.c) \
+	        tests/toy/%,$(filter %.c,$(C_FILES))) | \
 	    xargs -P "$$(nproc)" -L 16 clang $(STRICT) $(WARN) $(INCS) -Itests -I$(BUILD)/tests $(HDF5_CFLAGS) \
 	    $(CMINPACK_CFLAGS) $(MPI_CFLAGS) $(TEST_DEFS) -fsyntax-only

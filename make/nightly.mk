@@ -50,6 +50,7 @@ nightly: all
 	$(MAKE) check-slow
 	$(MAKE) mutations
 	$(MAKE) check-elsewhere
+	$(MAKE) check-toy
 	$(MAKE) check-site
 	$(MAKE) check-install WHOLE=1
 	$(MAKE) static DEEP=1
@@ -84,6 +85,10 @@ check-compilers: all hashes
 # Built where libraries, compilers or HDF5 are elsewhere or missing.
 check-elsewhere: all hashes $(BUILD)/examples/minimal
 	@tools/check-elsewhere $(BUILD)
+
+# A force added to a copy, by its folder and ten lines elsewhere.
+check-toy:
+	@tools/check-toy $(BUILD)
 
 symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO) $(MPI_SO)
 	@tools/symbols $^

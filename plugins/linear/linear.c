@@ -63,7 +63,7 @@ static bool take_memory(weft__linear *self)
     return !self->pile.failed;
 }
 
-static void find_bending(weft__linear *self)
+static void find_bend_runs(weft__linear *self)
 {
     const weft_structure *of = self->of;
     if (WEFT_HAS(of, weft_structure, bend_damping)) {
@@ -106,7 +106,7 @@ weft_status weft__linear_create(const weft_structure *structure,
                                          .pair_count = structure->pair_count,
                                          .runs = structure->runs } };
         find_couplings(self);
-        find_bending(self);
+        find_bend_runs(self);
         taken = take_memory(self);
         pile = self->pile;
     }

@@ -280,7 +280,7 @@ static void multiply_springs(const weft_cloth *cloth, const matrix *of, double a
             const size_t p = of->of.runs[r].p + i, q = of->of.runs[r].q + i;
             const double *u = of->planes + e, pull = u[4 * all], k = u[3 * all] + pull;
             const double bent
-                = e < all - of->of.bend_pairs ? 0.0 : b * cloth->bending.damping;
+                = e < all - of->of.bend_pairs ? 0.0 : b * of->of.bend_damping;
             const double across = (a + bent) * fmin(fmax(pull, 0.0), k);
             double rate = 0.0;
             for (size_t j = 0; j < 3; ++j) {

@@ -42,6 +42,7 @@ static void list_runs(const weft_cloth *cloth, weft_spring_run *runs,
         if (k == WEFT__FORCE_bending) {
             of->bend_runs = of->run_count - runs_before;
             of->bend_pairs = of->pair_count - springs_before;
+            of->bend_damping = cloth->bending.damping;
         }
     }
 }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "cloth/model.h"
+#include "forces/springs/springs_products.h"
 
 /* J^T w to out[6 N]; net and *by as those of weft__springs.transposed. room: 9 N;
  * spaces as of weft__rhs_all. Returns as weft__rhs_blocks. */

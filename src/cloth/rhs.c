@@ -8,7 +8,7 @@
  * motion has x' = v' = 0 and keeps its position bit for bit. */
 #include <string.h>
 
-#include "cloth/model.h"
+#include "cloth/sums.h"
 
 #define PLACE(name) { &weft__##name##_force, offsetof(struct weft_cloth, name) },
 const weft__line weft__table[WEFT__FORCES] = { WEFT_FORCES(PLACE) };

@@ -12,6 +12,7 @@
 
 #include "base/memory.h"
 #include "base/sized.h"
+#include "forces/springs/springs_products.h"
 #include "sim/simulation.h"
 #include "sim/stages.h"
 #include "weft/gradient.h"

@@ -4,7 +4,7 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
-#include "cloth/model.h"
+#include "cloth/sums.h"
 #include "sim/bands.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "cloth/model.h"
+#include "forces/springs/limit_springs.h"
 
 /* Momentum that makes sweeps move GROWTH times as far as the least one is stopped, and
  * is then kept below CALMED of its value. */

@@ -11,6 +11,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "forces/springs/springs_products.h"
 #include "sim/simulation.h"
 
 /* Of s for a stepper whose error control must not see it; a power of 2, so that s has

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "cloth/model.h"
+#include "cloth/sums.h"
 #include "sim/simulation.h"
 
 /* v' += f / m of the free particles; the power f.v [W] of all of them, block by block.

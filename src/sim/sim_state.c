@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sim_state.c -- what a simulation tells of itself. */
 #include "base/sized.h"
+#include "forces/springs/limit_springs.h"
 #include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"

@@ -6,36 +6,11 @@
 #include "base/try.h"
 #include "sim/between.h"
 #include "sim/forces.h"
+#include "sim/ledger.h"
+#include "sim/limit.h"
 #include "sim/sensitivity.h"
 #include "sim/wave.h"
 #include "weft/sim.h"
-
-/* limit.c: the strain limit as a correction after an accepted step. */
-typedef struct weft__limit {
-    weft_limit_def def; /* without a method it has no families */
-    const weft_cloth *cloth;
-    weft_limit_stats stats;
-    double last_step; /* [s] */
-    bool solved;      /* within its sweeps, after the last step */
-    size_t count;     /* 3 N */
-    double *x;        /* positions under correction */
-    double *previous; /* fast: x_k */
-    double *start;    /* fast: z, that the last sweep started from */
-    double t, most;   /* fast: t_k and its bound */
-    double least2;    /* fast: the smallest squared movement of a sweep */
-} weft__limit;
-
-/* ledger.c: the energy gained and lost by a simulation.
- *
- * The powers of weft_cloth_power and that of the embedder's force are integrated with
- * the state, as quadratures after its 6 N numbers. Changes between the steps are
- * counted as work. */
-typedef struct weft__ledger {
-    bool on;                         /* off: these functions do nothing */
-    double start;                    /* [J] energy at t = 0 */
-    double marked;                   /* [J] energy at the last mark */
-    double work_limit, work_outside; /* [J] */
-} weft__ledger;
 
 /* checked_step.c: steps that are rejected for a shape or for the cloth itself. */
 typedef struct weft__guard {
@@ -65,8 +40,6 @@ typedef struct weft__pace {
     unsigned steps;
     bool told, closed; /* of a run that hardly advances; of shapes that close */
 } weft__pace;
-
-enum { WEFT__QUADRATURES = WEFT_POWERS + 1 }; /* the last: the embedder's force */
 
 struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
@@ -236,40 +209,3 @@ void weft__sim_change_ends(weft_sim *sim, bool ode);
  * method; `config` is its config, completed, which the method has accepted. */
 uint64_t weft__settings_hash(const weft_sim_def *def,
                              const weft_stepper_config *config);
-
-/* ---- limit.c -----------------------------------------------------------------------
- */
-
-/* All 0 where the definition has no method. */
-weft_status weft__limit_init(weft__limit *limit, const weft_limit_def *def,
-                             const weft_cloth *cloth, const weft_allocator *memory,
-                             weft_error *err);
-
-/* Corrects the state after a step of h [s], reports what is left beyond its bound once;
- * whether it changed anything. */
-bool weft__sim_limit(weft_sim *sim, double h);
-
-/* ---- ledger.c ----------------------------------------------------------------------
- */
-
-/* Writes the powers at t to rates[WEFT__QUADRATURES]; returns whether all are finite.
- */
-bool weft__ledger_rates(const weft__forces *forces, double t, const double *y,
-                        double force_power, double *rates);
-
-/* y is the state at t = 0; zeroes the quadratures behind it. */
-void weft__ledger_start(weft__ledger *ledger, const weft__forces *forces, double *y);
-
-/* Around corrections: mark before the first; after each that changed y, account adds
- * the change of energy to *work, a field of the ledger. */
-void weft__ledger_mark(weft__ledger *ledger, const weft__forces *forces, double t,
-                       const double *y);
-void weft__ledger_account(weft__ledger *ledger, const weft__forces *forces, double t,
-                          const double *y, double *work);
-
-weft_ledger weft__ledger_read(const weft__ledger *ledger, const weft__forces *forces,
-                              double t, const double *y);
-
-/* [J] all heat; NaN if it is off. */
-double weft__ledger_heat(const weft__ledger *ledger, const weft_cloth *cloth,
-                         const double *y);

@@ -56,8 +56,7 @@ weft_status weft__structure_init(weft_sim *sim, weft_error *err)
                             .linearise = structure_linearise,
                             .linearise_blocks = linearise_blocks,
                             .modes = structure_modes,
-                            .ctx = sim,
-                            .bend_damping = sim->cloth->bending.damping };
+                            .ctx = sim };
     const bool block_couplings
         = (sim->def.method->flags & (uint32_t)WEFT_STEPPER_COUPLINGS) != 0;
     sim->lists = weft__list_structure(sim->cloth, block_couplings, &sim->memory, of);

@@ -6,7 +6,7 @@
  * correction is the smallest in the norm sum m dx^2: the projection onto the convex set
  * of all states in which this spring is short enough. */
 
-#include "forces/springs/springs.h"
+#include "forces/springs/limit_springs.h"
 
 /* Shares of the correction that p and q take. */
 static void shares(const weft__springs *own, size_t p, size_t q, double share[2])

@@ -2,7 +2,7 @@
 /* products_fast.c -- the rates of springs_fast.c, and in the same sweep their
  * derivatives in several directions: what springs have for all of them is found once.
  */
-#include "forces/springs/springs.h"
+#include "forces/springs/springs_products.h"
 
 enum { TILE = WEFT__TILE, STREAMS = 1 + WEFT__TANGENTS };
 #include "forces/springs/springs_sweep.h"

@@ -35,50 +35,19 @@ typedef struct weft__group {
 
 typedef struct weft__springs weft__springs;
 
-/* The derivative with respect to a parameter, per unit of it, of springs, weight and
- * masses: of what those of all groups are, by the orientation of each. */
-typedef struct weft__law_derivative {
-    double stiffness, damping, rest_length;
-} weft__law_derivative;
-typedef struct weft__spring_derivative {
-    weft__law_derivative laws[WEFT_GROUPS];
-    unsigned orientations; /* of laws that are not 0: 1 << orientation */
-    bool damped;           /* one of them has damping */
-    double gravity[3], drag;
-    const double *inverse_mass; /* [1/kg] N and WEFT_PAST more; NULL: 0 */
-} weft__spring_derivative;
-
-/* Directions of the state whose products are found in one sweep, which finds what all
- * share once. In y, base, along and out planes are `stride` apart, rows `down`. */
-enum { WEFT__TANGENTS = 8 };
-typedef struct weft__tangent {
-    const double *along;
-    double *out;                       /* x' and v' */
-    const weft__spring_derivative *by; /* adds that derivative; NULL: none */
-} weft__tangent;
-typedef struct weft__tangents {
-    const double *y;
-    double *base; /* of the state itself, as weft__start_fn; NULL: not wanted */
-    size_t stride, down, count;
-    weft__tangent tangent[WEFT__TANGENTS];
-} weft__tangents;
+/* springs_products.h: products with directions of the state, and transposed ones; the
+ * one of a start along at->along. */
+struct weft__tangents;
+struct weft__parameter_gradient;
 typedef int weft__products_fn(const weft__springs *own, const weft__body *body,
-                              const weft__tangents *tangents, size_t first, size_t end);
-
-/* The derivatives of a sum with respect to the parameters of springs, for each
- * orientation, and of a body. */
-typedef struct weft__parameter_gradient {
-    double stiffness[WEFT_GROUPS], damping[WEFT_GROUPS], rest_length[WEFT_GROUPS];
-    double gravity[3], drag;
-} weft__parameter_gradient;
-
-/* J^T w of springs, weight and air, all particles having x' = v, and the derivatives of
- * w.f with respect to their parameters: at->along is l = w by the masses, 3 N and as
- * much behind it. To net[3 N] goes the force of springs and air, unless it is NULL.
- * Returns as start. */
+                              const struct weft__tangents *tangents, size_t first,
+                              size_t end);
 typedef int weft__turned_fn(const weft__springs *own, const weft__body *body,
                             const weft__state *at, const double *w, double *out,
-                            double *net, weft__parameter_gradient *by);
+                            double *net, struct weft__parameter_gradient *by);
+
+int weft__springs_along(const weft__springs *own, const weft__body *body,
+                        const weft__state *at, double *to, size_t first, size_t end);
 
 struct weft__springs {
     const weft__mesh *mesh;
@@ -88,20 +57,6 @@ struct weft__springs {
     weft__products_fn *products;
     weft__turned_fn *transposed;
 };
-
-/* A transposed product sums for each parameter every eighth column of a tile, row by
- * row; the last columns, from weft__last_columns on, which are in the ends of rows for
- * some width, after all others. */
-enum { WEFT__TILE = 128, WEFT__EVERY = 8, WEFT__TOTALS = 3 * WEFT_GROUPS + 4 };
-typedef double weft__totals[WEFT__TOTALS][WEFT__EVERY];
-
-static inline size_t weft__last_columns(size_t cols)
-{
-    return cols < 2 ? 0 : (cols - 2) / WEFT__EVERY * WEFT__EVERY;
-}
-
-/* The totals of both; those of springs pull the opposite way. */
-void weft__totals_add(const weft__totals totals[2], weft__parameter_gradient *by);
 
 WEFT__NUMBERS(weft__spring_numbers, stiffness, damping);
 extern const weft__number weft__spring_law;
@@ -224,39 +179,10 @@ static inline double weft__spring_tension(const weft__spring *spring, double rat
     return work * (1.0 / (spring->square + DBL_MIN));
 }
 
-/* [N] The derivative of T u along a direction of the state, given its differences dd,
- * dw and those of velocities, w:
- *
- *     q dd + (z.dd + c d.dw / L^2) d,   q = T / L,   r = w.d / L^2,
- *     z = ((k - q - c r) d + c w) / L^2
- *
- * and with respect to a parameter on which k, c and s depend, by dk, dc and ds (NULL:
- * none):
- *
- *     (dk L (L - s) / L^2 + dc r - ds k L / L^2) d
- */
-static inline void weft__spring_change(const weft__spring *spring, const double w[3],
-                                       const double dd[3], const double dw[3],
-                                       const weft__law_derivative *by, double change[3])
+/* 0 where a particle's six numbers from z on are finite, else NaN. */
+static inline double weft__trouble(const double *z, size_t n)
 {
-    const double k = weft__spring_stiffness(spring), c = weft__spring_damping(spring);
-    const double rate = weft__dot(w, spring->d), length = sqrt(spring->square);
-    const double inverse = 1.0 / (spring->square + DBL_MIN);
-    const double q = weft__spring_tension(spring, rate), turn = rate * inverse;
-    const double part = k - (q + c * turn), *d = spring->d;
-    const double z[3]
-        = { (part * d[0] + c * w[0]) * inverse, (part * d[1] + c * w[1]) * inverse,
-            (part * d[2] + c * w[2]) * inverse };
-    double pull = weft__dot(z, dd) + c * inverse * weft__dot(d, dw);
-    if (by != NULL) {
-        const double share = spring->share;
-        const double longer = length * (length - spring->group->rest_length) * inverse;
-        pull += by->stiffness * (share * longer) + by->damping * (share * turn)
-                - by->rest_length * (k * length * inverse);
-    }
-    for (size_t j = 0; j < 3; ++j) {
-        change[j] = pull * d[j] + q * dd[j];
-    }
+    return ((z[3 * n] + z[4 * n] + z[5 * n]) + (z[0] + z[n] + z[2 * n])) * 0.0;
 }
 
 /* The pulls on a particle, of springs that begin and that end there, by their
@@ -342,18 +268,3 @@ static inline size_t weft__particle_springs(const weft__springs *own, size_t i,
     }
     return count;
 }
-
-/* ---- limit_springs.c: those under a strain limit; x[3 N] are positions in planes ---
- */
-
-/* One pass of Gauss-Seidel: each spring that is longer than allowed is shortened to the
- * allowed length, particle by particle within a family, both its springs in turn; the
- * ends share by inverse mass. Springs of length 0 or NaN are skipped. */
-void weft__limited_sweep(const weft__springs *own, const weft_limit_def *limit,
-                         double *x);
-
-/* The number of springs that exceed the limit and its tolerance: those with both ends
- * pinned (`held`), or the others. NaN is too long. Stops after the row that completes
- * `most`. */
-size_t weft__limited_excess(const weft__springs *own, const weft_limit_def *limit,
-                            bool held, size_t most, const double *x);

@@ -30,7 +30,7 @@
 #pragma once
 
 #include "forces/lanes.h"
-#include "forces/springs/springs.h"
+#include "forces/springs/springs_products.h"
 
 #include <float.h>
 #include <string.h>

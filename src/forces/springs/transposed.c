@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* transposed.c -- the plain loops of the transposed product of springs;
  * transposed_fast.c has the same bits. */
-#include "forces/springs/springs.h"
+#include "forces/springs/springs_products.h"
 
 enum { PULL, BY_X, BY_V, PARTS }; /* each of three components */
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* transposed_fast.c -- J^T w of springs in one sweep: what springs have for the state
  * is found first, and the derivatives by x and by v are two streams more. */
-#include "forces/springs/springs.h"
+#include "forces/springs/springs_products.h"
 
 enum { TILE = WEFT__TILE, BY_X = 1, BY_V, STREAMS };
 #include "forces/springs/springs_sweep.h"

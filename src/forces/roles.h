@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* roles.h -- the roles of a force besides its law (force.h): its tables, what it is in
+ * grids among several cloths, what a simulation changes, what it tells of a state, its
+ * bounds, its linearisation, and what it does after all blocks. A member that is NULL
+ * has nothing to do. */
+#pragma once
+
+#include "base/isa.h"
+#include "forces/state.h"
+#include "mesh/slice.h"
+
+/* Adds what block b has to *sum. */
+typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
+                            weft_measures *sum);
+
+struct weft__sides; /* bounds.h: what bounds the modes of a particle */
+struct weft__contact_stiffness;
+
+/* What a cloth has of a force: its numbers and tables. */
+typedef struct weft__force_tables {
+    void (*check)(const weft_cloth_def *def, const weft__faults *to);
+    bool (*init)(void *own, const weft_cloth_def *def, const weft_allocator *memory);
+    uint64_t (*hash)(const void *own, uint64_t hash);
+    void (*choose)(void *own, weft__isa isa);              /* the fast forms */
+    bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
+    void (*free)(void *own, const weft_allocator *memory);
+    void (*leave_out)(void *own);             /* then a cloth has none of it */
+    size_t (*bytes)(const void *own);         /* of its tables of triangles */
+    bool (*slows)(const weft_cloth_def *def); /* takes energy from any motion */
+
+    /* Of a whole cloth of triangles: the particles that block b reads beyond its own
+     * and its triangles' corners; and what becomes its band, after that of the mesh.
+     * False: no memory. */
+    size_t (*halo)(const void *own, size_t b, const uint32_t **particles);
+    bool (*slice)(void *own, const weft__slice *slice);
+} weft__force_tables;
+
+/* Where it is also a force of each grid among several cloths: what the definition of
+ * a grid has of the whole, and what the grid's own shares with that of the whole. Such
+ * a force takes no memory for a grid. `measured`: the whole leaves the measures of a
+ * grid's particles to that of the grid. */
+typedef struct weft__force_grids {
+    bool have_it, measured;
+    void (*define)(const weft_cloth_def *whole, weft_cloth_def *grid);
+    void (*share)(void *own, const void *whole);
+} weft__force_grids;
+
+/* What of it a simulation may change between steps, which is saved and restored with
+ * it, in words (base/bytes.h). `take` makes of *own, a copy of what it is at present,
+ * what was saved -- of 0 words, what the definition has -- and says what is wrong
+ * (NULL: nothing). `exchange` swaps it with what was taken, which `drop` frees, also
+ * after a fault. */
+typedef struct weft__force_changes {
+    size_t (*words)(const void *own); /* of what it is at present */
+    void (*put)(const void *own, unsigned char *to);
+    const char *(*take)(void *own, const unsigned char *from, size_t words,
+                        const weft_allocator *memory);
+    void (*exchange)(void *own, void *taken);
+    void (*drop)(void *taken, const weft_allocator *memory);
+} weft__force_changes;
+
+/* What it tells of a state. */
+typedef struct weft__force_measures {
+    weft__block_fn *energy, *power; /* [J]; [W] */
+    weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
+
+    /* Raises strain[v], v = weft__shown(mesh, i), to the largest strain at each
+     * particle i that block b has. */
+    void (*strains)(const void *own, const weft__state *at, size_t b, double *strain);
+} weft__force_measures;
+
+/* Its stiffness and damping: the ratios of the two that it has; what it adds for each
+ * side to the bound of free particle i, at->y NULL: in any state (of a membrane: see
+ * membrane_bounds.c); of contact to those of particles [first, first + count), and to
+ * (a K + b C) x, for the power method, which has the others from their linearisation.
+ */
+typedef struct weft__force_bounds {
+    void (*ratios)(const void *own, struct weft__sides *to);
+    void (*particle)(const void *own, const weft__state *at, size_t i,
+                     const struct weft__sides *sides, double (*sums)[6]);
+    void (*contact_stiffness)(const void *own, void *space, const weft__state *at,
+                              size_t first, size_t count,
+                              struct weft__contact_stiffness *contact_stiffness);
+    void (*multiply)(const void *own, const weft__state *at, double a, double b,
+                     const double *x, double *out);
+} weft__force_bounds;
+
+/* Its linearisation, for weft_structure: its spring couplings that begin in block b,
+ * and what they are in a state; or 3 x 3 blocks of particles, with a workspace or NULL.
+ * On triangles: its block couplings, which must be its alone, and their numbers; its
+ * scalar couplings. NULL as `to`: only how many there are. */
+typedef struct weft__force_couplings {
+    size_t (*runs)(const void *own, size_t b, weft_spring_run *runs);
+    double *(*springs)(const void *own, const weft__state *at, size_t b, double *planes,
+                       size_t spring_couplings, double *bad);
+    int (*blocks)(const void *own, void *space, const weft__state *at, double *blocks);
+    size_t (*block_couplings)(const void *own, weft_block_coupling *to);
+    int (*block_numbers)(const void *own, const weft__state *at, double *numbers);
+    size_t (*scalar_couplings)(const void *own, weft_scalar_coupling *to);
+} weft__force_couplings;
+
+/* Of a whole cloth, after all blocks, for forces between particles of any blocks: with
+ * a workspace of a simulation (NULL: the same without one, slower), which may be that
+ * of a perturbed copy: of a cloth with other parameters, whose pairs are near enough.
+ */
+typedef struct weft__force_whole {
+    int (*add)(const void *own, void *space, const weft__state *at, weft__unit unit,
+               double *to);
+    int (*transposed)(const void *own, void *space, const weft__state *at, double *out);
+    void (*measure)(const void *own, void *space, const weft__state *at,
+                    weft_measures *sum);
+} weft__force_whole;
+
+/* Keeps the one of larger strain, the first of equal ones; NaN is larger than every
+ * number. */
+static inline void weft__keep_worst(weft_spring *kept, const weft_spring *other)
+{
+    if (kept->p == kept->q
+        || (!isnan(kept->strain) && !(other->strain <= kept->strain))) {
+        *kept = *other;
+    }
+}
