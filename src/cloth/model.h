@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* model.h -- what else is asked of a cloth: measures, checks of its definition, changes,
- * bounds and its linearisation. */
+/* model.h -- what else is asked of a cloth: measures, checks of its definition,
+ * changes, bounds and its linearisation. */
 #pragma once
 
 #include "cloth/sums.h"
