@@ -274,15 +274,9 @@ static weft_status write_ends(run *self, bool failed, weft_error *err)
     return run_agree(self, written == WEFT_OK ? result : written, err);
 }
 
-/* Writes and prints the results after the loop. */
-static int conclude(run *self, weft_status status, const weft_error *why)
+/* What the result has of the simulation. */
+static void take_results(run *self)
 {
-    weft_error err = { 0 };
-    int code = EXIT_DONE;
-    /* A signal that came after the last frame has changed nothing. */
-    const bool interrupted = interrupt_signal() != 0
-                             && self->result.frames < self->result.planned
-                             && !is_stopped(self);
     self->result.wall_time = weft__wall_clock() - self->began;
     self->result.sim = self->sim;
     self->result.measures = weft_sim_measure(self->sim);
@@ -295,12 +289,27 @@ static int conclude(run *self, weft_status status, const weft_error *why)
           + (size_t)weft_sim_passed(self->sim)
           + (size_t)(weft_sim_vetoed(self->sim) > weft_sim_stats(self->sim).steps)
           + (size_t)(record_sensitivity_growth(self->scene, self->sim, NULL) > 1.0);
+}
+
+/* A signal that came after the last frame has changed nothing. */
+static bool is_interrupted(const run *self)
+{
+    return interrupt_signal() != 0 && self->result.frames < self->result.planned
+           && !is_stopped(self);
+}
+
+/* Why the run ended, as status and reason of the result. Returns the exit code. */
+static int take_reason(run *self, weft_status status, const weft_error *why)
+{
     if (status != WEFT_OK) {
-        code = report_failure(self, why);
-    } else if (interrupted) {
+        return report_failure(self, why);
+    }
+    if (is_interrupted(self)) {
         self->result.status = "interrupted";
         self->result.reason = signal_name();
-    } else if (is_stopped(self)) {
+        return interrupt_code(interrupt_signal());
+    }
+    if (is_stopped(self)) {
         const weft_stop_def *stop = &weft_scene_run(self->scene)->stop;
         say(&self->reason, "stop: %s %c %.9g", weft_stop_name(stop->quantity),
             stop->quantity == WEFT_STOP_STRAIN ? '>' : '<', stop->bound);
@@ -309,6 +318,15 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         }
         self->result.reason = self->reason.text;
     }
+    return EXIT_DONE;
+}
+
+/* Finds, writes and prints the results after the loop. */
+static int conclude(run *self, weft_status status, const weft_error *why)
+{
+    weft_error err = { 0 };
+    take_results(self);
+    const int code = take_reason(self, status, why);
     if (write_ends(self, status != WEFT_OK, &err) != WEFT_OK) {
         return report_error(&err);
     }
@@ -320,9 +338,6 @@ static int conclude(run *self, weft_status status, const weft_error *why)
         summary_yaml_end(self);
     } else if (!self->given->quiet) {
         summary_print(self);
-    }
-    if (interrupted && status == WEFT_OK) {
-        return interrupt_code(interrupt_signal());
     }
     return code;
 }
