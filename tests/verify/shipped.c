@@ -127,9 +127,11 @@ weft_status verify_shipped_run(weft_registry *registry, const verify_scene *scen
                                const verify_frames *reference,
                                verify_shipped_result *out, weft_error *err)
 {
-    verify_stepper stepper = { .method = *method,
-                               .tolerance = VERIFY_SHIPPED_TOLERANCE
-                                            * (method->type->order == 1 ? 0.1 : 1) };
+    const bool rough = method->type->order == 1
+                       || (method->type->flags & WEFT_STEPPER_MULTISTEP) != 0;
+    verify_stepper stepper
+        = { .method = *method,
+            .tolerance = VERIFY_SHIPPED_TOLERANCE * (rough ? 0.1 : 1.0) };
     if (method_adapts(method->type)) {
         return run(registry, scene, &stepper, reference, out, err);
     }

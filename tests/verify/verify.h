@@ -124,7 +124,10 @@ weft_status verify_pair_apart(weft_registry *registry, const verify_pair *pair,
 
 /* ---- shipped.c ------------------------------------------------------------------- */
 
-#define VERIFY_SHIPPED_TOLERANCE 1e-3 /* a tenth of it for order 1 */
+/* A tenth of it for order 1, and for methods with a history of steps: a flag in the
+ * wind amplifies what they lose at the same tolerance (bdf on pennant-cut after 0.27 s:
+ * 6 % of the energy at 1e-3, below 0.05 % at 1e-4). */
+#define VERIFY_SHIPPED_TOLERANCE 1e-3
 #define VERIFY_ENERGY_BOUND      0.2
 
 enum { VERIFY_NAME = 64, VERIFY_SHIPPED_MOST = 64, VERIFY_PARTICLES_MANY = 1000 };
