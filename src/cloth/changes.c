@@ -67,22 +67,26 @@ static const unsigned char *changes_part_of(size_t k, const unsigned char *from,
     return from;
 }
 
-const char *weft__changes_take(weft_cloth *taken, const unsigned char *from,
-                               size_t words, const weft_allocator *memory)
+weft_status weft__changes_take(weft_cloth *taken, const unsigned char *from,
+                               size_t words, const weft_allocator *memory,
+                               weft_error *err)
 {
-    const char *fault = NULL;
+    weft_status status = WEFT_OK;
     size_t used = 0;
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force_changes *of = changes_of(k);
         if (of != NULL) {
             size_t own;
             const unsigned char *part = changes_part_of(k, from, words, &own);
-            const char *found = of->take(weft__own_of(taken, k), part, own, memory);
-            fault = fault == NULL ? found : fault;
+            const weft_status one = of->take(weft__own_of(taken, k), part, own, memory,
+                                             status == WEFT_OK ? err : NULL);
+            status = status == WEFT_OK ? one : status;
             used += own > 0 ? PART + own : 0;
         }
     }
-    return used == words ? fault : "the saved simulation is damaged or cut off";
+    return used == words ? status
+                         : weft_error_set(err, WEFT_INVALID,
+                                          "the saved simulation is damaged or cut off");
 }
 
 void weft__changes_exchange(weft_cloth *cloth, weft_cloth *taken)

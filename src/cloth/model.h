@@ -82,12 +82,13 @@ void weft__cloth_choose(weft_cloth *cloth, weft__isa isa);
 weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memory);
 
 /* changes.c: the values of all forces that a simulation may change: what is saved of
- * them; what was saved, in *taken, which is a copy of the present cloth bit by bit, or
- * what is wrong (NULL: nothing); that for the present ones, once more: back. */
+ * them; what was saved, in *taken, which is a copy of the present cloth bit by bit;
+ * that for the present ones, once more: back. */
 size_t weft__changes_words(const weft_cloth *cloth);
 void weft__changes_put(const weft_cloth *cloth, unsigned char *to);
-const char *weft__changes_take(weft_cloth *taken, const unsigned char *from,
-                               size_t words, const weft_allocator *memory);
+weft_status weft__changes_take(weft_cloth *taken, const unsigned char *from,
+                               size_t words, const weft_allocator *memory,
+                               weft_error *err);
 void weft__changes_exchange(weft_cloth *cloth, weft_cloth *taken);
 void weft__changes_drop(weft_cloth *taken, const weft_allocator *memory);
 

@@ -47,14 +47,13 @@ typedef struct weft__force_grids {
 
 /* What of it a simulation may change between steps, which is saved and restored with
  * it, in words (base/bytes.h). `take` makes of *own, a copy of what it is at present,
- * what was saved -- of 0 words, what the definition has -- and says what is wrong
- * (NULL: nothing). `exchange` swaps it with what was taken, which `drop` frees, also
- * after a fault. */
+ * what was saved, of 0 words what the definition has. `exchange` swaps it with what was
+ * taken, which `drop` frees, also after a fault. */
 typedef struct weft__force_changes {
     size_t (*words)(const void *own); /* of what it is at present */
     void (*put)(const void *own, unsigned char *to);
-    const char *(*take)(void *own, const unsigned char *from, size_t words,
-                        const weft_allocator *memory);
+    weft_status (*take)(void *own, const unsigned char *from, size_t words,
+                        const weft_allocator *memory, weft_error *err);
     void (*exchange)(void *own, void *taken);
     void (*drop)(void *taken, const weft_allocator *memory);
 } weft__force_changes;

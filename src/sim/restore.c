@@ -299,12 +299,10 @@ static weft_status read_fields(weft_sim *sim, restored *to, weft_error *err)
     TRY(check_definition(sim, to, err));
     weft__words_get(to->y + weft_cloth_dim(sim->cloth), from, quadratures);
     const char *fault = restore_fault_of(sim, to);
-    if (fault == NULL) {
-        to->cloth = *sim->cloth;
-        fault = weft__changes_take(&to->cloth, from + quadratures * WEFT__WORD,
-                                   (size_t)to->head.changes, &sim->memory);
-    }
     TRY(fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault) : WEFT_OK);
+    to->cloth = *sim->cloth;
+    TRY(weft__changes_take(&to->cloth, from + quadratures * WEFT__WORD,
+                           (size_t)to->head.changes, &sim->memory, err));
     TRY(check_gaps(sim, to, err));
     return weft__cloth_checks(&to->cloth) ? weft__sim_make_start(sim, err) : WEFT_OK;
 }

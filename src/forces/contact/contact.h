@@ -261,8 +261,8 @@ uint64_t weft__contact_hash(const weft__contact *own);
 /* contact_changes.c: for weft__force. */
 size_t weft__contact_words(const void *own);
 void weft__contact_put(const void *own, unsigned char *to);
-const char *weft__contact_take(void *own, const unsigned char *from, size_t words,
-                               const weft_allocator *memory);
+weft_status weft__contact_take(void *own, const unsigned char *from, size_t words,
+                               const weft_allocator *memory, weft_error *err);
 void weft__contact_exchange(void *own, void *taken);
 void weft__contact_drop(void *taken, const weft_allocator *memory);
 

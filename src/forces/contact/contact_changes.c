@@ -62,29 +62,26 @@ static bool take_shapes(weft__contact *of, const unsigned char *from,
     return good;
 }
 
-const char *weft__contact_take(void *own, const unsigned char *from, size_t words,
-                               const weft_allocator *memory)
+weft_status weft__contact_take(void *own, const unsigned char *from, size_t words,
+                               const weft_allocator *memory, weft_error *err)
 {
     weft__contact *of = own;
     const size_t count = words < 2 ? SIZE_MAX : (words - 2) / SHAPE_WORDS;
     const bool whole = words >= 2 && words == 2 + SHAPE_WORDS * count
                        && weft__word_at(from) == count;
     weft__shape *shapes = whole ? weft__alloc(memory, count, sizeof *shapes) : NULL;
-    const char *fault = NULL;
-    if (shapes == NULL) {
-        fault = whole ? "no memory to restore shapes" : "a saved shape makes no sense";
-    } else if (count > 0
-               && weft__word_at(from + WEFT__WORD) != weft__contact_hash(of)) {
-        fault = "saved of another cloth (its law of contact differs)";
-    } else if (!take_shapes(of, from + 2 * WEFT__WORD, shapes, count)) {
-        fault = "a saved shape makes no sense";
-    }
-    if (fault != NULL) {
-        weft__free(memory, shapes);
-        shapes = NULL;
-    }
-    of->shapes = shapes, of->shape_count = shapes != NULL ? count : 0;
-    return fault;
+    const char *fault
+        = !whole || shapes == NULL ? "a saved shape makes no sense"
+          : count > 0 && weft__word_at(from + WEFT__WORD) != weft__contact_hash(of)
+              ? "saved of another cloth (its law of contact differs)"
+          : !take_shapes(of, from + 2 * WEFT__WORD, shapes, count)
+              ? "a saved shape makes no sense"
+              : NULL;
+    of->shapes = shapes, of->shape_count = fault == NULL ? count : 0;
+    return whole && shapes == NULL
+               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore shapes")
+           : fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault)
+                           : WEFT_OK;
 }
 
 void weft__contact_exchange(void *own, void *taken)

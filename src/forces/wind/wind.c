@@ -126,8 +126,8 @@ static void wind_put(const void *own, unsigned char *to)
     weft__real_put(to + 4 * WEFT__WORD, of->air.drag);
 }
 
-static const char *wind_take(void *own, const unsigned char *from, size_t words,
-                             const weft_allocator *memory)
+static weft_status wind_take(void *own, const unsigned char *from, size_t words,
+                             const weft_allocator *memory, weft_error *err)
 {
     const uint64_t changed = words == WIND_WORDS ? weft__word_at(from) : words;
     double saved[4] = { 0.0 };
@@ -139,7 +139,8 @@ static const char *wind_take(void *own, const unsigned char *from, size_t words,
     if (good && changed == 0) {
         (void)weft__wind_set(own, NULL, 0.0);
     }
-    return good ? NULL : "a saved wind makes no sense";
+    return good ? WEFT_OK
+                : weft_error_set(err, WEFT_INVALID, "a saved wind makes no sense");
 }
 
 static void wind_share(void *own, const void *whole)

@@ -63,8 +63,8 @@ static void attractor_put(const void *own, unsigned char *to)
     weft__real_put(to + WEFT__WORD, of->drag);
 }
 
-static const char *attractor_take(void *own, const unsigned char *from, size_t words,
-                                  const weft_allocator *memory)
+static weft_status attractor_take(void *own, const unsigned char *from, size_t words,
+                                  const weft_allocator *memory, weft_error *err)
 {
     weft__attractor *of = own;
     (void)memory;
@@ -74,8 +74,8 @@ static const char *attractor_take(void *own, const unsigned char *from, size_t w
     }
     return (words == 0 || words == 2) && weft__not_negative(of->strength)
                    && weft__not_negative(of->drag)
-               ? NULL
-               : "a saved attractor makes no sense";
+               ? WEFT_OK
+               : weft_error_set(err, WEFT_INVALID, "a saved attractor makes no sense");
 }
 
 static void attractor_exchange(void *own, void *taken)
