@@ -50,7 +50,6 @@ nightly: all
 	$(MAKE) check-slow
 	$(MAKE) mutations
 	$(MAKE) check-elsewhere
-	$(MAKE) check-toy
 	$(MAKE) check-site
 	$(MAKE) check-install WHOLE=1
 	$(MAKE) static DEEP=1

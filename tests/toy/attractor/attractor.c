@@ -202,8 +202,8 @@ static void attractor_bound(const void *own, const weft__state *at, size_t i,
     const weft__attractor *of = own;
     (void)at, (void)i;
     for (size_t s = 0; s < sides->count; ++s) {
-        weft__bound_add(sums[s], fabs(sides->way[s][0]) * of->strength
-                                     + sides->way[s][1] * of->drag);
+        weft__bound_add(sums[s], fabs(sides->direction[s][0]) * of->strength
+                                     + sides->direction[s][1] * of->drag);
     }
 }
 
