@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* changes.c -- what a simulation may change of the forces of its cloth, in words: of
- * each force that has any its name, how many there are, and they. */
-#include "base/bytes.h"
+/* changes.c -- what a simulation may change of the forces of its cloth. Saved, it is a
+ * row of words: for each force that has any, its name, their number and the words. */
 #include "cloth/grids.h"
+
+#include <string.h>
+
+#include "base/bytes.h"
 
 static const weft__force_changes *changes_of(size_t k)
 {
@@ -10,25 +13,20 @@ static const weft__force_changes *changes_of(size_t k)
     return of->words != NULL ? of : NULL;
 }
 
-/* Its name, of which at most 8 characters are a word. */
-static uint64_t name_word(size_t k)
+unsigned char *weft__changes_begin(unsigned char *to, const char *name, size_t words)
 {
-    unsigned char bytes[WEFT__WORD] = { 0 };
-    const char *name = weft__table[k].force->name;
-    for (size_t i = 0; i < WEFT__WORD && name[i] != '\0'; ++i) {
-        bytes[i] = (unsigned char)name[i];
-    }
-    return weft__word_at(bytes);
+    memset(to, 0, WEFT__WORD);
+    memcpy(to, name, strnlen(name, WEFT__WORD));
+    weft__word_put(to + WEFT__WORD, words);
+    return to + WEFT__CHANGES_HEAD * WEFT__WORD;
 }
-
-enum { PART = 2 }; /* words before those of a force: its name, their number */
 
 size_t weft__changes_words(const weft_cloth *cloth)
 {
     size_t words = 0;
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         const weft__force_changes *of = changes_of(k);
-        words += of != NULL ? PART + of->words(weft__own(cloth, k)) : 0;
+        words += of != NULL ? WEFT__CHANGES_HEAD + of->words(weft__own(cloth, k)) : 0;
     }
     return words;
 }
@@ -39,10 +37,9 @@ void weft__changes_put(const weft_cloth *cloth, unsigned char *to)
         const weft__force_changes *of = changes_of(k);
         if (of != NULL) {
             const size_t words = of->words(weft__own(cloth, k));
-            weft__word_put(to, name_word(k));
-            weft__word_put(to + WEFT__WORD, words);
-            of->put(weft__own(cloth, k), to + PART * WEFT__WORD);
-            to += (PART + words) * WEFT__WORD;
+            to = weft__changes_begin(to, weft__table[k].force->name, words);
+            of->put(weft__own(cloth, k), to);
+            to += words * WEFT__WORD;
         }
     }
 }
@@ -51,18 +48,22 @@ void weft__changes_put(const weft_cloth *cloth, unsigned char *to)
 static const unsigned char *changes_part_of(size_t k, const unsigned char *from,
                                             size_t words, size_t *own)
 {
+    unsigned char head[WEFT__CHANGES_HEAD * WEFT__WORD];
+    (void)weft__changes_begin(head, weft__table[k].force->name, 0);
     *own = 0;
-    while (words >= PART) {
+    while (words >= WEFT__CHANGES_HEAD) {
         const uint64_t count = weft__word_at(from + WEFT__WORD);
-        if (count > words - PART) {
+        if (count > words - WEFT__CHANGES_HEAD) {
             return from;
         }
-        if (weft__word_at(from) == name_word(k)) {
+        const bool found = memcmp(from, head, WEFT__WORD) == 0;
+        from += WEFT__CHANGES_HEAD * WEFT__WORD;
+        if (found) {
             *own = (size_t)count;
-            return from + PART * WEFT__WORD;
+            return from;
         }
-        from += (PART + count) * WEFT__WORD;
-        words -= PART + (size_t)count;
+        from += count * WEFT__WORD;
+        words -= WEFT__CHANGES_HEAD + (size_t)count;
     }
     return from;
 }
@@ -81,7 +82,7 @@ weft_status weft__changes_take(weft_cloth *taken, const unsigned char *from,
             const weft_status one = of->take(weft__own_of(taken, k), part, own, memory,
                                              status == WEFT_OK ? err : NULL);
             status = status == WEFT_OK ? one : status;
-            used += own > 0 ? PART + own : 0;
+            used += own > 0 ? WEFT__CHANGES_HEAD + own : 0;
         }
     }
     return used == words ? status

@@ -81,9 +81,12 @@ void weft__cloth_choose(weft_cloth *cloth, weft__isa isa);
  * outlive it. Destroy it with weft_cloth_destroy. NULL: no memory. */
 weft_cloth *weft__cloth_copy(const weft_cloth *model, const weft_allocator *memory);
 
-/* changes.c: the values of all forces that a simulation may change: what is saved of
- * them; what was saved, in *taken, which is a copy of the present cloth bit by bit;
- * that for the present ones, once more: back. */
+/* changes.c: the values of forces that a simulation may change. `put` writes them as
+ * words, and begins those of each force by `begin`, which returns where they go. `take`
+ * reads saved ones into *taken, before that a bitwise copy of the present cloth.
+ * `exchange` swaps the present ones with those; a second time it swaps them back. */
+enum { WEFT__CHANGES_HEAD = 2 }; /* [words] a force's name, and how many follow */
+unsigned char *weft__changes_begin(unsigned char *to, const char *name, size_t words);
 size_t weft__changes_words(const weft_cloth *cloth);
 void weft__changes_put(const weft_cloth *cloth, unsigned char *to);
 weft_status weft__changes_take(weft_cloth *taken, const unsigned char *from,

@@ -9,18 +9,8 @@
 enum {
     FLAGS = offsetof(weft__save_head, fields.flags) / WEFT__WORD,
     AIR = 4, /* velocity and drag */
-    HEAD_9 = FLAGS + 1 + AIR,
-    PART = 2 /* name and number of words, as of cloth/changes.c */
+    HEAD_9 = FLAGS + 1 + AIR
 };
-
-/* Returns where it ends. */
-static unsigned char *put_part(unsigned char *to, const char *name, size_t words)
-{
-    memset(to, 0, WEFT__WORD);
-    memcpy(to, name, strlen(name));
-    weft__word_put(to + WEFT__WORD, words);
-    return to + PART * WEFT__WORD;
-}
 
 size_t weft__save_front_9(const weft_sim *sim)
 {
@@ -32,7 +22,7 @@ unsigned char *weft__save_from_9(const weft_sim *sim, const unsigned char *front
 {
     const size_t quadratures = sim->config.quadratures;
     const size_t contact = words - weft__save_front_9(sim);
-    const size_t changes = PART + 1 + AIR + PART + contact;
+    const size_t changes = 2 * WEFT__CHANGES_HEAD + 1 + AIR + contact;
     const uint64_t flags = weft__word_at(front + FLAGS * WEFT__WORD);
     *now = weft__save_front(sim, changes);
     unsigned char *out = weft__alloc(&sim->memory, *now, WEFT__WORD);
@@ -44,10 +34,10 @@ unsigned char *weft__save_from_9(const weft_sim *sim, const unsigned char *front
     weft__word_put(out + FLAGS * WEFT__WORD, flags >> 1);
     weft__word_put(to - WEFT__WORD, changes);
     memcpy(to, front + HEAD_9 * WEFT__WORD, quadratures * WEFT__WORD);
-    to = put_part(to + quadratures * WEFT__WORD, "wind", 1 + AIR);
+    to = weft__changes_begin(to + quadratures * WEFT__WORD, "wind", 1 + AIR);
     weft__word_put(to, flags & 1);
     memcpy(to + WEFT__WORD, front + (FLAGS + 1) * WEFT__WORD, AIR * WEFT__WORD);
-    to = put_part(to + (1 + AIR) * WEFT__WORD, "contact", contact);
+    to = weft__changes_begin(to + (1 + AIR) * WEFT__WORD, "contact", contact);
     memcpy(to, front + (HEAD_9 + quadratures) * WEFT__WORD, (contact + 1) * WEFT__WORD);
     return out;
 }

@@ -44,7 +44,7 @@ static const weft_body *next_body(const weft__contact *of, size_t *shape)
     return body;
 }
 
-static bool take_shapes(weft__contact *of, const unsigned char *from,
+static bool take_shapes(const weft__contact *of, const unsigned char *from,
                         weft__shape *shapes, size_t count)
 {
     size_t body = 0;
@@ -69,19 +69,22 @@ weft_status weft__contact_take(void *own, const unsigned char *from, size_t word
     const size_t count = words < 2 ? SIZE_MAX : (words - 2) / SHAPE_WORDS;
     const bool whole = words >= 2 && words == 2 + SHAPE_WORDS * count
                        && weft__word_at(from) == count;
-    weft__shape *shapes = whole ? weft__alloc(memory, count, sizeof *shapes) : NULL;
-    const char *fault
-        = !whole || shapes == NULL ? "a saved shape makes no sense"
-          : count > 0 && weft__word_at(from + WEFT__WORD) != weft__contact_hash(of)
-              ? "saved of another cloth (its law of contact differs)"
-          : !take_shapes(of, from + 2 * WEFT__WORD, shapes, count)
-              ? "a saved shape makes no sense"
-              : NULL;
-    of->shapes = shapes, of->shape_count = fault == NULL ? count : 0;
-    return whole && shapes == NULL
-               ? weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore shapes")
-           : fault != NULL ? weft_error_set(err, WEFT_INVALID, "%s", fault)
-                           : WEFT_OK;
+    const weft__contact present = *of;
+    of->shapes = whole ? weft__alloc(memory, count, sizeof *of->shapes) : NULL;
+    of->shape_count = 0;
+    if (whole && of->shapes == NULL) {
+        return weft_error_set(err, WEFT_NO_MEMORY, "no memory to restore shapes");
+    }
+    if (whole && count > 0
+        && weft__word_at(from + WEFT__WORD) != weft__contact_hash(of)) {
+        return weft_error_set(err, WEFT_INVALID,
+                              "saved of another cloth (its law of contact differs)");
+    }
+    if (!whole || !take_shapes(&present, from + 2 * WEFT__WORD, of->shapes, count)) {
+        return weft_error_set(err, WEFT_INVALID, "a saved shape makes no sense");
+    }
+    of->shape_count = count;
+    return WEFT_OK;
 }
 
 void weft__contact_exchange(void *own, void *taken)

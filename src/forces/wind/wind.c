@@ -129,15 +129,15 @@ static void wind_put(const void *own, unsigned char *to)
 static weft_status wind_take(void *own, const unsigned char *from, size_t words,
                              const weft_allocator *memory, weft_error *err)
 {
-    const uint64_t changed = words == WIND_WORDS ? weft__word_at(from) : words;
-    double saved[4] = { 0.0 };
+    double saved[4];
+    bool good = words == WIND_WORDS && weft__word_at(from) <= 1;
     (void)memory;
-    if (words == WIND_WORDS) {
+    if (good) {
         weft__words_get(saved, from + WEFT__WORD, 4);
+        good = weft__wind_set(own, saved, saved[3]);
     }
-    const bool good = changed <= 1 && weft__wind_set(own, saved, saved[3]);
-    if (good && changed == 0) {
-        (void)weft__wind_set(own, NULL, 0.0);
+    if (words == 0 || (good && weft__word_at(from) == 0)) {
+        good = weft__wind_set(own, NULL, 0.0);
     }
     return good ? WEFT_OK
                 : weft_error_set(err, WEFT_INVALID, "a saved wind makes no sense");
