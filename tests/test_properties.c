@@ -2,6 +2,7 @@
 /* tags: first */
 /* test_properties.c -- every scene of tests/properties has every property of the table
  * below, unless a comment of the scene says why not. */
+#include "objective.h"
 #include "products.h"
 #include "properties.h"
 #include "shell.h"
@@ -433,19 +434,6 @@ static void copies_are_the_cloth_and_change_alone(void)
  */
 
 enum { TIMES = 3 };
-
-/* The sum of |y|^2 / 2 and of c.y, c of its own in each frame. */
-static int objective(void *ctx, size_t frame, double t, const double *y, double *value,
-                     double *slope)
-{
-    const size_t dim = *(const size_t *)ctx;
-    for (size_t i = 0; i < dim; ++i) {
-        const double c = sin((double)(i + 7 * frame)) + t;
-        *value += (0.5 * y[i] + c) * y[i];
-        slope[i] += y[i] + c;
-    }
-    return 0;
-}
 
 /* The gradient backwards is that forwards. */
 static void adjoints_are_derivatives(void)

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "objective.h"
 #include "scene_load.h"
 #include "shell.h"
 #include "weft/gradient.h"
@@ -486,19 +487,6 @@ END_TEST
  */
 
 enum { FRAMES = 3 };
-
-/* The sum of |y|^2 / 2 and of c.y, c of its own in each frame. */
-static int objective(void *ctx, size_t frame, double t, const double *y, double *value,
-                     double *slope)
-{
-    const size_t dim = *(const size_t *)ctx;
-    for (size_t i = 0; i < dim; ++i) {
-        const double c = sin((double)(i + 7 * frame)) + t;
-        *value += (0.5 * y[i] + c) * y[i];
-        slope[i] += y[i] + c;
-    }
-    return 0;
-}
 
 /* The simulation of a scene, forwards with sensitivities: by cloths that are further
  * apart than those of a scene, so that their differences have less roundoff, and both
