@@ -161,9 +161,14 @@ typedef struct weft_ledger {
     double shape_work; /* done by moving shapes */
 } weft_ledger;
 
-/* The members that are integrals of powers, X(member, power, by): work done `by`
- * something, or "": heat. In results the second list comes later, and a new member goes
- * to its end. */
+/* The members that integrate a power, as X(member, power, by): `by` says who does the
+ * work, and is "" for heat. For example, to print them all:
+ *
+ *     #define PRINT(member, power, by) printf("%s: %g J\n", #member, ledger.member);
+ *     WEFT_LEDGER_POWERS(PRINT) WEFT_LEDGER_LATER_POWERS(PRINT)
+ *
+ * series.csv has the columns of the second list after those of contact; a new member
+ * goes to its end. */
 #define WEFT_LEDGER_POWERS(X)                                                          \
     X(dissipated_springs, WEFT_POWER_SPRINGS, "")                                      \
     X(dissipated_drag, WEFT_POWER_DRAG, "")                                            \

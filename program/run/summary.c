@@ -308,8 +308,8 @@ static const char *advise_fixed(double h, double start, double now, double any,
             step, advised_for(any));
     } else {
         say(out,
-            "the step was a stable one: look at what drives the cloth (pins, loads, "
-            "forces), or try a tenth of the step");
+            "the step was a stable one: look at what drives the cloth (pins, wind, "
+            "loads), or try a tenth of the step");
     }
     return out->text;
 }

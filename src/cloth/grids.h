@@ -31,7 +31,7 @@ typedef struct weft__grid_row {
 bool weft__grids_next(const weft_cloth *whole, const weft__state *at, size_t b,
                       weft__grid_row *row);
 
-/* What their own forces add to a weft__measure_fn of block b. */
+/* Adds what the grids' own forces give to a weft__measure_fn of block b. */
 typedef enum weft__grid_part {
     WEFT__GRID_ENERGY,
     WEFT__GRID_POWER,

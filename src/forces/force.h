@@ -11,8 +11,8 @@
  * `change`: the derivative of add along at->along; for a linear force this is add
  * itself. `transposed`: its transpose, of the whole cloth; for a linear force this is
  * add with respect to x and to v apart, and of springs, weight and air that of the
- * springs. `swept`: the sweep over springs has it, and products with their directions.
- * `piece`: keeps the times of its tables and keys that are next to t (mesh/track.h). */
+ * springs. `swept`: the sweep over springs computes it too, also in products.
+ * `piece`: narrows *to to the rows and keys of its tables next to t (mesh/track.h). */
 typedef struct weft__force_law {
     bool linear, swept;
     weft__start_fn *start;

@@ -24,9 +24,9 @@ typedef struct weft__force_tables {
     void (*choose)(void *own, weft__isa isa);              /* the fast forms */
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
     void (*free)(void *own, const weft_allocator *memory);
-    void (*leave_out)(void *own);             /* then a cloth has none of it */
+    void (*leave_out)(void *own);             /* removes it from this cloth */
     size_t (*bytes)(const void *own);         /* of its tables of triangles */
-    bool (*slows)(const weft_cloth_def *def); /* takes energy from any motion */
+    bool (*slows)(const weft_cloth_def *def); /* whether it brakes every motion */
 
     /* Of a whole cloth of triangles: the particles that block b reads beyond its own
      * and its triangles' corners; and what becomes its band, after that of the mesh.
@@ -35,20 +35,21 @@ typedef struct weft__force_tables {
     bool (*slice)(void *own, const weft__slice *slice);
 } weft__force_tables;
 
-/* Where it is also a force of each grid among several cloths: what the definition of
- * a grid has of the whole, and what the grid's own shares with that of the whole. Such
- * a force takes no memory for a grid. `measured`: the whole leaves the measures of a
- * grid's particles to that of the grid. */
+/* A scene may have grids among several cloths (cloth/grids.h). `have_it`: each grid
+ * computes this force for itself, and takes no memory for it. `measured`: it also
+ * computes the force's energy, power and strain. `define` copies what a grid's
+ * definition takes from the whole, `share` what a grid's own takes from the whole's. */
 typedef struct weft__force_grids {
     bool have_it, measured;
     void (*define)(const weft_cloth_def *whole, weft_cloth_def *grid);
     void (*share)(void *own, const void *whole);
 } weft__force_grids;
 
-/* What of it a simulation may change between steps, which is saved and restored with
- * it, in words (base/bytes.h). `take` makes of *own, a copy of what it is at present,
- * what was saved, of 0 words what the definition has. `exchange` swaps it with what was
- * taken, which `drop` frees, also after a fault. */
+/* A simulation may change some values of a force between steps, and saves and restores
+ * them as words (base/bytes.h; cloth/changes.c). `put` writes them. `take` gets a
+ * bitwise copy of the present own, and puts the saved values into it; without words
+ * those of the definition. `exchange` swaps the values of both, `drop` frees those that
+ * were taken, even if `take` failed. */
 typedef struct weft__force_changes {
     size_t (*words)(const void *own); /* of what it is at present */
     void (*put)(const void *own, unsigned char *to);

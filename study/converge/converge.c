@@ -319,7 +319,7 @@ const verb verb_converge = {
       "the value does not converge. The error of the steps must be far smaller than "
       "the differences: choose small tolerances.\n"
       "\n"
-      "Density, fabrics, bending rigidity, air and contact do not depend on the size. "
+      "Density, fabrics, bending rigidity, wind and contact do not depend on the size. "
       "What is given for each particle or spring does; a warning names it.\n",
     OPTIONS(options),
     .own_size = sizeof(converge_options),
