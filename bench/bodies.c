@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "../tests/bodies.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 #include "problem.h"
 #include "sim/simulation.h"
 #include "weft/weft.h"

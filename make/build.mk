@@ -2,9 +2,9 @@
 VERSION := $(shell sed -n 's/^.define WEFT_VERSION "\(.*\)"/\1/p' include/weft/base.h)
 SOVERSION := $(shell sed -n 's/^.define WEFT_INTERFACE //p' include/weft/base.h)
 
-FAST     := $(wildcard src/forces/*/*_fast.c)
+FAST     := $(wildcard src/forces/*/*_fast.c src/forces/*/*/*_fast.c)
 LIB_SRC  := $(filter-out $(FAST),\
-    $(wildcard $(patsubst %,src/%/*.c,base mesh forces/* cloth sim plugin stability scene)))
+    $(wildcard $(patsubst %,src/%/*.c,base mesh forces/* forces/*/* cloth sim plugin stability scene)))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 # The fast forms of forces, once more for each level of instructions that src/base/isa.c chooses
 # from. KERNEL=plain, or all *_fast.c deleted: none, the plain loops have the same bits.
@@ -73,7 +73,7 @@ V3 := $(if $(NAMED),-march=x86-64-v3,-mavx2 -mfma -mbmi -mbmi2)
 V4 := $(if $(NAMED),-march=x86-64-v4,$(V3) -mavx512f -mavx512bw -mavx512cd -mavx512dq -mavx512vl)
 $(BUILD)/%.v3.o: OWN += $(V3) -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += $(V4) -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
-$(BUILD)/src/forces/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/self/self_fast.%.o): OWN += -funroll-loops
+$(BUILD)/src/forces/contact/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/contact/self/self_fast.%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 # They are not asked for undefined behaviour, which takes seven times as long to compile: the plain forms are.
 # gcc's checks of addresses as calls, beyond some of them in a function: half the time to compile.

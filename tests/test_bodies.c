@@ -6,8 +6,8 @@
 
 #include "bodies.h"
 #include "cloth/model.h"
-#include "forces/self/crossing.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/crossing.h"
+#include "forces/contact/self/self_list.h"
 #include "products.h"
 #include "random.h"
 #include "sim/forces.h"

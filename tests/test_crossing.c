@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 __extension__ typedef __int128 wide;
 

@@ -13,7 +13,7 @@
 #include "cloth/model.h"
 #include "folded.h"
 #include "folded_mesh.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 weft__fill_fn weft__fill_wide;
 weft__bend_fn weft__bend_wide;

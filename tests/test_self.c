@@ -4,7 +4,7 @@
 #include "support.h"
 
 #include "cloth/model.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 #include "products.h"
 
 #include <math.h>

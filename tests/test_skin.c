@@ -5,7 +5,7 @@
 #include "folded_mesh.h"
 
 #include "cloth/model.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 enum { SIDE = 25, MOST = 20000 };
 

@@ -6,7 +6,7 @@
 
 #include "bodies.h"
 #include "cloth/model.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "shell.h"
 
 enum { SIDE = 9, UPPER = 7, N = SIDE * SIDE + UPPER * UPPER, T = 2 * (64 + 36) };

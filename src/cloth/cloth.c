@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "base/sized.h"
 #include "cloth/cloth_slice.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"

@@ -5,7 +5,7 @@
 #include "base/sized.h"
 #include "cloth/model.h"
 #include "forces/contact/passage.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "mesh/surface.h"
 
 size_t weft_cloth_shapes(const weft_cloth *cloth)

@@ -5,11 +5,11 @@
 
 #include "forces/bending/bending.h"
 #include "forces/bending/plate.h"
-#include "forces/bodies/bodies.h"
 #include "forces/body/body.h"
+#include "forces/contact/bodies/bodies.h"
 #include "forces/contact/contact.h"
+#include "forces/contact/self/self.h"
 #include "forces/membrane/membrane.h"
-#include "forces/self/self.h"
 #include "forces/springs/springs.h"
 #include "forces/wind/wind.h"
 

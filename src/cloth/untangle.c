@@ -16,7 +16,7 @@
 #include "base/log.h"
 #include "base/try.h"
 #include "cloth/model.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "mesh/surface.h"
 
 #define LEAST  0.9  /* of the thickness: of gaps at the end */

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "cloth/model.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 #include "sim/exchange.h"
 
 typedef struct weft__forces {

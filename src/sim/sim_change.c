@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/sized.h"
 #include "cloth/grids.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
 #include "sim/bands.h"

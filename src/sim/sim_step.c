@@ -3,7 +3,7 @@
 #include <inttypes.h>
 
 #include "base/log.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 #include "sim/simulation.h"
 
 static bool correct(weft_sim *sim, double h)

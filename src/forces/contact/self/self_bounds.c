@@ -2,7 +2,7 @@
 /* self_bounds.c -- what self-contact adds to the stiffness and damping of particles: a
  * pair's K = S n n^T and C = D n n^T + T (I - n n^T) between its feet, at most 2 |b_i|
  * of them at each particle (docs/theory/contact.md, "Pairs"). */
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 /* Two layers push a particle as one pair would that had this part of the law; a shape
  * has 1. Layers that meet at stopping_speed come to this phi; docs/theory/contact.md.

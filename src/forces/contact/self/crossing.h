@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/stop.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 /* An edge and a triangle; of a chain two edges. Or two neighbours at the same place. */
 typedef struct weft__crossing {

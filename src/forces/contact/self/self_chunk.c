@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_chunk.c -- the pairs of a weft__self_list and their room. */
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "forces/contact/contact_law.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 /* x0 of z, and the smallest sine^2 of edges that are not parallel. */
 #define SOFT_ANGLE 0.25

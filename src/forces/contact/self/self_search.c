@@ -2,7 +2,7 @@
 /* self_search.c -- the search between the tiles of a weft__self_list in a state: by
  * boxes in single precision (forces/seek), or, in a build or on a level of instructions
  * without them, by the tree. Both visit the pairs in the same order. */
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 static bool by_boxes(const weft__self_list *list)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_check.c -- whether parts of a cloth can have met in a step, by the list if it
  * proves the others clear. */
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 enum { HALVINGS = 60 };
 

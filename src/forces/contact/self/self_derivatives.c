@@ -11,8 +11,8 @@
 #include <string.h>
 
 #define LAW_OF_DUALS
-#include "forces/self/self_law.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_law.h"
+#include "forces/contact/self/self_list.h"
 
 /* Of a direction, so that squares of derivatives count nothing; a power of 2. */
 #define PART 0x1p-300

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/thread_pool.h"
 #include "forces/contact/contact.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 /* pool NULL: one thread. `part` not NULL: points [part[0], part[1]), and of pairs
  * without one of them only some are listed. NULL: no memory. */

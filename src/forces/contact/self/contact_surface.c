@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* contact_surface.c -- the tables of contact_surface.h, in linear time. */
-#include "forces/self/self_tree.h"
+#include "forces/contact/self/self_tree.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/self/crossing.h"
+#include "forces/contact/self/crossing.h"
 
 #include "base/finite.h"
 #include "mesh/surface.h"

@@ -3,7 +3,7 @@
  * orthonormal directions by E < 1, in the Frobenius norm, has points (1 - E) times as
  * far apart as at rest or more (docs/theory/contact.md), where primitives without a
  * common particle are a b / sqrt(a^2 + b^2) or more apart. */
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 #include <string.h>
 

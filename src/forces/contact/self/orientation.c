@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/self/orientation.h"
+#include "forces/contact/self/orientation.h"
 
 #include <math.h>
 #include <stdbool.h>

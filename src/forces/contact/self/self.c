@@ -3,12 +3,12 @@
  * a grid e W / 4, for e and v = sum b_i v_i (docs/theory/contact.md, "Pairs"). The
  * feet satisfy e_k.r = 0 for the edges e_k; hence along dx, with delta = sum b_i dx_i,
  * the weight changes by dW = lean.delta + turn_1.de_1 + turn_2.de_2. */
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "forces/self/self_law.h"
+#include "forces/contact/self/self_law.h"
 #include "mesh/grid_def.h"
 #include "mesh/surface.h"
 #include "mesh/triangles_work.h"

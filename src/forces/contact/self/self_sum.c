@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_sum.c -- adds the forces of pairs that push to those of their particles: in a
  * file of its own, so that bench/self can count its cycles. */
-#include "forces/self/self_law.h"
+#include "forces/contact/self/self_law.h"
 
 /* One function for each kind, so that the loop over its particles is unrolled. */
 static inline void add_kind(weft__pair_kind kind, const weft__self_sums *of,

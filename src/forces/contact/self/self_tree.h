@@ -3,9 +3,9 @@
  * quadtree over the grid, or over the points of a surface in their order. */
 #pragma once
 
+#include "forces/contact/self/contact_surface.h"
 #include "forces/force.h"
 #include "forces/seek/seek.h"
-#include "forces/self/contact_surface.h"
 
 typedef struct weft__self weft__self;
 

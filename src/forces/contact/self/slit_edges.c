@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/grow.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 /* Slit edges lie on each other that are nearer than this part of the thickness. */
 #define TOGETHER 1e-2

@@ -7,8 +7,8 @@
 
 #include "base/memory.h"
 #include "base/plane.h"
-#include "forces/bodies/bodies.h"
-#include "forces/self/crossing.h"
+#include "forces/contact/bodies/bodies.h"
+#include "forces/contact/self/crossing.h"
 #include "mesh/surface.h"
 
 /* "edge (3, 4)-(3, 5)", or "shapes[1]". */

@@ -8,8 +8,8 @@
 #pragma once
 
 #include "forces/contact/contact.h"
-#include "forces/self/orientation.h"
-#include "forces/self/self_tree.h"
+#include "forces/contact/self/orientation.h"
+#include "forces/contact/self/self_tree.h"
 
 typedef struct weft__self_list weft__self_list; /* self_list.h */
 

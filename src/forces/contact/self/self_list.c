@@ -15,7 +15,7 @@
  */
 #include <stdatomic.h>
 
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 
 enum { SHELVES = 64 };
 

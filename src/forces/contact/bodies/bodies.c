@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "forces/bodies/bodies.h"
+#include "forces/contact/bodies/bodies.h"
 
 #include "base/grow.h"
-#include "forces/self/self_list.h"
+#include "forces/contact/self/self_list.h"
 #include "mesh/surface.h"
 
 /* ---- points ---------------------------------------------------------------------- */

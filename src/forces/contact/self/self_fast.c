@@ -7,7 +7,7 @@
 #include "forces/lanes.h"
 
 #define LAW_OF_LANES
-#include "forces/self/self_law.h"
+#include "forces/contact/self/self_law.h"
 
 /* Three planes of the particles of LANES pairs. */
 INLINE void gather_points(const double *planes, size_t n, weft__pair_kind kind,

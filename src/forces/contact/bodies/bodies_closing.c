@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "forces/bodies/bodies.h"
+#include "forces/contact/bodies/bodies.h"
 
 /* As in closing.c. */
 #define OPPOSED  0.5

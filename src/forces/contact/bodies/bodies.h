@@ -8,7 +8,7 @@
 #include "base/thread_pool.h"
 #include "forces/contact/closing.h"
 #include "forces/contact/mesh_shape.h"
-#include "forces/self/self.h"
+#include "forces/contact/self/self.h"
 
 typedef struct weft__bodies {
     weft__self pairs; /* of all points; law.self: whether there are bodies */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* self_pairs.c -- pairs of primitives that are near each other, and whether they can
  * have met in a step. */
-#include "forces/self/self.h"
-#include "forces/self/self_law.h"
+#include "forces/contact/self/self.h"
+#include "forces/contact/self/self_law.h"
 
 void weft__pair_primitives(const weft__pair *pair, weft_primitive out[2])
 {
