@@ -61,18 +61,18 @@ static weft__sides sides_of(const weft_cloth *cloth, const double *y)
 }
 
 /* Adds an upper bound of a K + b C to matrix[6]. */
-static void contact_stiffness_times(const weft__contact_stiffness *contact_stiffness,
-                                    double a, double b, double matrix[6])
+static void range_stiffness_times(const weft__range_stiffness *range_stiffness,
+                                  double a, double b, double matrix[6])
 {
     for (size_t k = 0; k < 6; ++k) {
-        matrix[k] += a * contact_stiffness->normal_stiffness[k]
-                     + b * contact_stiffness->normal_damping[k]
-                     + fmax(0.0, b) * contact_stiffness->friction_damping[k];
+        matrix[k] += a * range_stiffness->normal_stiffness[k]
+                     + b * range_stiffness->normal_damping[k]
+                     + fmax(0.0, b) * range_stiffness->friction_damping[k];
     }
     for (size_t k = 0; k < 3; ++k) {
-        matrix[k] += fabs(a) * contact_stiffness->any_stiffness
-                     + fabs(b) * contact_stiffness->any_damping
-                     + fmax(0.0, -a) * contact_stiffness->negative_stiffness;
+        matrix[k] += fabs(a) * range_stiffness->any_stiffness
+                     + fabs(b) * range_stiffness->any_damping
+                     + fmax(0.0, -a) * range_stiffness->negative_stiffness;
     }
 }
 
@@ -130,24 +130,24 @@ typedef struct raising {
 } raising;
 
 /* Raises the bounds to those of free particles [first, end), whose contact is gathered
- * in `contact_stiffness`. */
+ * in `range_stiffness`. */
 static void raise_sides(const raising *of, size_t first, size_t end,
-                        weft__contact_stiffness *contact_stiffness)
+                        weft__range_stiffness *range_stiffness)
 {
     const weft_cloth *cloth = of->cloth;
     const weft__sides *sides = &of->sides;
     double sums[WEFT__SIDES][6];
-    memset(contact_stiffness, 0, (end - first) * sizeof *contact_stiffness);
-    WEFT__EACH_FORCE(cloth, bounds.contact_stiffness,
+    memset(range_stiffness, 0, (end - first) * sizeof *range_stiffness);
+    WEFT__EACH_FORCE(cloth, bounds.range_stiffness,
                      of->spaces != NULL ? of->spaces[k_] : NULL, of->at, first,
-                     end - first, contact_stiffness)
+                     end - first, range_stiffness)
     for (size_t i = first; i < end; ++i) {
         if (cloth->mesh.pin[i] == 0) {
             bound_of(cloth, of->at, i, sides, sums);
             for (size_t s = 0; s < sides->count; ++s) {
-                contact_stiffness_times(&contact_stiffness[i - first],
-                                        sides->direction[s][0], sides->direction[s][1],
-                                        sums[s]);
+                range_stiffness_times(&range_stiffness[i - first],
+                                      sides->direction[s][0], sides->direction[s][1],
+                                      sums[s]);
                 of->most[s] = fmax(of->most[s], largest_eigenvalue(sums[s]));
             }
         }
@@ -155,7 +155,7 @@ static void raise_sides(const raising *of, size_t first, size_t end,
 }
 
 void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
-                           weft__contact_stiffness *room, double t, const double *y,
+                           weft__range_stiffness *room, double t, const double *y,
                            double most[WEFT__SIDES])
 {
     const weft__mesh *mesh = &cloth->mesh;
@@ -163,7 +163,7 @@ void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
     const raising of = { cloth, spaces, &at, sides_of(cloth, y), most };
     const size_t first = weft__block(mesh, mesh->band.above);
     const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
-    weft__contact_stiffness some[BLOCK];
+    weft__range_stiffness some[BLOCK];
     const size_t each = room != NULL ? end - first : BLOCK;
     for (size_t s = 0; s < WEFT__SIDES; ++s) {
         most[s] = -INFINITY;
@@ -174,9 +174,8 @@ void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
     }
 }
 
-bool weft__contact_stiffness_create(const weft_cloth *cloth,
-                                    const weft_allocator *memory,
-                                    weft__contact_stiffness **out)
+bool weft__range_stiffness_create(const weft_cloth *cloth, const weft_allocator *memory,
+                                  weft__range_stiffness **out)
 {
     const bool pairs = cloth->contact.law.self || cloth->bodies.pairs.law.self;
     *out
@@ -224,9 +223,9 @@ weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
 weft_stiffness weft_cloth_stiffness(const weft_cloth *cloth, double t, const double *y)
 {
     double most[WEFT__SIDES];
-    weft__contact_stiffness
+    weft__range_stiffness
         *room; /* without it a search for every BLOCK particles does */
-    (void)weft__contact_stiffness_create(cloth, &cloth->memory, &room);
+    (void)weft__range_stiffness_create(cloth, &cloth->memory, &room);
     weft__stiffness_sides(cloth, NULL, room, t, y, most);
     weft__free(&cloth->memory, room);
     return weft__stiffness_within(cloth, y, most);

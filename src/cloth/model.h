@@ -99,14 +99,14 @@ double weft__block_mass(const weft_cloth *cloth, size_t b); /* [kg] */
 
 /* bounds.c: weft_cloth_stiffness in two parts: bounds in several directions, each the
  * largest of the own particles; the polygon within them. spaces as of weft__rhs_all;
- * room: of weft__contact_stiffness_create, or NULL, then pairs are sought several
+ * room: of weft__range_stiffness_create, or NULL, then pairs are sought several
  * times. */
 void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
-                           weft__contact_stiffness *room, double t, const double *y,
+                           weft__range_stiffness *room, double t, const double *y,
                            double most[WEFT__SIDES]);
-bool weft__contact_stiffness_create(
+bool weft__range_stiffness_create(
     const weft_cloth *cloth, const weft_allocator *memory,
-    weft__contact_stiffness **out); /* NULL without pairs; false: no memory */
+    weft__range_stiffness **out); /* NULL without pairs; false: no memory */
 weft_stiffness weft__stiffness_within(const weft_cloth *cloth, const double *y,
                                       const double most[WEFT__SIDES]);
 

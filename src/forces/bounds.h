@@ -47,10 +47,8 @@ static inline void weft__bound_add(double sum[6], double bound)
     }
 }
 
-/* Of contact (contact/contact_derivatives.c), apart: it is sought for many particles at
- * once.
- */
-typedef struct weft__contact_stiffness {
+/* Of a force that seeks what touches for many particles at once, such as contact. */
+typedef struct weft__range_stiffness {
     double normal_stiffness[6]; /* [1/s^2] sum of S n n^T */
     double normal_damping[6];   /* [1/s] sum of D n n^T */
     double friction_damping[6]; /* [1/s] upper bound of friction's damping, which is >=
@@ -59,12 +57,12 @@ typedef struct weft__contact_stiffness {
         any_damping;           /* [1/s^2], [1/s] in any direction, of either sign */
     double negative_stiffness; /* [1/s^2] most negative stiffness, from the normal's
                                   turning */
-} weft__contact_stiffness;
+} weft__range_stiffness;
 
 /* Adds S n n^T, D n n^T and T (I - n n^T). */
-static inline void weft__contact_stiffness_add(weft__contact_stiffness *to,
-                                               const double n[3], double stiffness,
-                                               double damping, double friction_rate)
+static inline void weft__range_stiffness_add(weft__range_stiffness *to,
+                                             const double n[3], double stiffness,
+                                             double damping, double friction_rate)
 {
     const double nn[6] = { n[0] * n[0], n[1] * n[1], n[2] * n[2],
                            n[0] * n[1], n[0] * n[2], n[1] * n[2] };

@@ -14,7 +14,7 @@ typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
                             weft_measures *sum);
 
 struct weft__sides; /* bounds.h: what bounds the modes of a particle */
-struct weft__contact_stiffness;
+struct weft__range_stiffness;
 
 /* What a cloth has of a force: its numbers and tables. */
 typedef struct weft__force_tables {
@@ -71,16 +71,16 @@ typedef struct weft__force_measures {
 
 /* Its stiffness and damping: the ratios of the two that it has; what it adds for each
  * side to the bound of free particle i, at->y NULL: in any state (of a membrane: see
- * membrane_bounds.c); of contact to those of particles [first, first + count), and to
- * (a K + b C) x, for the power method, which has the others from their linearisation.
- */
+ * membrane_bounds.c); instead of that, what it adds to those of particles [first, first
+ * + count) at once, and to (a K + b C) x, for the power method, which has the others
+ * from their linearisation. */
 typedef struct weft__force_bounds {
     void (*ratios)(const void *own, struct weft__sides *to);
     void (*particle)(const void *own, const weft__state *at, size_t i,
                      const struct weft__sides *sides, double (*sums)[6]);
-    void (*contact_stiffness)(const void *own, void *space, const weft__state *at,
-                              size_t first, size_t count,
-                              struct weft__contact_stiffness *contact_stiffness);
+    void (*range_stiffness)(const void *own, void *space, const weft__state *at,
+                            size_t first, size_t count,
+                            struct weft__range_stiffness *range_stiffness);
     void (*multiply)(const void *own, const weft__state *at, double a, double b,
                      const double *x, double *out);
 } weft__force_bounds;

@@ -197,7 +197,7 @@ static weft_status leave_checkpoint(adjoint *of, weft_error *err)
 static weft_status record_step(adjoint *of, double t_end, weft_error *err)
 {
     weft_sim *sim = of->sim;
-    const uint64_t rejected = sim->guard.rejected_for_contact;
+    const uint64_t rejected = sim->guard.vetoed;
     const bool begins = of->count == 0 || sim->piece_begins;
     if (of->count == of->room_for) {
         const size_t more = 2 * of->room_for + 64;
@@ -218,8 +218,7 @@ static weft_status record_step(adjoint *of, double t_end, weft_error *err)
     of->steps[of->count] = (recorded_step){ .t = sim->t };
     const weft_status status = weft_sim_step(sim, t_end, err);
     of->steps[of->count].piece = sim->piece;
-    of->steps[of->count].restarts
-        = begins || sim->guard.rejected_for_contact > rejected;
+    of->steps[of->count].restarts = begins || sim->guard.vetoed > rejected;
     of->steps[of->count++].h = weft_sim_stats(sim).last_step;
     return status;
 }

@@ -150,7 +150,7 @@ weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
         if (adapted || !(h >= least) || !(t0 + h > t0)) {
             return give_up(sim, why);
         }
-        ++sim->guard.rejected_for_contact;
+        ++sim->guard.vetoed;
         checked_step_watch_pace(sim, true, t0, tried);
         end = t0 + h;
         weft__log(

@@ -49,7 +49,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
     if (bodies) {
         out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
     }
-    if (!weft__contact_stiffness_create(cloth, &memory, &out.contact_stiffness)
+    if (!weft__range_stiffness_create(cloth, &memory, &out.range_stiffness)
         || touches != (out.self != NULL) || bodies != (out.bodies != NULL)) {
         weft__free(&memory, measures);
         out.measures = NULL;
@@ -64,7 +64,7 @@ void weft__forces_destroy(weft__forces *forces)
     weft__self_list_destroy(forces->self);
     weft__bodies_space_destroy(forces->bodies);
     weft__pool_destroy(forces->pool);
-    WEFT__FREE_ALL(&forces->memory, forces->contact_stiffness, forces->measures,
+    WEFT__FREE_ALL(&forces->memory, forces->range_stiffness, forces->measures,
                    forces->all, forces->exchange.parcels, forces->exchange.sent,
                    forces->exchange.room, forces->exchange.edge,
                    forces->exchange.gather.room, forces->exchange.gather.parcels);

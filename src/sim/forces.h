@@ -14,8 +14,8 @@ typedef struct weft__forces {
     weft__self_list *self;      /* NULL: none */
     weft__bodies_space *bodies; /* NULL: none */
     void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
-    weft__contact_stiffness
-        *contact_stiffness;  /* of each particle, where pairs of primitives push */
+    weft__range_stiffness
+        *range_stiffness;    /* of each particle, where pairs of primitives push */
     weft_measures *measures; /* of each own block; NULL: no memory */
     const weft_comm *comm;   /* NULL: the cloth is whole */
     weft_measures *all;      /* band 0: of all blocks of the whole cloth */

@@ -157,5 +157,5 @@ void weft__gather_sides(const weft__forces *forces, double t, const double *y,
         own.mesh.band.own = band.own;
     }
     weft__stiffness_sides(&own, of->part ? NULL : forces->spaces,
-                          forces->contact_stiffness, t, y, most);
+                          forces->range_stiffness, t, y, most);
 }

@@ -240,7 +240,7 @@ static void take_fields(weft_sim *sim, const weft__save_fields *from)
     sim->limit.last_step = from->limit_step;
     sim->event.since = from->event_since;
     sim->limit.stats = from->limit;
-    sim->guard.rejected_for_contact = from->vetoed;
+    sim->guard.vetoed = from->vetoed;
     sim->passage.next = -INFINITY;
     sim->passage.told = (from->flags & WEFT__SAVED_PASSAGE) != 0;
 }

@@ -28,7 +28,7 @@ static weft__save_fields fields_of(const weft_sim *sim)
         .rejected = stats.rejected,
         .rhs_calls = stats.rhs_calls,
         .limit = sim->limit.stats,
-        .vetoed = sim->guard.rejected_for_contact,
+        .vetoed = sim->guard.vetoed,
         .linear_iterations = stats.linear_iterations,
         .factorisations = stats.factorisations,
         .newton_failures = stats.newton_failures,

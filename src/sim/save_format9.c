@@ -21,8 +21,8 @@ unsigned char *weft__save_from_9(const weft_sim *sim, const unsigned char *front
                                  size_t words, size_t *now)
 {
     const size_t quadratures = sim->config.quadratures;
-    const size_t contact = words - weft__save_front_9(sim);
-    const size_t changes = 2 * WEFT__CHANGES_HEAD + 1 + AIR + contact;
+    const size_t last = words - weft__save_front_9(sim);
+    const size_t changes = 2 * WEFT__CHANGES_HEAD + 1 + AIR + last;
     const uint64_t flags = weft__word_at(front + FLAGS * WEFT__WORD);
     *now = weft__save_front(sim, changes);
     unsigned char *out = weft__alloc(&sim->memory, *now, WEFT__WORD);
@@ -37,7 +37,7 @@ unsigned char *weft__save_from_9(const weft_sim *sim, const unsigned char *front
     to = weft__changes_begin(to + quadratures * WEFT__WORD, "wind", 1 + AIR);
     weft__word_put(to, flags & 1);
     memcpy(to + WEFT__WORD, front + (FLAGS + 1) * WEFT__WORD, AIR * WEFT__WORD);
-    to = weft__changes_begin(to + (1 + AIR) * WEFT__WORD, "contact", contact);
-    memcpy(to, front + (HEAD_9 + quadratures) * WEFT__WORD, (contact + 1) * WEFT__WORD);
+    to = weft__changes_begin(to + (1 + AIR) * WEFT__WORD, "contact", last);
+    memcpy(to, front + (HEAD_9 + quadratures) * WEFT__WORD, (last + 1) * WEFT__WORD);
     return out;
 }

@@ -114,7 +114,7 @@ double weft_sim_dissipated(const weft_sim *sim)
 
 uint64_t weft_sim_vetoed(const weft_sim *sim)
 {
-    return sim->guard.rejected_for_contact;
+    return sim->guard.vetoed;
 }
 
 void weft_sim_limit_stats_sized(weft_limit_stats *out, size_t size, const weft_sim *sim)

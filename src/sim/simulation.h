@@ -15,7 +15,7 @@
 /* checked_step.c: steps that are rejected for a shape or for the cloth itself. */
 typedef struct weft__guard {
     double *start;                 /* as y, before a step; NULL until there are any */
-    uint64_t rejected_for_contact; /* steps */
+    uint64_t vetoed;               /* steps */
     uint64_t calls;                /* of the right-hand side, with shapes */
     weft__penetration penetration; /* that rejected the last one; of the whole cloth */
     struct {

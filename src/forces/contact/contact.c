@@ -355,6 +355,6 @@ const weft__force weft__contact_force
         .law.piece = contact_piece,
         .measures.energy = contact_energy,
         .measures.power = contact_power,
-        .bounds.contact_stiffness = weft__shapes_contact_stiffness,
+        .bounds.range_stiffness = weft__shapes_range_stiffness,
         .bounds.multiply = weft__contact_multiply,
         .couplings.blocks = weft__contact_blocks };

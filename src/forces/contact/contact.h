@@ -191,9 +191,9 @@ int weft__contact_blocks(const void *own, void *space, const weft__state *at,
 /* In a state; at->y NULL: of any free particle that touches one shape at a time, with a
  * kinetic energy relative to it and a contact energy that together are at most m
  * stopping_speed^2 / 2. */
-void weft__shapes_contact_stiffness(const void *own, void *space, const weft__state *at,
-                                    size_t first, size_t count,
-                                    weft__contact_stiffness *contact_stiffness);
+void weft__shapes_range_stiffness(const void *own, void *space, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__range_stiffness *range_stiffness);
 
 /* Without mass and without what turning normals and the coupling of friction to
  * pressure add. */
@@ -202,9 +202,8 @@ void weft__contact_multiply(const void *own, const weft__state *at, double a, do
 
 /* Adds to *most, number by number, the largest of layers, `share` of the law, with
  * phi(s) up to `phi`. */
-void weft__contact_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
-                                  double share, double phi,
-                                  weft__contact_stiffness *most);
+void weft__range_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
+                                double share, double phi, weft__range_stiffness *most);
 
 /* ---- measures -------------------------------------------------------------------- */
 

@@ -227,15 +227,15 @@ typedef struct contact_partials {
 } contact_partials;
 
 static void contact_add_partials(const contact_partials *of,
-                                 weft__contact_stiffness *contact_stiffness)
+                                 weft__range_stiffness *range_stiffness)
 {
     const double mu = of->friction;
     const double damping = of->damping * (1.0 + mu) + of->friction_rate;
-    contact_stiffness->any_stiffness
-        += 0.5 * mu * of->stiffness + damping * (of->curvature * of->speed + of->spin)
-           + of->curvature * mu * of->push;
-    contact_stiffness->any_damping += 0.5 * mu * of->damping;
-    contact_stiffness->negative_stiffness += of->curvature * of->push;
+    range_stiffness->any_stiffness += 0.5 * mu * of->stiffness
+                                      + damping * (of->curvature * of->speed + of->spin)
+                                      + of->curvature * mu * of->push;
+    range_stiffness->any_damping += 0.5 * mu * of->damping;
+    range_stiffness->negative_stiffness += of->curvature * of->push;
 }
 
 /* The normal turns by 1 / (r + d) about a ball and round a capsule, by at most 3 / (r +
@@ -265,15 +265,15 @@ static contact_partials contact_partials_of(const weft_contact_def *law,
 }
 
 static void add_touches(const weft__contact *own, const weft__state *at, size_t i,
-                        weft__contact_stiffness *contact_stiffness)
+                        weft__range_stiffness *range_stiffness)
 {
     for (weft__touches all = weft__touches_of(own, at->t, at->y, i, i + 1);
          weft__each_touch(&all);) {
         const contact_partials of
             = contact_partials_of(&own->law, &all.pose, &all.touch);
-        weft__contact_stiffness_add(contact_stiffness, all.touch.normal, of.stiffness,
-                                    of.damping, of.friction_rate);
-        contact_add_partials(&of, contact_stiffness);
+        weft__range_stiffness_add(range_stiffness, all.touch.normal, of.stiffness,
+                                  of.damping, of.friction_rate);
+        contact_add_partials(&of, range_stiffness);
     }
 }
 
@@ -331,9 +331,8 @@ static contact_partials most_between(const weft_contact_def *law,
     };
 }
 
-void weft__contact_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
-                                  double share, double phi,
-                                  weft__contact_stiffness *most)
+void weft__range_stiffness_most(const weft_contact_def *law, const weft__pose *pose,
+                                double share, double phi, weft__range_stiffness *most)
 {
     enum { PARTS = 64 };
     const double end = deepest(law->exponent, phi);
@@ -341,45 +340,45 @@ void weft__contact_stiffness_most(const weft_contact_def *law, const weft__pose 
         const double low = end * (double)k / (double)PARTS;
         const contact_partials of
             = most_between(law, pose, share, low, low + end / (double)PARTS);
-        weft__contact_stiffness contact_stiffness = { .any_stiffness = 0.0 };
-        contact_add_partials(&of, &contact_stiffness);
+        weft__range_stiffness range_stiffness = { .any_stiffness = 0.0 };
+        contact_add_partials(&of, &range_stiffness);
         for (size_t j = 0; j < 3; ++j) {
             const double damping
-                = fmax(of.damping, of.friction_rate) + contact_stiffness.any_damping;
+                = fmax(of.damping, of.friction_rate) + range_stiffness.any_damping;
             most->normal_stiffness[j]
                 = fmax(most->normal_stiffness[j],
-                       of.stiffness + contact_stiffness.any_stiffness);
+                       of.stiffness + range_stiffness.any_stiffness);
             most->friction_damping[j] = fmax(most->friction_damping[j], damping);
         }
     }
 }
 
-static weft__contact_stiffness contact_stiffness_any(const weft__contact *own)
+static weft__range_stiffness range_stiffness_any(const weft__contact *own)
 {
-    weft__contact_stiffness most = { .any_stiffness = 0.0 };
+    weft__range_stiffness most = { .any_stiffness = 0.0 };
     for (size_t k = 0; k < own->shape_count; ++k) {
         const weft__shape *shape = &own->shapes[k];
         weft__pose pose = weft__pose_of(shape, 0.0);
         const double spin = weft__length(shape->spin);
         pose.spin[0] = spin + weft__rigid_fastest(&shape->motion); /* at any time */
         pose.spin[1] = pose.spin[2] = 0.0;
-        weft__contact_stiffness_most(&own->law, &pose, 1.0, 1.0, &most);
+        weft__range_stiffness_most(&own->law, &pose, 1.0, 1.0, &most);
     }
     return most;
 }
 
-void weft__shapes_contact_stiffness(const void *own, void *space, const weft__state *at,
-                                    size_t first, size_t count,
-                                    weft__contact_stiffness *contact_stiffness)
+void weft__shapes_range_stiffness(const void *own, void *space, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__range_stiffness *range_stiffness)
 {
     (void)space;
     const weft__contact *of = own;
-    const weft__contact_stiffness any
-        = at->y == NULL ? contact_stiffness_any(of) : (weft__contact_stiffness){ 0 };
+    const weft__range_stiffness any
+        = at->y == NULL ? range_stiffness_any(of) : (weft__range_stiffness){ 0 };
     for (size_t i = 0; i < count; ++i) {
-        contact_stiffness[i] = any;
+        range_stiffness[i] = any;
         if (at->y != NULL) {
-            add_touches(of, at, first + i, &contact_stiffness[i]);
+            add_touches(of, at, first + i, &range_stiffness[i]);
         }
     }
 }

@@ -358,17 +358,17 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-static void bodies_contact_stiffness(const void *own, void *space,
-                                     const weft__state *at, size_t first, size_t count,
-                                     weft__contact_stiffness *contact_stiffness)
+static void bodies_range_stiffness(const void *own, void *space, const weft__state *at,
+                                   size_t first, size_t count,
+                                   weft__range_stiffness *range_stiffness)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = at->y != NULL ? space : NULL;
     double *once;
     const weft__state all = { .t = at->t, .y = points_at(of, in, at, &once) };
     if (at->y == NULL || all.y != NULL) {
-        weft__self_contact_stiffness(&of->pairs, in != NULL ? list_of(in) : NULL, &all,
-                                     first, count, contact_stiffness);
+        weft__self_range_stiffness(&of->pairs, in != NULL ? list_of(in) : NULL, &all,
+                                   first, count, range_stiffness);
     }
     weft__free(&of->memory, once);
 }
@@ -555,7 +555,7 @@ const weft__force weft__bodies_force
         .tables.leave_out = bodies_leave_out,
         .tables.bytes = bodies_bytes,
         .present = bodies_present,
-        .bounds.contact_stiffness = bodies_contact_stiffness,
+        .bounds.range_stiffness = bodies_range_stiffness,
         .bounds.multiply = bodies_multiply,
         .couplings.blocks = blocks,
         .whole.add = bodies_add_all,

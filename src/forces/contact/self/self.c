@@ -580,7 +580,7 @@ const weft__force weft__self_force
         .tables.leave_out = self_leave_out,
         .tables.bytes = self_bytes,
         .present = self_present,
-        .bounds.contact_stiffness = weft__self_contact_stiffness,
+        .bounds.range_stiffness = weft__self_range_stiffness,
         .bounds.multiply = weft__self_multiply,
         .couplings.blocks = weft__self_blocks,
         .whole.add = self_add_all,

@@ -341,9 +341,9 @@ int weft__self_transposed(const weft__self *own, weft__self_list *list, const do
  * pair is at most diag(2 |b_i|) of it; without a state, what layers that meet at no
  * more than stopping_speed add. The slopes of the weights are left out, so that bounds
  * are estimates. */
-void weft__self_contact_stiffness(const void *own, void *list, const weft__state *at,
-                                  size_t first, size_t count,
-                                  weft__contact_stiffness *contact_stiffness);
+void weft__self_range_stiffness(const void *own, void *list, const weft__state *at,
+                                size_t first, size_t count,
+                                weft__range_stiffness *range_stiffness);
 void weft__self_multiply(const void *own, const weft__state *at, double a, double b,
                          const double *x, double *out);
 

@@ -26,7 +26,7 @@ typedef struct pair_sums {
     weft__self_law law;
     const double *y;
     size_t first, end;
-    weft__contact_stiffness *contact_stiffness;
+    weft__range_stiffness *range_stiffness;
     double a, b;
     const double *x;
     double *out;
@@ -76,8 +76,8 @@ static bool self_bounds_seek(pair_sums *self)
                    : weft__self_seek(self->own, NULL, self->y, visit, self));
 }
 
-static void self_contact_stiffness_pair(pair_sums *self, const weft__pair *pair,
-                                        const matrices *of)
+static void self_range_stiffness_pair(pair_sums *self, const weft__pair *pair,
+                                      const matrices *of)
 {
     const double mu = self->own->max_friction;
     for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
@@ -85,49 +85,49 @@ static void self_contact_stiffness_pair(pair_sums *self, const weft__pair *pair,
         if (i < self->first || i >= self->end) {
             continue;
         }
-        weft__contact_stiffness *to = &self->contact_stiffness[i - self->first];
+        weft__range_stiffness *to = &self->range_stiffness[i - self->first];
         const double by = 2.0 * fabs(of->arm[k]) * self->own->mesh->inverse_mass[i];
-        weft__contact_stiffness_add(to, of->normal, by * of->stiffness,
-                                    by * of->damping, by * of->friction_rate);
+        weft__range_stiffness_add(to, of->normal, by * of->stiffness, by * of->damping,
+                                  by * of->friction_rate);
         to->any_stiffness += by * 0.5 * mu * of->stiffness;
         to->any_damping += by * 0.5 * mu * of->damping;
         to->negative_stiffness += by * of->turn;
     }
 }
 
-static void self_contact_stiffness_any(const weft__self *own, size_t count,
-                                       weft__contact_stiffness *contact_stiffness)
+static void self_range_stiffness_any(const weft__self *own, size_t count,
+                                     weft__range_stiffness *range_stiffness)
 {
     const weft__pose pose = { .kind = WEFT_PLANE, .friction = own->max_friction };
-    weft__contact_stiffness most = { .any_stiffness = 0.0 };
-    weft__contact_stiffness_most(
-        &own->law, &pose, own->surface != NULL ? REDUCED_SHARE : LAYERS_SHARE,
-        own->surface != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
+    weft__range_stiffness most = { .any_stiffness = 0.0 };
+    weft__range_stiffness_most(&own->law, &pose,
+                               own->surface != NULL ? REDUCED_SHARE : LAYERS_SHARE,
+                               own->surface != NULL ? REDUCED_PHI : LAYERS_PHI, &most);
     if (own->surface != NULL && own->surface->grids) {
-        weft__contact_stiffness_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
+        weft__range_stiffness_most(&own->law, &pose, LAYERS_SHARE, LAYERS_PHI, &most);
     }
     for (size_t i = 0; i < count; ++i) {
         for (size_t j = 0; j < 6; ++j) {
-            contact_stiffness[i].normal_stiffness[j] += most.normal_stiffness[j];
-            contact_stiffness[i].friction_damping[j] += most.friction_damping[j];
+            range_stiffness[i].normal_stiffness[j] += most.normal_stiffness[j];
+            range_stiffness[i].friction_damping[j] += most.friction_damping[j];
         }
     }
 }
 
-void weft__self_contact_stiffness(const void *own, void *list, const weft__state *at,
-                                  size_t first, size_t count,
-                                  weft__contact_stiffness *contact_stiffness)
+void weft__self_range_stiffness(const void *own, void *list, const weft__state *at,
+                                size_t first, size_t count,
+                                weft__range_stiffness *range_stiffness)
 {
     const weft__self *of = own;
     pair_sums self = { .own = own,
                        .list = list,
-                       .add = self_contact_stiffness_pair,
+                       .add = self_range_stiffness_pair,
                        .y = at->y,
                        .first = first,
                        .end = first + count,
-                       .contact_stiffness = contact_stiffness };
+                       .range_stiffness = range_stiffness };
     if (of->law.self && at->y == NULL) {
-        self_contact_stiffness_any(of, count, contact_stiffness);
+        self_range_stiffness_any(of, count, range_stiffness);
     } else {
         (void)self_bounds_seek(&self);
     }
