@@ -72,7 +72,7 @@ skipped:
 	@$(if $(HAVE_CVODE),:,echo "plugin cvode skipped: cvode/cvode.h not found (package libsundials-dev: make deps)")
 
 include make/install.mk
-include wasm/build.mk
+include make/wasm.mk
 include make/care.mk
 include make/nightly.mk
 

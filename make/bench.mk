@@ -33,15 +33,15 @@ $(BUILD)/bench/guard/evaluate: $(BUILD)/bench/guard/evaluate.o $(BUILD)/libweft.
 # Instructions of the right-hand side, which must not become many more; files that a step calls,
 # which CONTRIBUTING.md's map of the code must name.
 guard: $(BUILD)/bench/guard/evaluate all
-	@tools/guard $(BUILD) $(CC)
-	@tools/reading-order $(BUILD)
+	@tools/checks/guard $(BUILD) $(CC)
+	@tools/rules/reading-order $(BUILD)
 
 # What a first reader reads, in lines.
 .PHONY: core
 core:
 	@$(MAKE) --no-print-directory BUILD=$(BUILD)/core KERNEL=plain CFLAGS='-O1 -g -fno-inline' \
 	    $(BUILD)/core/examples/scene $(BUILD)/core/plugins/weft-verlet.so $(BUILD)/core/plugins/weft-gsl.so
-	@tools/core $(BUILD)/core
+	@tools/rules/core $(BUILD)/core
 
 # Where what measures writes its pages; RENEW=1: into docs/, to be committed.
 PAGES := $(if $(RENEW),docs,$(BUILD)/pages)
@@ -50,9 +50,9 @@ PAGES := $(if $(RENEW),docs,$(BUILD)/pages)
 BENCH_PAGE := force mesh steps growth memory
 bench: all $(BENCHES:%=$(BUILD)/bench/%)
 	@for name in $(filter $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
-	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/bench-page $(BUILD) $(PAGES))
+	@$(if $(filter-out $(BENCH),$(BENCH_PAGE)),:,tools/pages/bench-page $(BUILD) $(PAGES))
 	@for name in $(filter-out peers $(BENCH_PAGE),$(BENCH)); do $(BUILD)/bench/$$name || exit 1; done
-	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) PAGES=$(PAGES) tools/bench-peers)
+	@$(if $(filter peers,$(BENCH)),BUILD=$(BUILD) PAGES=$(PAGES) tools/pages/bench-peers)
 
 # Exact and published results, computed by the program; writes theory/validation.md to PAGES.
 # CASE='elastica-grid capstan': of these alone.

@@ -73,7 +73,8 @@ V3 := $(if $(NAMED),-march=x86-64-v3,-mavx2 -mfma -mbmi -mbmi2)
 V4 := $(if $(NAMED),-march=x86-64-v4,$(V3) -mavx512f -mavx512bw -mavx512cd -mavx512dq -mavx512vl)
 $(BUILD)/%.v3.o: OWN += $(V3) -DLEVEL=v3 -DLANES=4
 $(BUILD)/%.v4.o: OWN += $(V4) -mprefer-vector-width=512 -DLEVEL=v4 -DLANES=8
-$(BUILD)/src/forces/contact/self/self_fast.o $(LEVELS:%=$(BUILD)/src/forces/contact/self/self_fast.%.o): OWN += -funroll-loops
+SELF_FAST := $(BUILD)/src/forces/contact/self/self_fast
+$(SELF_FAST).o $(LEVELS:%=$(SELF_FAST).%.o): OWN += -funroll-loops
 $(KERNELS:=.o) $(foreach level,$(LEVELS),$(KERNELS:=.$(level).o)): OWN += $(KERNEL_FLAGS)
 # They are not asked for undefined behaviour, which takes seven times as long to compile: the plain forms are.
 # gcc's checks of addresses as calls, beyond some of them in a function: half the time to compile.
@@ -123,7 +124,7 @@ $(foreach p,$(PLUGINS),$(eval $(call PLUGIN_RULE,$(p))))
 # The program with its plugins linked in, but GSL's, for systems whose libraries are not known.
 BUILT_IN := $(filter-out gsl,$(PLUGINS))
 $(BUILD)/weft-static: private OWN += '-DWEFT_BUILT_IN=$(foreach p,$(BUILT_IN),X($p))'
-$(BUILD)/weft-static: wasm/built_in.c $(sort $(PROG_OBJ) \
+$(BUILD)/weft-static: packaging/wasm/built_in.c $(sort $(PROG_OBJ) \
     $(filter-out %/loading.o,$(LIB_OBJ)) $(foreach p,$(BUILT_IN),$(PLUGIN_OBJ_$(p))))
 	$(call say,LD)$(COMPILE) -static -o $@ $^ $(LDFLAGS) $(foreach p,$(BUILT_IN),$(LIBS_$(p))) $(PROG_LIBS) $(LIB_LIBS)
 

@@ -4,27 +4,27 @@
 C_FILES = $(wildcard include/weft/*.h src/*/*.[ch] src/*/*/*.[ch] program/*.[ch] program/*/*.[ch] program/*/*/*.[ch] \
                      study/*.[ch] study/*/*.[ch] plugins/*/*.[ch] tests/*.[ch] \
                      tests/verify/*.[ch] tests/broken/*.c tests/promises/*.c tests/fuzz/*.[ch] tests/toy/*/*.[ch] \
-                     examples/*.[ch] wasm/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
+                     examples/*.[ch] packaging/wasm/*.c bench/*.[ch] bench/levels/*.[ch] bench/guard/*.c)
 
 lint: all
-	@tools/lint $(C_FILES)
-	@tools/versions
-	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/pages && tools/words && tools/holds; }
-	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { tools/mutate --check && tools/places; }
+	@tools/rules/lint $(C_FILES)
+	@tools/rules/versions
+	@! { command -v python3 && git rev-parse --git-dir; } >/dev/null 2>&1 || { \
+	    tools/rules/pages && tools/rules/words && tools/rules/holds && tools/checks/mutate --check && tools/places; }
 	@! git rev-parse --git-dir >/dev/null 2>&1 || git apply --check tests/toy/elsewhere.patch
-	@tools/layers $(BUILD)
+	@tools/rules/layers $(BUILD)
 
 # A hook of git that checks the form of commit messages.
 .PHONY: hooks
 hooks:
-	@tools/hooks
+	@tools/rules/hooks
 
 format:
 	clang-format -i $(C_FILES)
 
 # Tables that the program prints and the pages quote.
 docs: all
-	@tools/docs $(BUILD)
+	@tools/pages/docs $(BUILD)
 
 # Check's tests under AddressSanitizer and UBSan, in a build of its own, but those of a tag (ASAN_WITHOUT=, as make
 # nightly: all).
@@ -47,7 +47,7 @@ coverage:
 	@find build/coverage -name '*.gcda' -delete 2>/dev/null || :
 	@CK_TIMEOUT_MULTIPLIER=4 $(MAKE) --no-print-directory $(ALL_OF_THEM) BUILD=build/coverage CFLAGS='-O1 -g1' \
 	    SAN='--coverage -fprofile-update=atomic' check-run
-	@tools/coverage build/coverage $(COVERAGE_LEAST)
+	@tools/checks/coverage build/coverage $(COVERAGE_LEAST)
 
 # Races between threads: of a simulation, of simulations, and of the steppers alone.
 # Those of simulations in one process each: forks after threads are not for the sanitizer.
@@ -66,7 +66,7 @@ tsan:
 
 # Sources read by clang-tidy and cppcheck; DEEP=1: also by gcc -fanalyzer, and clang-tidy follows calls.
 static:
-	@tools/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_CFLAGS)" $(DEEP)
+	@tools/checks/static "$(STRICT) $(INCS) $(HDF5_CFLAGS) $(MPI_CFLAGS)" $(DEEP)
 
 # Prints hashes of states, for builds that are compared.
 $(BUILD)/hashes: $(BUILD)/tests/hashes.o $(BUILD)/libweft.a
@@ -77,11 +77,11 @@ hashes: $(BUILD)/hashes $(PLUGIN_SO)
 
 # The same bits from every compiler and at every level of optimization.
 check-determinism: hashes
-	@MAKE="$(MAKE)" tools/check-determinism $(BUILD) $(WHOLE)
+	@MAKE="$(MAKE)" tools/checks/check-determinism $(BUILD) $(WHOLE)
 
 # The same bits whatever libm and whatever processor; wants qemu-user.
 check-libm: all $(BUILD)/tests/test_libm $(PRELOADED)
-	@tools/check-libm $(BUILD)
+	@tools/checks/check-libm $(BUILD)
 
 # libFuzzer, a minute a target, as many at once as there are processors: `make fuzz FUZZ_SECONDS=1200 FUZZ=scene`.
 # Without kernels, which take minutes to compile so: asan runs them.
@@ -104,13 +104,13 @@ FUZZ_BUILD = BUILD=build/fuzz KERNEL=plain CC=clang CFLAGS='-O1 -g1' \
 
 fuzz:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(FUZZ_BUILD) $(FUZZ:%=build/fuzz/fuzz/%)
-	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/fuzz build/fuzz $(FUZZ_SECONDS)
+	@printf "%s\n" $(FUZZ) | xargs -P "$$(nproc)" -L 1 tools/checks/fuzz build/fuzz $(FUZZ_SECONDS)
 
 # 300 meshes as other programs write them and 500 scenes of several files, some damaged, with the sanitizers.
 .PHONY: check-files
 check-files:
 	@$(MAKE) --no-print-directory $(ALL_OF_THEM) $(FUZZ_BUILD)
-	@tools/check-files build/fuzz/weft
+	@tools/checks/check-files build/fuzz/weft
 
 # The committed inputs alone, of targets that replay.c calls: asan has them.
 REPLAYED := $(notdir $(wildcard tests/fuzz/corpus/*))
@@ -121,7 +121,7 @@ replay: $(FUZZ:%=$(BUILD)/fuzz/%)
 # The smallest inputs that `make fuzz` has found for every branch, to be committed. Those of vtkhdf
 # are too large: 35 kB each.
 fuzz-corpus:
-	@tools/fuzz-corpus build/fuzz $(filter-out vtkhdf,$(FUZZ))
+	@tools/checks/fuzz-corpus build/fuzz $(filter-out vtkhdf,$(FUZZ))
 
 # clang's warnings, without a build. `make fuzz` builds with clang.
 clang-syntax: $(BUILD)/tests/suites.h

@@ -52,7 +52,8 @@ goals := $(filter-out deps,$(or $(MAKECMDGOALS),all)) \
     $(if $(filter dist check-dist,$(MAKECMDGOALS)),$(patsubst %,dist/%,$(or $(DIST),\
     linux-x86_64 linux-aarch64 static-x86_64 static-aarch64 macos-arm64 windows-x86_64 pages))) \
     $(if $(filter bench,$(MAKECMDGOALS)),$(filter bench/peers,$(BENCH:%=bench/%)))
-LACKING := $(if $(wildcard tools/needs),$(shell \
-    PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) $(MPI_CFLAGS)' tools/needs $(foreach g,$(goals),$(call quoted,$g))))
+LACKING := $(if $(wildcard tools/machine/needs),$(shell \
+    PREPROCESS='$(PREPROCESS) $(HDF5_CFLAGS) $(MPI_CFLAGS)' \
+    tools/machine/needs $(foreach g,$(goals),$(call quoted,$g))))
 $(if $(LACKING),$(error $(LACKING)$(if $(findstring libhdf5-dev,$(LACKING)),; the library and the plugins do without: \
     make $(BUILD)/libweft.so $(BUILD)/plugins/weft-verlet.so)))

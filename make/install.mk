@@ -9,7 +9,8 @@
 # Recipes, and the files written for pkg-config and CMake, hold these names unquoted. This comes first, before
 # make expands them.
 ifneq ($(filter install uninstall bundle,$(MAKECMDGOALS)),)
-WRONG := $(shell tools/install unusable $(foreach d,DESTDIR PREFIX BINDIR LIBDIR INCLUDEDIR DATADIR MANDIR DOCDIR,\
+WRONG := $(shell tools/release/install unusable \
+    $(foreach d,DESTDIR PREFIX BINDIR LIBDIR INCLUDEDIR DATADIR MANDIR DOCDIR,\
     $(if $(filter command environment,$(firstword $(origin $d))),'$d=$(subst ','\'',$(value $d))')))
 $(if $(WRONG),$(error $(WRONG)))
 endif
@@ -42,16 +43,16 @@ endef
 $(foreach p,$(PLUGINS),$(eval $(call ARCHIVE_RULE,$(p))))
 
 # Manual pages and completions come from the program's help.
-$(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/manual tools/completion docs/man/weft-plugin.7
+$(MAN) $(COMPLETIONS) &: $(BUILD)/weft tools/pages/manual tools/pages/completion docs/man/weft-plugin.7
 	@mkdir -p $(SHARE)/man
 	@$(HOST_WEFT) --version >/dev/null || { \
 	    echo "$(HOST_WEFT) does not run here: HOST_WEFT= names a weft that does" >&2; exit 1; }
-	$(call say,GEN)tools/manual '$(HOST_WEFT)' $(SHARE)/man && tools/completion '$(HOST_WEFT)' $(SHARE)
+	$(call say,GEN)tools/pages/manual '$(HOST_WEFT)' $(SHARE)/man && tools/pages/completion '$(HOST_WEFT)' $(SHARE)
 
 # Documentation, in the folders that its links use.
-DOCS = README.md CONTRIBUTING.md CODE_OF_CONDUCT.md CHANGELOG.md VERSIONING.md SECURITY.md LICENSE AUTHORS \
-    CITATION.cff $(wildcard docs/*.md docs/*/*.md docs/pictures/*.* docs/pictures/validation/* examples/*.* \
-    examples/notebooks/* scenes/*) plugins/verlet/verlet.c
+DOCS = README.md CONTRIBUTING.md CHANGELOG.md VERSIONING.md .github/CODE_OF_CONDUCT.md .github/SECURITY.md \
+    LICENSE AUTHORS CITATION.cff $(wildcard docs/*.md docs/*/*.md docs/pictures/*.* docs/pictures/validation/* \
+    examples/*.* examples/notebooks/* scenes/*) plugins/verlet/verlet.c
 
 # Files to install, "from:to"; `to` is a directory if it ends with /.
 FILES = $(BUILD)/weft:$(BINDIR)/ \
@@ -67,48 +68,48 @@ FILES = $(BUILD)/weft:$(BINDIR)/ \
         $(SHARE)/weft.fish:$(DATADIR)/fish/vendor_completions.d/weft.fish
 
 install: all
-	@tools/install put $(FILES)
+	@tools/release/install put $(FILES)
 	@PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
-	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install describe \
+	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/release/install describe \
 	    $(foreach p,$(PLUGINS),'$(p):$(LIBS_$(p))')
 
 uninstall:
 	@DOCDIR='$(DOCDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
-	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/install remove $(FILES)
+	    VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' tools/release/install remove $(FILES)
 
 # Without HDF5 there is no program.
 BUNDLED := $(BUILD)/libweft.so $(PLUGIN_SO) $(if $(HAVE_HDF5),$(BUILD)/weft)
 bundle: $(BUNDLED)
-	@DESTDIR= tools/install put $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(SOVERSION) \
+	@DESTDIR= tools/release/install put $(BUILD)/libweft.so:$(LIBDIR)/libweft.so.$(SOVERSION) \
 	    $(PLUGIN_SO:%=%:$(PLUGINDIR)/) $(if $(HAVE_HDF5),$(BUILD)/weft:$(BINDIR)/) \
 	    $(foreach s,$(wildcard scenes/*),$(s):$(DOCDIR)/scenes/)
 
 # Installs weft, moves it, builds the examples as C11 to C++17, removes it.
 check-install: all $(EXAMPLES)
-	@WHOLE=$(WHOLE) tools/check-install $(BUILD)
+	@WHOLE=$(WHOLE) tools/checks/check-install $(BUILD)
 
 # What a release consists of, in $(BUILD)/dist (docs/start/installation.md); DIST=TARGET...: of these targets alone.
 .PHONY: dist check-dist
 dist: all
-	@tools/dist $(BUILD) $(BUILD)/dist $(BUILD)/dist-work $(DIST)
+	@tools/release/dist $(BUILD) $(BUILD)/dist $(BUILD)/dist-work $(DIST)
 check-dist: dist hashes $(BUILD)/examples/minimal
-	@DIST='$(DIST)' tools/check-dist $(BUILD)
+	@DIST='$(DIST)' tools/checks/check-dist $(BUILD)
 
 # Runs the commands of the pages, on scenes of a tenth of a second; WHOLE=1: on those that are shipped.
 check-docs: all $(EXAMPLES)
-	@WHOLE=$(WHOLE) tools/check-docs $(BUILD) README.md docs/*.md docs/*/*.md CONTRIBUTING.md
+	@WHOLE=$(WHOLE) tools/checks/check-docs $(BUILD) README.md docs/*.md docs/*/*.md CONTRIBUTING.md
 
 # The pages of docs/ as a site that needs no network; the check makes it with short runs and follows its links.
 site: all
-	@tools/site $(BUILD) $(BUILD)/site
+	@tools/pages/site $(BUILD) $(BUILD)/site
 check-site: all
-	@tools/check-site $(BUILD)
+	@tools/checks/check-site $(BUILD)
 
 # Compares the interface of libweft.so with the dump of 0.2.0.
 check-abi: $(BUILD)/libweft.so
-	@tools/check-abi $(BUILD)
+	@tools/checks/check-abi $(BUILD)
 renew-abi: $(BUILD)/libweft.so
-	@tools/check-abi $(BUILD) renew
+	@tools/checks/check-abi $(BUILD) renew
 
 # Makes pages from the public headers; a warning is an error.
 doxygen:

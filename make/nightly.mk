@@ -4,33 +4,33 @@
 # Packages of Debian 13, built, installed, tested and removed in clean systems; needs root and debootstrap.
 .PHONY: check-deb sbom tag
 check-deb:
-	@tools/check-deb $(BUILD)
+	@tools/checks/check-deb $(BUILD)
 
 # A bill of materials beside the artefacts.
 sbom:
-	@tools/sbom $(BUILD)/dist
+	@tools/release/sbom $(BUILD)/dist
 
 # The tree is a release: checks that, and makes its tag.
 tag: all $(BUILD)/tests/run
-	@tools/tag $(BUILD)
+	@tools/release/tag $(BUILD)
 
 # A licence and a copyright for every file; a bill of materials that is valid.
 check-reuse:
-	@tools/check-reuse $(BUILD)
+	@tools/checks/check-reuse $(BUILD)
 
 valgrind: all
-	@tools/valgrind $(BUILD)
+	@tools/checks/valgrind $(BUILD)
 
 # Tests of the steppers that differ with SUNDIALS's release, with no more built than they need.
 STEPPER_TESTS := agree arkode cvode sundials_vector controllers methods
 check-steppers:
 	@$(MAKE) --no-print-directory TESTS='$(STEPPER_TESTS)' $(BUILD)/tests/run $(BUILD)/weft $(PLUGIN_SO) $(BROKEN)
-	@tools/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
+	@tools/checks/run-tests $(BUILD) $(STEPPER_TESTS:%='run %')
 
 # Tests of the steppers against Debian 13's SUNDIALS 7, in a system of its own; root,
 # debootstrap. WHOLE=1: every test, and the verification.
 check-sundials7:
-	@tools/check-sundials7 $(BUILD) $(WHOLE)
+	@tools/checks/check-sundials7 $(BUILD) $(WHOLE)
 
 # Random cloths that are thrown at themselves, for so long, and then large scenes, which take a
 # quarter of an hour: none passes through itself.
@@ -42,11 +42,11 @@ check-self:
 # Each fault of tests/mutations.txt, made in a copy of the tree, fails a test; an hour of a processor.
 .PHONY: mutations
 mutations: all
-	tools/mutate $(BUILD)
+	tools/checks/mutate $(BUILD)
 
 # What .ci/run leaves out because it is slow.
 nightly: all
-	@tools/tree $(BUILD)/tree remember
+	@tools/rules/tree $(BUILD)/tree remember
 	$(MAKE) check-slow
 	$(MAKE) mutations
 	$(MAKE) check-elsewhere
@@ -71,23 +71,23 @@ nightly: all
 	$(MAKE) check-compilers
 	$(MAKE) check-deb
 	$(MAKE) check-dist
-	@tools/tree $(BUILD)/tree end nightly
+	@tools/rules/tree $(BUILD)/tree end nightly
 
 # Built for 64-bit ARM and run by qemu-user: which methods have the same bits there.
 check-aarch64: all
-	@MAKE="$(MAKE)" tools/check-aarch64 $(BUILD)
+	@MAKE="$(MAKE)" tools/checks/check-aarch64 $(BUILD)
 
 # gcc 10 and clang 11 in a system of Debian 11: root, debootstrap.
 check-compilers: all hashes
-	@tools/check-compilers $(BUILD)
+	@tools/checks/check-compilers $(BUILD)
 
 # Built where libraries, compilers or HDF5 are elsewhere or missing.
 check-elsewhere: all hashes $(BUILD)/examples/minimal
-	@tools/check-elsewhere $(BUILD)
+	@tools/checks/check-elsewhere $(BUILD)
 
 # A force added to a copy, by its folder and ten lines elsewhere.
 check-toy:
-	@tools/check-toy $(BUILD)
+	@tools/checks/check-toy $(BUILD)
 
 symbols: $(BUILD)/libweft.so $(BUILD)/libweft.a $(PLUGIN_SO) $(MPI_SO)
-	@tools/symbols $^
+	@tools/checks/symbols $^

@@ -130,7 +130,7 @@ window: $(if $(HAVE_SDL2),$(BUILD)/examples/window)
 	@$(if $(HAVE_SDL2),echo $<,echo "window skipped: SDL2/SDL.h not found (package libsdl2-dev: WITH_WINDOW=1 make deps)")
 
 check-window: window
-	@$(if $(HAVE_SDL2),tools/check-window $(BUILD))
+	@$(if $(HAVE_SDL2),tools/checks/check-window $(BUILD))
 
 $(BUILD)/examples/%.so: examples/%.c
 	@mkdir -p $(@D)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* hashes.c -- print the hash of the state at the frames of a scene, and of the bytes of
  * the simulation when it is saved after them: hashes PLUGINS SECONDS SCENE... For
- * tools/check-determinism and wasm/check.mjs, which compare what different builds
- * print. */
+ * tools/checks/check-determinism and packaging/wasm/check.mjs, which compare what
+ * different builds print. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# tests/needs.sh FOLDER: tools/needs.txt against the makefiles. Prints each target that has no line there, each line of no
+# tests/needs.sh FOLDER: tools/machine/needs.txt against the makefiles. Prints each target that has no line there, each line of no
 # target, and each program of the table that a target's recipe, or a script of tools/ that it calls, names although the line
 # does not; then, with a PATH that lacks these programs, each target that does not name what it lacks and how to install it.
 set -u
 tmp=$1
-table=tools/needs.txt
+table=tools/machine/needs.txt
 rm -rf "$tmp" && mkdir -p "$tmp/bin"
-cat Makefile make/*.mk wasm/build.mk >"$tmp/makefiles"
+cat Makefile make/*.mk >"$tmp/makefiles"
 grep -oE '^[a-z][A-Za-z0-9 -]*:( |$)' "$tmp/makefiles" | tr -d : | tr ' ' '\n' | sed '/^always$/d; /^$/d' | sort -u >"$tmp/targets"
 sed -n 's,^target \([^ ]*\).*,\1,p' $table | grep -v / | sort >"$tmp/lines"
 comm -23 "$tmp/targets" "$tmp/lines" | sed 's/$/: no line in tools\/needs.txt/'
@@ -58,7 +58,7 @@ while read -r target; do
         ! grep -q " $package\$" "$tmp/programs" || lacks="$lacks $package"
     done
     parts=$(sed -n "s,^target \(${target#check-}/[^ ]*\) .*,\1,p" $table)
-    said=$(PATH="$tmp/bin" CHROMIUM= tools/needs "$target" $parts 2>/dev/null)
+    said=$(PATH="$tmp/bin" CHROMIUM= tools/machine/needs "$target" $parts 2>/dev/null)
     for package in $lacks; do
         case $said in *" $package"*"make deps' installs that"*) ;; *) echo "$target: does not say that it needs $package: $said" ;; esac
     done

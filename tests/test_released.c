@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What releases wrote is read for ever (VERSIONING.md): their scenes and saved states,
- * in tests/released, which tools/released made. Each does what it did then: to the last
- * bit in the patches of that release, and within a hundredth of a cell later. */
+ * in tests/released, which tools/checks/released made. Each does what it did then: to
+ * the last bit in the patches of that release, and within a hundredth of a cell later.
+ */
 #include <math.h>
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #define OUT BUILD_DIR "/tools-test"
 
-/* tools/tree in a repository of its own, OUT/tree; false without git. */
+/* tools/rules/tree in a repository of its own, OUT/tree; false without git. */
 static bool new_repository(void)
 {
     if (shell("command -v git") != 0) {
@@ -20,11 +20,11 @@ static bool new_repository(void)
     return true;
 }
 
-/* What tools/tree says after a command. */
+/* What tools/rules/tree says after a command. */
 static int tree(const char *first, const char *words)
 {
     return shell("tools=$PWD/tools && cd " OUT
-                 "/tree && %s && $tools/tree build/tree %s 2>&1",
+                 "/tree && %s && $tools/rules/tree build/tree %s 2>&1",
                  first, words);
 }
 
@@ -67,7 +67,7 @@ START_TEST(the_hook_takes_messages_of_the_form_and_refuses_others)
     if (!new_repository()) {
         return;
     }
-    expect(shell("tools=$PWD/tools && cd " OUT "/tree && $tools/hooks"), 0);
+    expect(shell("tools=$PWD/tools && cd " OUT "/tree && $tools/rules/hooks"), 0);
     expect(commit("a: keep the state after a failed step"), 0);
     expect(commit("a: pass the state on\\n\\nThe cause; the change. The effect."), 0);
     expect(commit("keep the state"), 1);
@@ -97,7 +97,7 @@ START_TEST(a_hook_of_the_user_stays)
         return;
     }
     expect(shell("tools=$PWD/tools && cd " OUT "/tree && echo true "
-                 ">.git/hooks/commit-msg && $tools/hooks 2>&1"),
+                 ">.git/hooks/commit-msg && $tools/rules/hooks 2>&1"),
            1);
     says("commit-msg is not weft's: it stays");
     expect(shell("cat " OUT "/tree/.git/hooks/commit-msg"), 0);

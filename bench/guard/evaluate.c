@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* evaluate.c -- evaluates the forces of P(100) three times, for tools/guard, which
- * counts instructions; prints how many springs that were. Argument: all, all springs;
- * undamped; stretch, that family alone and undamped; wind, the springs of stretch and
- * wind; bending, those and a rigidity; contact, those and a plane that all particles
- * touch; far, one that none does. */
+/* evaluate.c -- evaluates the forces of P(100) three times, for tools/checks/guard,
+ * which counts instructions; prints how many springs that were. Argument: all, all
+ * springs; undamped; stretch, that family alone and undamped; wind, the springs of
+ * stretch and wind; bending, those and a rigidity; contact, those and a plane that all
+ * particles touch; far, one that none does. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The site of `make site`: Sphinx over the folder that tools/site stages.
+# The site of `make site`: Sphinx over the folder that tools/pages/site stages.
 import os
 import re
 import sys

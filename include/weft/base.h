@@ -49,7 +49,8 @@ extern "C" {
  *   needs its own struct_size.
  *
  * Elements of arrays have their size in the definition with the array. Members are only
- * added, at the end of a struct. tools/check-abi compares all with tools/libweft.abi.
+ * added, at the end of a struct. tools/checks/check-abi compares all with
+ * tools/checks/libweft.abi.
  */
 /* Whether *s, of any version, has the field, which was added to the end of its struct.
  */

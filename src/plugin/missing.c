@@ -11,7 +11,7 @@ static const char debian_sundials[] = "apt-get install weft-plugins-sundials";
 static const char debian_base[] = "apt-get install weft-plugins-base";
 static const char spack_sundials[] = "spack install weft +sundials";
 
-/* The packages are those of debian/control, tools/dist and packaging/spack. */
+/* The packages are those of debian/control, tools/release/dist and packaging/spack. */
 static const struct {
     const char *by, *id, *advice;
 } known[] = {

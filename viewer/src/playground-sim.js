@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// playground-sim.js -- a simulation in WebAssembly (wasm/page.c), as the worker and tests call it.
+// playground-sim.js -- a simulation in WebAssembly (packaging/wasm/page.c), as the worker and tests call it.
 import { wasi } from './wasi.js';
 
 /** weft's own status codes that a page tells apart. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* attractor.h -- a force that tools/check-toy adds to a copy of weft, to show what a
- * further force touches: towards the origin, with drag,
+/* attractor.h -- a force that tools/checks/check-toy adds to a copy of weft, to show
+ * what a further force touches: towards the origin, with drag,
  *
  *     F = -m strength x / (1 + |x|^2 / (1 m)^2) - m drag v
  *
