@@ -9,6 +9,7 @@ static weft_allocator obj_memory;
 static const weft__source obj_scene = { .file = "scene.yaml", .text = "", .length = 0 };
 static weft__report obj_report;
 static weft__obj obj;
+static double obj_weld = -1.0; /* `weld` of the next file; < 0: none */
 
 /* Reads into `obj`; what is said of it is in `found` after obj_end. */
 static inline bool obj_read(const char *text, size_t length)
@@ -18,7 +19,10 @@ static inline bool obj_read(const char *text, size_t length)
     obj_report = (weft__report){ .found = &found,
                                  .sources = &obj_scene,
                                  .memory = &obj_memory };
-    obj = (weft__obj){ .report = &obj_report, .file.path = "shirt.obj" };
+    obj = (weft__obj){ .report = &obj_report,
+                       .file.path = "shirt.obj",
+                       .welds = obj_weld >= 0.0,
+                       .weld = obj_weld };
     obj.file.text = weft__report_take(&obj_report, length + 1, 1);
     memcpy(obj.file.text, text, length);
     obj.file.length = length;

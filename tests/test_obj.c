@@ -262,12 +262,13 @@ static const struct {
       "quadrilaterals\nf\n^\n" },
     { SQUARE "f 1/1 \\\r\n\t2/2 \\\n 3/8\n",
       "shirt.obj:11:4: error: vt 8 is not there: the file has 1 to 4\n 3/8\n   ^\n" },
-    { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n",
-      "shirt.obj:4:1: error: the file has no vt lines, which give the rest shape in "
-      "the "
-      "plane: unwrap the mesh and export its UVs as lengths; of a flat mesh, in "
-      "Python, "
-      "weft.Mesh.of(trimesh.load('x.obj')).write('y.obj') writes them\nf 1 2 3\n^\n" },
+    { "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n",
+      "shirt.obj:5:1: error: the file has no vt lines, which give the rest shape in "
+      "the plane, and v is not flat: it leaves its plane by 0.433 of its extent of 1; "
+      "unwrap the mesh and export its UVs as lengths\nf 1 2 3\n^\n" },
+    { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\n",
+      "shirt.obj:4:5: error: vt 1 is not there: the file has no vt\nf 1/1 2/2 3/3\n"
+      "    ^\n" },
     { "v 0 0 0\nv 1 0 0\nv 0 1 x\nv 2 0 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 0 1\nvt 2 0\n"
       "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\nf 2/2 4/4 7/3\n",
       "shirt.obj:3:7: error: 'x' is not a finite decimal number\nv 0 1 x\n      ^\n"

@@ -245,6 +245,17 @@ WEFT_API double weft_scene_step(const weft_scene *scene);
 WEFT_API size_t weft_scene_loose(const weft_scene *scene, size_t k,
                                  const size_t **numbers, const double **places);
 
+/** Returns a line about a choice that reading the scene made, which `weft check`
+ * prints: how many vertices `weld` joined, which plane is the rest shape of a file
+ * without vt.
+ * @param scene the scene
+ * @param i 0, 1, ...
+ * @param[out] about the thing that the line is about, such as "weld"; NULL: no line
+ * @return the line, with the name of its cloth if there are several; NULL: there are
+ *   fewer lines */
+WEFT_API const char *weft_scene_note(const weft_scene *scene, size_t i,
+                                     const char **about);
+
 /** Returns the OBJ file that the cloth, or the first of several, was read from. A
  * scene.yaml that has a scene.obj beside it takes its mesh from there, whatever its
  * name in the scene.

@@ -174,6 +174,29 @@ static void print_stepper(const weft_scene *scene, size_t particles)
     }
 }
 
+static void print_notes(const weft_scene *scene)
+{
+    const char *about, *line;
+    for (size_t i = 0; (line = weft_scene_note(scene, i, &about)) != NULL; ++i) {
+        print_item(about, "%s", line);
+    }
+}
+
+static void notes_yaml(yaml_out *out, const weft_scene *scene)
+{
+    const char *about, *line;
+    size_t i = 0;
+    for (; (line = weft_scene_note(scene, i, &about)) != NULL; ++i) {
+        yaml_out_write(out,
+                       i == 0 ? "notes: [{ about: %s, line: \"%s\" }"
+                              : "{ about: %s, line: \"%s\" }",
+                       about, line);
+    }
+    if (i > 0) {
+        yaml_out_write(out, "]");
+    }
+}
+
 /* What is known without a simulation, whose start may relax for minutes. */
 static void print_scene(const char *file, const weft_scene *scene,
                         const weft_cloth *cloth)
@@ -182,6 +205,7 @@ static void print_scene(const char *file, const weft_scene *scene,
     const weft_limit_def *limit = weft_scene_limit(scene);
     print_line(stdout, "%s: ok: %s", file, weft_scene_name(scene));
     print_cloth(weft_scene_cloth(scene), cloth);
+    print_notes(scene);
     start_print_stretch(weft_scene_cloth(scene));
     fabric_print(scene, cloth);
     contact_print(weft_scene_cloth(scene));
@@ -218,6 +242,7 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
                    weft_cloth_pins(cloth));
     start_yaml(out, weft_scene_cloth(scene));
     record_cloths(out, cloth);
+    notes_yaml(out, scene);
     fabric_yaml(out, scene);
     contact_yaml(out, weft_scene_cloth(scene));
     stability_yaml(out, scene, found);

@@ -317,10 +317,15 @@ static const weft__key turn_keys[] = {
 static const weft__key mesh_keys[] = {
     { "file", WEFT__TEXT, .required = true, AT(weft__mesh_file, file),
       .meaning = "an OBJ file beside the scene: v start positions, vt the rest shape "
-                 "in the plane (u along the weft, v along the warp), f triangles and "
+                 "in the plane (u along the weft, v along the warp; without vt a flat "
+                 "v), f triangles and "
                  "quadrilaterals, usemtl fabrics, g groups, p points of a group" },
     { "unit", WEFT__NUMBER, RANGE(.strict = true), .unit = "m", .fallback = "1.0",
       AT(weft__mesh_file, unit), .meaning = "one unit of the file, of v and vt" },
+    { "weld", WEFT__NUMBER, RANGE(.least = 0.0), .unit = "m", .absent = "none",
+      AT(weft__mesh_file, weld),
+      .meaning = "vertices that start at most so far apart are one, that with the "
+                 "lowest index; 0: those that coincide exactly" },
     { "at", WEFT__VECTOR, .unit = "m", .fallback = "[0, 0, 0]", AT(weft__mesh_file, at),
       .meaning = "added to the start positions after the turn" },
     { "turn", WEFT__MAPPING, CHECKED(turn), .absent = "none", AT(weft__mesh_file, turn),

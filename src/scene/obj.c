@@ -188,6 +188,12 @@ static void add_face(obj_builder *self, size_t index)
     }
 }
 
+/* Whether a vertex of the file did not become another one. */
+static bool stands_alone(const weft__obj *obj, size_t v)
+{
+    return obj->lowest == NULL || obj->lowest[v] == v;
+}
+
 static void warn_of_unused(weft__obj *obj, size_t first, size_t count)
 {
     char more[48] = "";
@@ -206,7 +212,7 @@ static void keep_loose(weft__obj *obj, size_t count)
     obj->loose_start
         = weft__report_take(obj->report, count, 3 * sizeof *obj->loose_start);
     for (size_t v = 0; !obj->report->no_memory && v < obj->vertices; ++v) {
-        if (obj->vertex_of[v] == WEFT__NONE) {
+        if (obj->vertex_of[v] == WEFT__NONE && stands_alone(obj, v)) {
             obj->loose_name[obj->loose] = v;
             memcpy(&obj->loose_start[3 * obj->loose++], obj->vertex[v],
                    sizeof *obj->vertex);
@@ -227,6 +233,10 @@ static void take_vertices(weft__obj *obj, bool whole)
         }
     }
     for (size_t v = 0; v < obj->vertices; ++v) {
+        if (!stands_alone(obj, v)) { /* the lower one has its number already */
+            obj->vertex_of[v] = obj->vertex_of[obj->lowest[v]];
+            continue;
+        }
         if (obj->vertex_of[v] == WEFT__NONE) {
             first = unused++ == 0 ? v : first;
             continue;
@@ -334,7 +344,9 @@ bool weft__obj_read(weft__obj *obj)
     if (!read && !obj->report->no_memory) {
         check_faces(obj);
     }
-    return read && build(obj, true);
+    return read && (!obj->welds || weft__obj_weld(obj))
+           && (obj->body || obj->places > 0 || weft__obj_lay_flat(obj))
+           && build(obj, true);
 }
 
 static bool read_all(weft__obj *obj, FILE *stream)
@@ -475,8 +487,8 @@ void weft__obj_forget(weft__obj *obj)
     }
     WEFT__FREE_ALL(obj->report->memory, obj->kept ? NULL : obj->file.text, obj->vertex,
                    obj->place, obj->vertex_byte, obj->place_byte, obj->face, obj->point,
-                   obj->fabrics.list, obj->groups.list, obj->vertex_of, obj->place_of,
-                   obj->face_of, obj->parent);
+                   obj->fabrics.list, obj->groups.list, obj->lowest, obj->vertex_of,
+                   obj->place_of, obj->face_of, obj->parent);
     if (obj->def.file_index == NULL) {
         weft__free(obj->report->memory, obj->name);
         obj->name = NULL;
@@ -489,6 +501,7 @@ void weft__obj_forget(weft__obj *obj)
                         .corner_place = obj->corner_place,
                         .fabric_of = obj->fabric_of,
                         .name = obj->name,
+                        .welded = obj->welded,
                         .loose = obj->loose,
                         .loose_name = obj->loose_name,
                         .loose_start = obj->loose_start };

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* obj.h -- triangles of cloth from an OBJ file: v where a vertex starts, vt where it
- * lies in the rest shape. Text -> faces (obj_parse.c) -> a definition (obj.c). Mistakes
- * are reported at their line, all of them. Numbers are read in the "C" locale. */
+ * lies in the rest shape. Text -> faces (obj_parse.c) -> vertices that are one
+ * (obj_weld.c) -> the rest shape of a flat file (obj_flat.c) -> a definition (obj.c).
+ * Mistakes are reported at their line, all of them. Numbers are read in the "C" locale.
+ */
 #pragma once
 
 #include "mesh/triangles.h"
@@ -37,7 +39,9 @@ typedef struct weft__obj {
     weft__named_file file; /* its text is read already, or loaded */
     bool body; /* no cloth: v and f alone are read, and it has no rest shape */
     const weft_body
-        *like; /* whose quadrilaterals are divided alike; NULL: by lengths */
+        *like;  /* whose quadrilaterals are divided alike; NULL: by lengths */
+    bool welds; /* vertices at most `weld` apart, in the file's unit, are one */
+    double weld;
     /* while it is read */
     bool kept;                              /* the text is, as long as the definition */
     size_t vertices, places, faces, points; /* in the file */
@@ -49,6 +53,7 @@ typedef struct weft__obj {
     size_t flat;        /* faces of a body that were dropped, as they have no area */
     uint32_t flat_byte; /* the first of them */
     weft__obj_names fabrics, groups;
+    uint32_t *lowest;             /* the vertex that each became; NULL: no `weld` */
     uint32_t *vertex_of;          /* of v in the definition; WEFT__NONE: unused */
     uint32_t *place_of, *face_of; /* vt of a place, face of a triangle */
     size_t coarse;                /* vertices before it was refined */
@@ -57,8 +62,11 @@ typedef struct weft__obj {
     weft_mesh_def def;
     double *start, *rest;
     uint32_t *corner, *corner_place, *fabric_of;
-    size_t *name; /* number in the file of each vertex; freed if there is no other */
-    size_t loose; /* vertices that no face has */
+    size_t *name;   /* number in the file of each vertex; freed if there is no other */
+    size_t welded;  /* vertices that became another one */
+    bool flat_rest; /* there is no vt: v gives the rest shape */
+    double warp[3]; /* then the unit direction of v in the rest shape */
+    size_t loose;   /* vertices that no face has */
     size_t *loose_name;  /* their numbers in the file */
     double *loose_start; /* where they would start */
 } weft__obj;
@@ -116,3 +124,11 @@ void weft__obj_close(weft__obj *obj, const weft_allocator *memory);
 
 /* obj_parse.c: the text to vertices, places, faces and points. */
 bool weft__obj_parse(weft__obj *obj);
+
+/* obj_weld.c: gives faces and points the lowest of the vertices that are one. false: a
+ * face has two corners in one, which is reported, or no memory. */
+bool weft__obj_weld(weft__obj *obj);
+
+/* obj_flat.c: makes places of v for a cloth without vt. false: it is not flat, which is
+ * reported, or no memory. */
+bool weft__obj_lay_flat(weft__obj *obj);

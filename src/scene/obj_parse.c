@@ -145,9 +145,15 @@ static bool read_index(cursor *self, const char *what, const char **p, const cha
         return false;
     }
     if (number == 0 || number > (back ? before : all)) {
-        MISTAKE(self, *p, "%s %.*s is not there: the file has 1 to %zu%s", what,
-                (int)(stop - *p < 40 ? stop - *p : 40), *p, all,
-                back ? ", and negative ones count back from this line" : "");
+        const int length = (int)(stop - *p < 40 ? stop - *p : 40);
+        if (all == 0) {
+            MISTAKE(self, *p, "%s %.*s is not there: the file has no %s", what, length,
+                    *p, what);
+        } else {
+            MISTAKE(self, *p, "%s %.*s is not there: the file has 1 to %zu%s", what,
+                    length, *p, all,
+                    back ? ", and negative ones count back from this line" : "");
+        }
         return false;
     }
     *out = (uint32_t)(back ? before - number : number - 1);
@@ -497,12 +503,6 @@ bool weft__obj_parse(weft__obj *obj)
     } else if (obj->report->mistakes == before && obj->faces == 0) {
         MISTAKE(&self, obj->file.text, "the file has no faces (lines 'f %s')",
                 obj->body ? "1 2 3" : "1/1 2/2 3/3");
-    } else if (obj->report->mistakes == before && obj->places == 0 && !obj->body) {
-        MISTAKE(
-            &self, obj->file.text + obj->face[0].byte,
-            "the file has no vt lines, which give the rest shape in the plane: unwrap "
-            "the mesh and export its UVs as lengths; of a flat mesh, in Python, "
-            "weft.Mesh.of(trimesh.load('x.obj')).write('y.obj') writes them");
     }
     return obj->report->mistakes == before && !obj->report->no_memory;
 }

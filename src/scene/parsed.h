@@ -38,6 +38,7 @@ typedef struct weft__turn {
 typedef struct weft__mesh_file {
     char *file;
     double unit;  /* [m] */
+    double weld;  /* [m], if the key is there */
     double at[3]; /* [m] */
     weft__turn turn;
 } weft__mesh_file;
@@ -106,6 +107,13 @@ typedef struct weft__vertices {
     size_t count;
 } weft__vertices;
 
+/* What reading decided, for `check`: a line about a thing. */
+typedef struct weft__note {
+    const char *about;
+    char *text;
+    struct weft__note *next;
+} weft__note;
+
 /* Its tree owns the arrays and texts that the definition structs point to. Fields whose
  * key is absent or wrong stay 0. */
 struct weft_scene {
@@ -119,6 +127,7 @@ struct weft_scene {
     weft__cut cut;
     const char *mesh_path; /* of the file that was read; NULL: none */
     weft__body_files *body_files;
+    weft__note *notes;
     weft__fabrics fabrics;
     weft__obj obj;   /* what cloth.mesh points to */
     bool renumbered; /* vertices have other numbers than in the scene as it is */

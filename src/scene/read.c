@@ -3,6 +3,8 @@
 #include "scene/read.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/suggest.h"
@@ -600,4 +602,32 @@ void weft__check_one(weft__reader *reader, const weft__match *match,
     }
     ERROR_AT(reader, match->map, "%s lacks %s: exactly one is required", match->title,
              list);
+}
+
+/* ---- notes --------------------------------------------------------------------- */
+
+void weft__note_add(weft__reader *reader, const char *about, const char *format, ...)
+{
+    weft_scene *scene = reader->scene;
+    weft__note *note = weft__tree_take(reader->tree, 1, sizeof *note);
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    const size_t before = scene->part_name == NULL
+                              ? 0
+                              : (size_t)weft_text_format(text, sizeof text,
+                                                         "%.60s: ", scene->part_name);
+    (void)vsnprintf(text + before, sizeof text - before, format, args);
+    va_end(args);
+    char *kept = weft__tree_take(reader->tree, strlen(text) + 1, 1);
+    if (note == NULL || kept == NULL) {
+        return;
+    }
+    strcpy(kept, text);
+    weft__note **end = &scene->notes;
+    while (*end != NULL) {
+        end = &(*end)->next;
+    }
+    *note = (weft__note){ .about = about, .text = kept };
+    *end = note;
 }

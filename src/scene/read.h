@@ -103,6 +103,10 @@ const weft__node *weft__later(const weft__node *a, const weft__node *b);
 void weft__report_exclusive(weft__report *report, const weft__node *a,
                             const weft__node *b);
 
+/* Adds a note to the scene, or to the cloth that is read. */
+WEFT_PRINTF(3, 4)
+void weft__note_add(weft__reader *reader, const char *about, const char *format, ...);
+
 /* Of each kind: in read.c, scene_*.c and butcher.c. */
 #define WEFT__READER(kind, reader, text) extern weft__read_fn weft__read_##reader;
 WEFT__KIND_LIST(WEFT__READER)

@@ -343,6 +343,26 @@ size_t weft_scene_loose(const weft_scene *scene, size_t k, const size_t **number
     return of->loose;
 }
 
+/* Note i of one cloth; takes those that it has from i. */
+static const weft__note *note_of(const weft_scene *scene, size_t *i)
+{
+    const weft__note *at = scene->notes;
+    for (; at != NULL && *i > 0; at = at->next) {
+        --*i;
+    }
+    return at;
+}
+
+const char *weft_scene_note(const weft_scene *scene, size_t i, const char **about)
+{
+    const weft__note *at = note_of(scene, &i);
+    for (size_t k = 0; at == NULL && k < scene->part_count; ++k) {
+        at = note_of(&scene->parts[k], &i);
+    }
+    *about = at != NULL ? at->about : NULL;
+    return at != NULL ? at->text : NULL;
+}
+
 bool weft_scene_shape_made(const weft_scene *scene, size_t k)
 {
     const weft_contact_def *contact = &scene->cloth.contact;

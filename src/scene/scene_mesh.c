@@ -53,6 +53,22 @@ void weft__check_turn(weft__reader *reader, const weft__match *match, void *base
     }
 }
 
+/* What the file does not show at once. */
+static void note_file(weft__reader *reader, const weft__obj *obj)
+{
+    const double *warp = obj->warp;
+    if (obj->welds) {
+        weft__note_add(reader, "weld", "%zu of the file's %zu vertices became another",
+                       obj->welded, obj->vertices);
+    }
+    if (obj->flat_rest) {
+        weft__note_add(reader, "rest",
+                       "no vt: v is flat and its own rest shape, warp along [%.4g, "
+                       "%.4g, %.4g] of the file",
+                       warp[0], warp[1], warp[2]);
+    }
+}
+
 void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft__mesh_file *from = base;
@@ -67,8 +83,11 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
     }
     scene->obj = (weft__obj){ .report = reader->report,
                               .at = weft__value_in(match, "file")->at,
-                              .file.path = path };
+                              .file.path = path,
+                              .welds = weft__key_in(match, "weld") != NULL,
+                              .weld = from->weld / from->unit };
     if (weft__obj_load(&scene->obj, path) && reader->report->mistakes == before) {
+        note_file(reader, &scene->obj);
         weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
                        from->at);
         if (weft__obj_refine(&scene->obj, reader->def->refine)) {

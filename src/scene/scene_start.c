@@ -14,7 +14,7 @@
 #define MOST_STRETCH  1.25
 #define LARGEST       20.0  /* [m] cloths beyond are likely in another unit */
 #define SMALLEST      0.002 /* [m] */
-#define SLIVER        2.0   /* [degrees] */
+#define SLIVER        15.0  /* [degrees] */
 
 /* ---- stretch ------------------------------------------------------------------- */
 
@@ -196,7 +196,7 @@ static void warn_of_duplicates(weft__obj *obj)
         weft__report_warning(
             obj->report, weft__obj_mark(obj, obj->vertex_byte[obj->name[first[0]]]),
             "vertex %zu (from 0) starts where vertex %zu does and is not sewn to it%s: "
-            "faces are sewn by a v that they share, with a vt each",
+            "'weld: 0' makes one of vertices that coincide",
             obj->name[first[0]], obj->name[first[1]], more);
     }
 }

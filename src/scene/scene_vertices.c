@@ -49,6 +49,23 @@ static bool scene_vertices_read_vertex(weft__reader *reader, const weft__node *n
     return true;
 }
 
+/* Leaves one of several names of a welded vertex, so that a load counts once. */
+static size_t drop_names(weft__reader *reader, size_t *list, size_t count)
+{
+    const size_t all = reader->scene->cloth.mesh->vertices;
+    size_t kept = 0;
+    bool *listed = weft__report_take(reader->report, all, sizeof *listed);
+    for (size_t i = 0; listed != NULL && i < count; ++i) {
+        const size_t vertex = list[i];
+        if (!listed[vertex]) {
+            listed[vertex] = true;
+            list[kept++] = vertex;
+        }
+    }
+    weft__free(reader->report->memory, listed);
+    return kept;
+}
+
 void weft__read_vertices(weft__reader *reader, const weft__key *key,
                          const weft__node *node, void *to)
 {
@@ -71,6 +88,9 @@ void weft__read_vertices(weft__reader *reader, const weft__key *key,
                                                       &list[vertices->count]);
     }
     vertices->list = list;
+    if (list != NULL && reader->scene->obj.lowest != NULL) {
+        vertices->count = drop_names(reader, list, vertices->count);
+    }
 }
 
 /* ---- by group ----------------------------------------------------------------- */
