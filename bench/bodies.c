@@ -99,6 +99,11 @@ static void report(const char *name, const trial of[2], double evaluation)
            of[1].vetoed);
 }
 
+static weft__bodies_space *space_of(const weft__forces *forces)
+{
+    return forces->spaces[WEFT__FORCE_bodies];
+}
+
 typedef struct part {
     const weft_cloth *cloth;
     weft__forces *forces;
@@ -117,21 +122,21 @@ static void bodies(void *ctx)
 {
     part *of = ctx;
     const weft__state at = { .t = 0.0, .y = of->y };
-    (void)weft__bodies_force.whole.add(&of->cloth->bodies, of->forces->bodies, &at,
+    (void)weft__bodies_force.whole.add(&of->cloth->bodies, space_of(of->forces), &at,
                                        WEFT__ACCELERATION, of->out);
 }
 
 static void drift(void *ctx)
 {
     part *of = ctx;
-    (void)weft__self_drift(of->forces->bodies->list, of->forces->bodies->list->place,
-                           of->place, 0);
+    weft__self_list *list = space_of(of->forces)->list;
+    (void)weft__self_drift(list, list->place, of->place, 0);
 }
 
 static void pushes(void *ctx)
 {
     part *of = ctx;
-    weft__self_list *list = of->forces->bodies->list;
+    weft__self_list *list = space_of(of->forces)->list;
     const weft__self_law law = weft__self_law_of(list->own);
     double bad = 0.0;
     for (size_t i = 0; i < list->chunk_count; ++i) {
@@ -148,14 +153,15 @@ static void pushes(void *ctx)
 static void check(void *ctx)
 {
     part *of = ctx;
-    weft__bodies_penetration penetration;
-    (void)weft__bodies_clear(of->forces->bodies, &of->path, &penetration);
+    weft__penetration penetration;
+    (void)weft__bodies_clear(&of->cloth->bodies, space_of(of->forces), &of->path,
+                             &penetration);
 }
 
 static void make(void *ctx)
 {
     part *of = ctx;
-    of->forces->bodies->list->valid = false;
+    space_of(of->forces)->list->valid = false;
     bodies(of);
 }
 
@@ -198,9 +204,9 @@ int main(void)
     parts[1].path = (weft__path){ 0.0, 1e-4, y, weft_sim_state(sim) };
     for (size_t i = 0; i < 3; ++i) {
         evaluate(&parts[1]);
-        bench_must(weft__self_list_grow(forces[1].bodies->list, &err), &err);
+        bench_must(weft__self_list_grow(space_of(&forces[1])->list, &err), &err);
     }
-    parts[1].place = forces[1].bodies->now.y;
+    parts[1].place = space_of(&forces[1])->now.y;
     bench_case cases[]
         = { { "an evaluation without contact", evaluate, &parts[0], 0.0 },
             { "the body's forces, the list kept", bodies, &parts[1], 0.0 },
@@ -213,7 +219,7 @@ int main(void)
         printf("%-34s %8.1f us, %6.2f evaluations\n", cases[i].name,
                1e6 * cases[i].median, cases[i].median / cases[0].median);
     }
-    count_pairs(forces[1].bodies->list);
+    count_pairs(space_of(&forces[1])->list);
     trial trials[2]
         = { { .cloth = cloths[0], .xyz = xyz }, { .cloth = cloths[1], .xyz = xyz } };
     for (size_t m = 0; m < 2; ++m) {

@@ -13,6 +13,7 @@
 #include "../tests/folded.h"
 #include "../tests/folded_mesh.h"
 #include "cloth/model.h"
+#include "forces/contact/self/self_list.h"
 #include "sim/simulation.h"
 #include "weft/weft.h"
 
@@ -217,13 +218,14 @@ static result run(const scene *of, bool self, size_t threads)
     }
     const double start = bench_now(), began = wall_now();
     bench_must(weft_sim_advance(sim, of->seconds, &err), &err);
+    const weft__self_list *list = sim->forces.spaces[WEFT__FORCE_self];
     result out = { .time = bench_now() - start,
                    .wall = wall_now() - began,
                    .stats = weft_sim_stats(sim),
                    .vetoed = weft_sim_vetoed(sim),
                    .end = weft_sim_measure(sim),
                    .crossings = weft_cloth_crossings(cloth, weft_sim_state(sim), NULL),
-                   .chunks = self ? sim->forces.self->chunk_count : 1 };
+                   .chunks = self ? list->chunk_count : 1 };
     run_timer(0);
     free(xyz);
     mesh_free(&mesh);

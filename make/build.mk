@@ -4,7 +4,8 @@ SOVERSION := $(shell sed -n 's/^.define WEFT_INTERFACE //p' include/weft/base.h)
 
 FAST     := $(wildcard src/forces/*/*_fast.c src/forces/*/*/*_fast.c)
 LIB_SRC  := $(filter-out $(FAST),\
-    $(wildcard $(patsubst %,src/%/*.c,base mesh forces/* forces/*/* cloth sim plugin stability scene)))
+    $(wildcard $(patsubst %,src/%/*.c,\
+        base mesh forces/* forces/*/* cloth cloth/* sim sim/* plugin stability scene scene/*)))
 LIB_OBJ  := $(LIB_SRC:%.c=$(BUILD)/%.o)
 # The fast forms of forces, once more for each level of instructions that src/base/isa.c chooses
 # from. KERNEL=plain, or all *_fast.c deleted: none, the plain loops have the same bits.

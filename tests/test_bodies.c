@@ -434,18 +434,19 @@ START_TEST(a_step_that_bounds_of_the_whole_cloth_prove_clear_is_clear)
     put(icosphere(3, 0.1));
     begin(1e-4);
     weft__forces forces = weft__forces_create(cloth, 1, NULL);
+    weft__bodies_space *space = forces.spaces[WEFT__FORCE_bodies];
     const double *start = weft_sim_state(sim);
     double y[2][6 * N];
     for (int i = 0; i < 3; ++i) {
         ck_assert_int_eq(weft__forces_rhs(&forces, 0.0, start, y[0]), 0);
-        ck_assert_int_eq(weft__self_list_grow(forces.bodies->list, &err), WEFT_OK);
+        ck_assert_int_eq(weft__self_list_grow(space->list, &err), WEFT_OK);
     }
     for (int i = 0; i < 60; ++i) {
         memcpy(y[0], start, sizeof y[0]);
         shift(y[0], 0.0, &seed);
         memcpy(y[1], y[0], sizeof y[1]);
         shift(y[1], 4e-3 * random_uniform(&seed), &seed);
-        const bool clear = weft__self_list_far(forces.bodies->list, y[0], y[1], h);
+        const bool clear = weft__self_list_far(space->list, y[0], y[1], h);
         double *all[2]
             = { weft__bodies_spread(&cloth->bodies, &(weft__state){ .y = y[0] }),
                 weft__bodies_spread(&cloth->bodies, &(weft__state){ .y = y[1] }) };

@@ -7,6 +7,7 @@
 
 #include "cloth/model.h"
 #include "folded.h"
+#include "forces/contact/self/self_list.h"
 #include "one_sim.h"
 #include "random.h"
 #include "sim/simulation.h"
@@ -409,8 +410,9 @@ static void start_pile(void)
 static uint64_t pile_hash(double skin)
 {
     start_pile();
-    sim->forces.self->skin = skin;
-    sim->forces.self->valid = false;
+    weft__self_list *list = sim->forces.spaces[WEFT__FORCE_self];
+    list->skin = skin;
+    list->valid = false;
     go(0.43);
     ck_assert_uint_gt(weft_sim_measure(sim).self_touching, 0);
     return hash();
@@ -496,8 +498,9 @@ START_TEST(blocks_have_the_same_bits_with_a_list)
     go(0.43);
     const weft__self *own = &sim->cloth->self;
     const weft__state at = { .t = weft_sim_time(sim), .y = weft_sim_state(sim) };
-    ck_assert(sim->forces.self->valid);
-    ck_assert_int_eq(weft__self_blocks(own, sim->forces.self, &at, blocks[0]), 0);
+    weft__self_list *list = sim->forces.spaces[WEFT__FORCE_self];
+    ck_assert(list->valid);
+    ck_assert_int_eq(weft__self_blocks(own, list, &at, blocks[0]), 0);
     ck_assert_int_eq(weft__self_blocks(own, NULL, &at, blocks[1]), 0);
     ck_assert_mem_eq(blocks[0], blocks[1], sizeof blocks[0]);
     for (size_t i = 0; i < 9 * 17 * 17; ++i) {

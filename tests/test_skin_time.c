@@ -5,6 +5,7 @@
 #include "folded_mesh.h"
 
 #include "cloth/model.h"
+#include "forces/contact/self/self_list.h"
 #include "one_sim.h"
 #include "sim/simulation.h"
 
@@ -295,7 +296,8 @@ START_TEST(neither_threads_nor_skins_nor_instructions_change_results)
         run.config.threads = (size_t)1 << i;
         start_pile();
         if (i > 0) {
-            sim->forces.self->skin *= i == 1 ? 0.3 : 3.0;
+            weft__self_list *list = sim->forces.spaces[WEFT__FORCE_self];
+            list->skin *= i == 1 ? 0.3 : 3.0;
             weft__cloth_choose(sim->cloth, i == 1 ? (weft__isa)0 : weft__isa_last());
         }
         go(0.3);

@@ -177,7 +177,7 @@ void weft__stiffness_sides(const weft_cloth *cloth, void *const *spaces,
 bool weft__range_stiffness_create(const weft_cloth *cloth, const weft_allocator *memory,
                                   weft__range_stiffness **out)
 {
-    const bool pairs = cloth->contact.law.self || cloth->bodies.pairs.law.self;
+    const bool pairs = weft__cloth_pairs(cloth);
     *out
         = pairs ? weft__alloc(memory, weft_cloth_particles(cloth), sizeof **out) : NULL;
     return !pairs || *out != NULL;

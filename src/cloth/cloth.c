@@ -9,14 +9,13 @@
 #include "base/memory.h"
 #include "base/sized.h"
 #include "cloth/cloth_slice.h"
-#include "forces/contact/self/crossing.h"
 #include "mesh/grid_def.h"
 #include "mesh/pins.h"
 #include "mesh/triangles.h"
 
 void weft_cloth_def_init(weft_cloth_def *def, size_t size)
 {
-    const weft_cloth_def start = {
+    weft_cloth_def start = {
         .struct_size = (uint32_t)size,
         .rows = 2,
         .cols = 2,
@@ -27,13 +26,12 @@ void weft_cloth_def_init(weft_cloth_def *def, size_t size)
         .density = 0.2,
         .bending = { .twist = -1.0 },
         .gravity = { 0.0, -9.81, 0.0 },
-        .contact = { .thickness = 5e-3,
-                     .stopping_speed = 5.0,
-                     .exponent = 4,
-                     .damping = 1.0,
-                     .friction = 0.3,
-                     .slip = 1e-3 },
     };
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (weft__table[k].force->tables.defaults != NULL) {
+            weft__table[k].force->tables.defaults(&start);
+        }
+    }
     weft__sized_write(def, size, &start, sizeof start);
 }
 
@@ -66,13 +64,6 @@ static weft_status cloth_allocate(weft_cloth *cloth, weft_error *err)
     return WEFT_OK;
 }
 
-weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
-                                  const weft__search *of, weft_error *err)
-{
-    TRY(weft__crossing_error(&cloth->self, y, of, err));
-    return weft__bodies_error(&cloth->bodies, t, y, of, err);
-}
-
 static weft_status passage_error(const weft_cloth *cloth, const double *y,
                                  weft_error *err)
 {
@@ -85,13 +76,27 @@ static weft_status passage_error(const weft_cloth *cloth, const double *y,
                           weft__passage_text(cloth, 0.0, &first, (double)count, text));
 }
 
+/* Of the shape at rest; *crosses: whether a force looks for crossings. */
+static weft_status rest_error(const weft_cloth *cloth, bool *crosses, weft_error *err)
+{
+    weft_status status = WEFT_OK;
+    *crosses = false;
+    for (size_t k = 0; k < WEFT__FORCES && status == WEFT_OK; ++k) {
+        const weft__force_checks *of = &weft__table[k].force->checks;
+        status = of->start != NULL ? of->start(weft__own(cloth, k), err) : WEFT_OK;
+        *crosses
+            = *crosses || (of->crossing != NULL && weft__force_at(cloth, k) != NULL);
+    }
+    return status;
+}
+
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft__stop *stop,
                                        weft_error *err)
 {
     const weft__search of = { .stop = stop };
-    TRY(weft__notch_error(&cloth->self, err));
-    if (cloth->untangle > 0.0
-        || !(cloth->self.law.self || cloth->bodies.pairs.law.self || cloth->strict)) {
+    bool crosses;
+    TRY(rest_error(cloth, &crosses, err));
+    if (cloth->untangle > 0.0 || !(crosses || cloth->strict)) {
         return WEFT_OK;
     }
     double *y = weft__alloc(&cloth->memory, weft_cloth_dim(cloth), sizeof *y);
@@ -110,7 +115,7 @@ static void attach(weft_cloth *cloth)
     for (size_t k = 0; k < WEFT__FORCES; ++k) {
         *(const weft__mesh **)weft__own_of(cloth, k) = &cloth->mesh;
     }
-    cloth->bodies.contact = &cloth->contact;
+    WEFT_FORCE_LINKS(cloth)
     weft__grids_attach(cloth);
 }
 
@@ -193,7 +198,25 @@ static weft_status take_items(const char *name, const void *items, size_t count,
     return understood ? WEFT_OK : weft__sized_unknown(name, err);
 }
 
-enum { ARRAYS = 4, COPIES };
+enum { ARRAYS = 3, COPIES = ARRAYS + WEFT__FORCES + 1 };
+
+/* The arrays of the forces. */
+static weft_status take_arrays(weft_cloth_def *def, const weft_allocator *memory,
+                               void *copies[WEFT__FORCES], weft_error *err)
+{
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__def_array *of = weft__table[k].force->tables.array;
+        if (of != NULL) {
+            const void *items = weft__array_items(of, def);
+            TRY(take_items(of->type, items, weft__array_count(of, def),
+                           weft__array_size(of, def), of->size, memory, &copies[k],
+                           err));
+            items = copies[k] != NULL ? copies[k] : items;
+            memcpy((char *)def + of->items, &items, sizeof items);
+        }
+    }
+    return WEFT_OK;
+}
 
 /* The definitions of grids among several cloths. */
 static weft_status take_grids(weft_mesh_def *mesh, const weft_allocator *memory,
@@ -244,8 +267,6 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
         { "weft_load", def->loads, def->load_count, def->load_size,
           sizeof *def->loads },
         { "weft_pin", def->pins, def->pin_count, def->pin_size, sizeof *def->pins },
-        { "weft_shape", def->contact.shapes, def->contact.shape_count, def->shape_size,
-          sizeof *def->contact.shapes },
         { "weft_fabric", mesh->fabrics, mesh->fabric_count, mesh->fabric_size,
           sizeof *mesh->fabrics },
     };
@@ -255,9 +276,9 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
     }
     def->loads = copies[0] != NULL ? copies[0] : def->loads;
     def->pins = copies[1] != NULL ? copies[1] : def->pins;
-    def->contact.shapes = copies[2] != NULL ? copies[2] : def->contact.shapes;
-    mesh->fabrics = copies[3] != NULL ? copies[3] : mesh->fabrics;
-    return take_grids(mesh, &memory, &copies[ARRAYS], err);
+    mesh->fabrics = copies[2] != NULL ? copies[2] : mesh->fabrics;
+    TRY(take_arrays(def, &memory, &copies[ARRAYS], err));
+    return take_grids(mesh, &memory, &copies[COPIES - 1], err);
 }
 
 /* Gives the triangles that the check made, also where it fails. */
@@ -322,7 +343,7 @@ weft_status weft_cloth_create(const weft_cloth_def *given, weft_cloth **out,
     weft__stop stop = { .ask = def.stop, .ctx = def.stop_ctx };
     def.stop = weft__stop_ask, def.stop_ctx = &stop;
     status = status == WEFT_OK ? cloth_create(&def, out, err) : status;
-    if (status == WEFT_OK && weft__is_band(&def) && def.contact.self) {
+    if (status == WEFT_OK && weft__is_band(&def) && weft__cloth_gathers(*out)) {
         def.band_first = def.band_rows = 0;
         status = cloth_create(&def, &(*out)->whole, err);
     }
@@ -493,8 +514,7 @@ size_t weft_cloth_bytes(const weft_cloth *cloth)
            + cloth->mesh.particles * each + WEFT_PAST * sizeof *cloth->mesh.inverse_mass
            + cloth->mesh.pinned * sizeof *cloth->mesh.pins
            + WEFT__CURVE_WIDTH * cloth->row_count * sizeof *cloth->rows
-           + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions
-           + cloth->contact.shape_count * sizeof *cloth->contact.shapes;
+           + (cloth->mesh.motion_count + 1) * sizeof *cloth->mesh.motions;
 }
 
 double weft__block_mass(const weft_cloth *cloth, size_t b)

@@ -13,10 +13,7 @@ weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
         return WEFT_OK;
     }
     const size_t all = weft_cloth_def_blocks(def);
-    bool bodies = false;
-    for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        bodies = bodies || def->contact.shapes[k].kind == WEFT_MESH;
-    }
+    const char *of_force = weft__def_no_bands(def);
     if (def->band_rows > all || def->band_first > all - def->band_rows) {
         return weft_error_set(err, WEFT_INVALID,
                               "a band of %zu blocks from block %zu of %zu: it must lie "
@@ -25,7 +22,7 @@ weft_status weft__slice_check(const weft_cloth_def *def, weft_error *err)
     }
     const char *why = mesh->arc             ? "membrane arc"
                       : mesh->grids != NULL ? "a grid"
-                      : bodies              ? "a shape of kind mesh"
+                      : of_force != NULL    ? of_force
                       : def->untangle > 0.0 ? "untangle"
                                             : NULL;
     return why == NULL

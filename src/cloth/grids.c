@@ -17,7 +17,6 @@ weft_cloth_def weft__grid_def_of(const weft_cloth_def *whole, size_t k)
     memcpy(out.velocity, whole->mesh->parts[k].velocity, sizeof out.velocity);
     out.mesh = NULL;
     out.load_count = out.pin_count = out.band_rows = 0;
-    out.contact = (weft_contact_def){ .thickness = 0.0 };
     out.allocator = whole->allocator;
     out.untangle = 0.0;
     for (size_t j = 0; j < WEFT__FORCES; ++j) {

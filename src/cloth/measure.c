@@ -54,6 +54,12 @@ void weft__block_worst(const weft_cloth *cloth, const weft__state *at, size_t b,
     weft__grids_measure(cloth, at, b, WEFT__GRID_WORST, sum);
 }
 
+void weft__block_gaps(const weft_cloth *cloth, const weft__state *at, size_t b,
+                      weft_measures *sum)
+{
+    WEFT__EACH_FORCE(cloth, measures.gaps, at, b, sum)
+}
+
 static uint64_t block_hash(const double *y, size_t n, size_t first, size_t end)
 {
     uint64_t hash = WEFT__HASH_START;
@@ -73,7 +79,7 @@ void weft__block_state(const weft_cloth *cloth, const weft__state *at, size_t b,
     const weft__mesh *mesh = &cloth->mesh;
     weft__block_energy(cloth, at, b, sum);
     weft__block_worst(cloth, at, b, sum);
-    weft__block_gap(&cloth->contact, at, b, sum);
+    weft__block_gaps(cloth, at, b, sum);
     block_momentum(cloth, at, b, sum);
     sum->hash = block_hash(at->y, mesh->particles, weft__block(mesh, b),
                            weft__block(mesh, b + 1));

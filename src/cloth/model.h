@@ -10,7 +10,7 @@
 typedef void weft__measure_fn(const weft_cloth *cloth, const weft__state *at, size_t b,
                               weft_measures *sum);
 weft__measure_fn weft__block_energy, weft__block_power, weft__block_worst,
-    weft__block_state, /* all but powers */ weft__block_all;
+    weft__block_gaps, weft__block_state, /* all but powers */ weft__block_all;
 extern const weft_measures weft__block_start;
 
 /* Of all blocks, taken in their order: *sum is weft__measures_start before. */
@@ -51,13 +51,27 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist, damping,
               coupling); /* fabric.c */
 
-/* cloth.c: weft__crossing_error and weft__bodies_error. */
-struct weft__search;
-weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
-                                  const struct weft__search *of, weft_error *err);
+/* cloth_checks.c: whether a force wants steps checked, needs the whole cloth in each
+ * band, acts between any two particles, looks for passages; [m] the largest gap at
+ * which one acts; what no band can have, or NULL. */
+bool weft__cloth_checks(const weft_cloth *cloth);
+bool weft__cloth_gathers(const weft_cloth *cloth);
+bool weft__cloth_pairs(const weft_cloth *cloth);
+bool weft__cloth_passages(const weft_cloth *cloth);
+double weft__cloth_reach(const weft_cloth *cloth);
+const char *weft__cloth_no_bands(const weft_cloth *cloth);
+const char *weft__def_no_bands(const weft_cloth_def *def);
 
-/* cloth.c: WEFT_INVALID if a cloth with contact.self passes through itself at t = 0; or
- * WEFT_NO_MEMORY, WEFT_STOPPED. */
+/* What crosses in a state, by the first force that finds any. */
+weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
+                                  const weft__search *of, weft_error *err);
+
+/* What passes through shapes, by all forces. */
+weft__passages weft__block_passages(const weft_cloth *cloth, const weft__state *at,
+                                    size_t b, double rise);
+
+/* cloth.c: WEFT_INVALID if the cloth crosses something at t = 0; or WEFT_NO_MEMORY,
+ * WEFT_STOPPED. */
 weft_status weft__start_crossing_error(const weft_cloth *cloth, weft__stop *stop,
                                        weft_error *err);
 
@@ -66,7 +80,7 @@ weft_status weft__relax_start(const weft_cloth *cloth, double *y,
                               const weft__stop *stop, const weft_log *log,
                               weft_error *err);
 
-/* cloth_contact.c: "edge (0, 14)-(0, 15) passes through shapes[0] at t = 0.5 s, one of
+/* cloth_checks.c: "edge (0, 14)-(0, 15) passes through shapes[0] at t = 0.5 s, one of
  * 6 edges and triangles: ..." with the cure; particles by their numbers in the whole
  * definition. Returns `text`. */
 enum { WEFT__PASSAGE_TEXT = 384 };

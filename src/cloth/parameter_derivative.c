@@ -97,11 +97,14 @@ static bool parameter_same_place(const weft_cloth *one, const weft_cloth *other)
                 && a->motion_count == b->motion_count
                 && (a->triangles == NULL) == (b->triangles == NULL)
                 && memcmp(a->pin, b->pin, a->particles * sizeof *a->pin) == 0
-                && one->contact.shape_count == other->contact.shape_count
                 && one->springs.group_count == other->springs.group_count;
     for (size_t g = 0; same && g < one->springs.group_count; ++g) {
         same = one->springs.groups[g].orientation
                == other->springs.groups[g].orientation;
+    }
+    for (size_t k = 0; same && k < WEFT__FORCES; ++k) {
+        const weft__force_tables *of = &weft__table[k].force->tables;
+        same = of->alike == NULL || of->alike(weft__own(one, k), weft__own(other, k));
     }
     return same;
 }
@@ -230,8 +233,12 @@ weft_status weft__parameter_derivative_init(weft__parameter_derivative *of,
                                                     : NULL;
         of->others = of->others || (force != NULL && force->law.add != NULL);
     }
-    of->whole = of->differs[WEFT__FORCE_contact]
-                && (more->self.law.self || more->bodies.pairs.law.self);
+    for (size_t k = 1; k < WEFT__FORCES; ++k) {
+        const weft__force_checks *checks = &weft__table[k].force->checks;
+        of->whole = of->whole
+                    || (of->differs[k] && checks->pairs != NULL
+                        && checks->pairs(weft__own(more, k)));
+    }
     return WEFT_OK;
 }
 

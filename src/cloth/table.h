@@ -16,3 +16,6 @@
 #define WEFT_FORCES(X)                                                                 \
     X(springs)                                                                         \
     X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self) X(bodies)
+
+/* Forces that read the own of another one. */
+#define WEFT_FORCE_LINKS(cloth) (cloth)->bodies.contact = &(cloth)->contact;

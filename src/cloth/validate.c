@@ -92,9 +92,14 @@ static bool validate_check_arrays(const weft_cloth_def *def, const weft__faults 
 {
     const char *missing = def->load_count > 0 && def->loads == NULL ? "loads"
                           : def->pin_count > 0 && def->pins == NULL ? "pins"
-                          : def->contact.shape_count > 0 && def->contact.shapes == NULL
-                              ? "shapes"
-                              : NULL;
+                                                                    : NULL;
+    for (size_t k = 0; k < WEFT__FORCES && missing == NULL; ++k) {
+        const weft__def_array *of = weft__table[k].force->tables.array;
+        missing = of != NULL && weft__array_count(of, def) > 0
+                          && weft__array_items(of, def) == NULL
+                      ? of->name
+                      : NULL;
+    }
     if (missing != NULL) {
         weft__fault(to, FIELD(loads), FIELD(loads),
                     "%s is NULL, but their number is not 0", missing);

@@ -5,6 +5,7 @@
  * order of WEFT_FORCES (cloth/table.h), which is part of the result. */
 #pragma once
 
+#include "forces/force_checks.h"
 #include "forces/roles.h"
 
 /* The force itself. The first of the table starts a sum, the others add to it.
@@ -34,5 +35,7 @@ typedef struct weft__force {
     weft__force_measures measures;
     weft__force_bounds bounds;
     weft__force_couplings couplings;
+    weft__force_space space;
     weft__force_whole whole;
+    weft__force_checks checks;
 } weft__force;

@@ -5,6 +5,8 @@
  * has nothing to do. */
 #pragma once
 
+#include <string.h>
+
 #include "base/isa.h"
 #include "forces/state.h"
 #include "mesh/slice.h"
@@ -13,19 +15,57 @@
 typedef void weft__block_fn(const void *own, const weft__state *at, size_t b,
                             weft_measures *sum);
 
+struct weft__pool;
 struct weft__sides; /* bounds.h: what bounds the modes of a particle */
 struct weft__range_stiffness;
 
+/* An array of a weft_cloth_def, whose elements may be those of another version: offsets
+ * of its pointer, of their number, and of their size, which a caller gives. */
+typedef struct weft__def_array {
+    const char *type, *name;
+    size_t size, items, count, given;
+} weft__def_array;
+
+static inline const void *weft__array_items(const weft__def_array *of,
+                                            const weft_cloth_def *def)
+{
+    const void *items;
+    memcpy(&items, (const char *)def + of->items, sizeof items);
+    return items;
+}
+
+static inline size_t weft__array_count(const weft__def_array *of,
+                                       const weft_cloth_def *def)
+{
+    size_t count;
+    memcpy(&count, (const char *)def + of->count, sizeof count);
+    return count;
+}
+
+static inline size_t weft__array_size(const weft__def_array *of,
+                                      const weft_cloth_def *def)
+{
+    uint32_t given;
+    memcpy(&given, (const char *)def + of->given, sizeof given);
+    return given;
+}
+
 /* What a cloth has of a force: its numbers and tables. */
 typedef struct weft__force_tables {
+    void (*defaults)(weft_cloth_def *def);
+    const weft__def_array *array; /* NULL: none */
     void (*check)(const weft_cloth_def *def, const weft__faults *to);
     bool (*init)(void *own, const weft_cloth_def *def, const weft_allocator *memory);
     uint64_t (*hash)(const void *own, uint64_t hash);
     void (*choose)(void *own, weft__isa isa);              /* the fast forms */
     bool (*copy)(void *own, const weft_allocator *memory); /* false: no memory */
     void (*free)(void *own, const weft_allocator *memory);
-    void (*leave_out)(void *own);             /* removes it from this cloth */
-    size_t (*bytes)(const void *own);         /* of its tables of triangles */
+    void (*leave_out)(void *own);     /* removes it from this cloth */
+    size_t (*bytes)(const void *own); /* of its tables */
+
+    /* Whether the own of another cloth is of the same springs, shapes and so on, of
+     * which only numbers differ; NULL: always. */
+    bool (*alike)(const void *own, const void *other);
     bool (*slows)(const weft_cloth_def *def); /* whether it brakes every motion */
 
     /* Of a whole cloth of triangles: the particles that block b reads beyond its own
@@ -63,6 +103,7 @@ typedef struct weft__force_changes {
 typedef struct weft__force_measures {
     weft__block_fn *energy, *power; /* [J]; [W] */
     weft__block_fn *worst;          /* the largest strain, by weft__keep_worst */
+    weft__block_fn *gaps;           /* gaps and touches, by weft__keep_gap */
 
     /* Raises strain[v], v = weft__shown(mesh, i), to the largest strain at each
      * particle i that block b has. */
@@ -99,6 +140,16 @@ typedef struct weft__force_couplings {
     size_t (*scalar_couplings)(const void *own, weft_scalar_coupling *to);
 } weft__force_couplings;
 
+/* The workspace of a simulation, for forces of a whole cloth: with `part` what acts on
+ * points [part[0], part[1]) suffices. NULL: no memory. `grow`, between steps, makes
+ * room for what was too much for it. */
+typedef struct weft__force_space {
+    void *(*create)(const void *own, struct weft__pool *pool, const size_t part[2],
+                    const weft_allocator *memory);
+    weft_status (*grow)(void *space, weft_error *err);
+    void (*destroy)(void *space);
+} weft__force_space;
+
 /* Of a whole cloth, after all blocks, for forces between particles of any blocks: with
  * a workspace of a simulation (NULL: the same without one, slower), which may be that
  * of a perturbed copy: of a cloth with other parameters, whose pairs are near enough.
@@ -106,6 +157,11 @@ typedef struct weft__force_couplings {
 typedef struct weft__force_whole {
     int (*add)(const void *own, void *space, const weft__state *at, weft__unit unit,
                double *to);
+
+    /* The part of `add` on particles [first, end), accelerations, to planes of
+     * `stride`. */
+    int (*add_part)(const void *own, void *space, const double *y, size_t first,
+                    size_t end, size_t stride, double *to);
     int (*transposed)(const void *own, void *space, const weft__state *at, double *out);
     void (*measure)(const void *own, void *space, const weft__state *at,
                     weft_measures *sum);
@@ -118,5 +174,16 @@ static inline void weft__keep_worst(weft_spring *kept, const weft_spring *other)
     if (kept->p == kept->q
         || (!isnan(kept->strain) && !(other->strain <= kept->strain))) {
         *kept = *other;
+    }
+}
+
+/* Keeps the smaller gap; NaN is smaller than a number. */
+static inline void weft__keep_gap(weft_measures *kept, double gap, size_t particle,
+                                  size_t shape)
+{
+    if (!isnan(kept->gap) && !(gap >= kept->gap)) {
+        kept->gap = gap;
+        kept->gap_particle = particle;
+        kept->gap_shape = shape;
     }
 }

@@ -60,7 +60,7 @@ weft_status weft__bands_check(const weft_sim_def *def, weft_error *err)
 {
     const weft_comm *comm = def->comm;
     if (comm != NULL
-        && (def->cloth->mesh.triangles != NULL || def->cloth->contact.law.self)
+        && (def->cloth->mesh.triangles != NULL || weft__cloth_gathers(def->cloth))
         && !(WEFT_HAS(comm, weft_comm, post) && comm->post != NULL)) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "bands of triangles, or with contact of the cloth with "

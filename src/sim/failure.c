@@ -126,6 +126,26 @@ void weft__sim_not_finite(const weft_sim *sim, weft_error *why)
     }
 }
 
+static void tell_holder(const weft_sim *sim, const weft_measures *now,
+                        weft_failure *out)
+{
+    weft__holder of;
+    weft__sim_find_holder(sim, now, &of);
+    memcpy(out->held, of.text, sizeof out->held);
+    out->held_by_contact = of.near.found;
+    if (of.near.found && of.near.pair[0].count > 0) {
+        memcpy(out->self_pair, of.near.pair, sizeof out->self_pair);
+        out->gap = of.near.gap;
+    } else if (of.near.found) {
+        out->contact = true;
+        out->gap = of.near.gap;
+        out->gap_particle = of.near.particle;
+        out->gap_shape = of.near.shape;
+        out->other_shape = of.other_shape;
+        out->other_gap = of.other_gap;
+    }
+}
+
 weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err)
 {
     const weft_measures measures = weft_sim_measure(sim);
@@ -153,7 +173,7 @@ weft_status weft__sim_fail(weft_sim *sim, const weft_error *why, weft_error *err
     if (!sim->guard.penetration.found && !failure->force
         && sim->config.fixed_step == 0.0
         && (why->status == WEFT_STEP_TOO_SMALL || why->status == WEFT_SOLVER)) {
-        weft__sim_find_holder(sim, &measures, failure);
+        tell_holder(sim, &measures, failure);
     }
     (void)snprintf(failure->reason, sizeof failure->reason, "%s", why->message);
     find_fastest(sim, failure);

@@ -8,7 +8,7 @@
 #include "sim/bands.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
- * thread that is awake; with contact of the cloth with itself, that of fewer. More
+ * thread that is awake; with forces between any two of them, that of fewer. More
  * spans than threads, where a span costs little beside its blocks (it computes one row
  * twice), shorten the wait for a thread that is kept from running. One thread takes
  * spans where the state is beyond the caches: the kernel takes tile after tile of
@@ -16,18 +16,41 @@
  * step). */
 enum {
     PARTICLES_PER_THREAD = 2048,
-    SELF_PER_THREAD = 128,
+    PAIRED_PER_THREAD = 128,
     PARTICLES_CACHED = 1 << 17,
     BLOCKS_PER_SPAN = 48
 };
+
+/* False: no memory. */
+static bool make_spaces(weft__forces *forces)
+{
+    bool made = true;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(forces->cloth, k);
+        if (force != NULL && force->space.create != NULL) {
+            forces->spaces[k] = force->space.create(
+                weft__own(forces->cloth, k), forces->pool, NULL, &forces->memory);
+            made = made && forces->spaces[k] != NULL;
+        }
+    }
+    return made;
+}
+
+bool weft__forces_spaced(const weft__forces *forces)
+{
+    bool spaced = false;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        spaced = spaced || forces->spaces[k] != NULL;
+    }
+    return spaced;
+}
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
 {
     const weft_allocator memory = weft_allocator_or_malloc(given);
-    const bool touches = cloth->self.law.self, bodies = cloth->bodies.pairs.law.self;
     const size_t each_thread
-        = cloth->contact.law.self || bodies ? SELF_PER_THREAD : PARTICLES_PER_THREAD;
+        = weft__cloth_pairs(cloth) ? PAIRED_PER_THREAD : PARTICLES_PER_THREAD;
     const size_t worth = weft_cloth_particles(cloth) / each_thread;
     const size_t blocks = cloth->mesh.band.own;
     const size_t useful = worth < blocks ? worth : blocks;
@@ -43,26 +66,21 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                          .measures = measures,
                          .memory = memory,
                          .piece = (double)NAN };
-    if (touches) {
-        out.self = weft__self_list_create(&cloth->self, pool, NULL, &memory);
-    }
-    if (bodies) {
-        out.bodies = weft__bodies_space_create(&cloth->bodies, pool, &memory);
-    }
-    if (!weft__range_stiffness_create(cloth, &memory, &out.range_stiffness)
-        || touches != (out.self != NULL) || bodies != (out.bodies != NULL)) {
+    if (!make_spaces(&out)
+        || !weft__range_stiffness_create(cloth, &memory, &out.range_stiffness)) {
         weft__free(&memory, measures);
         out.measures = NULL;
     }
-    out.spaces[WEFT__FORCE_self] = out.self;
-    out.spaces[WEFT__FORCE_bodies] = out.bodies;
     return out;
 }
 
 void weft__forces_destroy(weft__forces *forces)
 {
-    weft__self_list_destroy(forces->self);
-    weft__bodies_space_destroy(forces->bodies);
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        if (forces->spaces[k] != NULL) {
+            weft__table[k].force->space.destroy(forces->spaces[k]);
+        }
+    }
     weft__pool_destroy(forces->pool);
     WEFT__FREE_ALL(&forces->memory, forces->range_stiffness, forces->measures,
                    forces->all, forces->exchange.parcels, forces->exchange.sent,
@@ -153,7 +171,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
         weft__measures_add(&sum, &blocks[b]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
-    if ((forces->self != NULL || forces->bodies != NULL) && of != weft__block_worst) {
+    if (weft__forces_spaced(forces) && of != weft__block_worst) {
         weft__gather_measure(forces, at, &sum);
     }
     return sum;

@@ -4,16 +4,13 @@
 #pragma once
 
 #include "cloth/model.h"
-#include "forces/contact/self/self_list.h"
 #include "sim/exchange.h"
 
 typedef struct weft__forces {
     const weft_cloth *cloth;
     weft__pool *pool; /* NULL: one thread */
     size_t spans;
-    weft__self_list *self;      /* NULL: none */
-    weft__bodies_space *bodies; /* NULL: none */
-    void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces */
+    void *spaces[WEFT__FORCES]; /* workspaces of whole-cloth forces; NULL: none */
     weft__range_stiffness
         *range_stiffness;    /* of each particle, where pairs of primitives push */
     weft_measures *measures; /* of each own block; NULL: no memory */
@@ -53,20 +50,12 @@ int weft__forces_rhs(const weft__forces *forces, double t, const double *y,
 weft_measures weft__forces_measure(const weft__forces *forces, const weft__state *at,
                                    weft__measure_fn *of);
 
-/* step_check.c: no free particle gets into a shape or through it, and no part of the
- * cloth through another: the conditions of contact.h and self.h, on the
- * threads of a simulation. */
-/* A free particle that is in a shape, or may have passed through it; or two primitives
- * that may have met. The functions below look at the own rows of a band. */
-typedef struct weft__penetration {
-    bool found;
-    weft_primitive pair[2]; /* count 0: a particle and a shape */
-    size_t particle, shape;
-    double gap;    /* [m] */
-    double t;      /* [s] of the gap */
-    uint64_t call; /* number of the right-hand side that found it, or none, last */
-} weft__penetration;
+/* Whether a force has a workspace. */
+bool weft__forces_spaced(const weft__forces *forces);
 
+/* step_check.c: no free particle gets into a shape or through it, and no part of the
+ * cloth through another: what the forces check (forces/force_checks.h), on the threads
+ * of a simulation. The functions below look at the own rows of a band. */
 /* On the threads; allocates nothing. */
 bool weft__path_clear(const weft__forces *forces, const weft__path *path);
 

@@ -2,10 +2,8 @@
 /* frame_check.c -- cloth that passes through a shape between its particles, at frames
  * and within steps: no step is rejected for it, because only particles feel shapes
  * that are no mesh. */
-#include "forces/contact/passage.h"
-
 #include "base/log.h"
-#include "mesh/triangles.h"
+#include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
 
@@ -26,7 +24,7 @@ typedef struct look_job {
 
 static weft__passages frame_check_of_block(const look_job *job, size_t b)
 {
-    return weft__block_passages(&job->sim->cloth->contact, &job->at, b, job->rise);
+    return weft__block_passages(job->sim->cloth, &job->at, b, job->rise);
 }
 
 static void frame_check_look_at(void *ctx, size_t first, size_t end)
@@ -83,7 +81,7 @@ static weft_status check_state(weft_sim *sim, double t, const double *y,
                                weft_error *err)
 {
     const bool strict = sim->cloth->strict;
-    if (sim->cloth->contact.shape_count == 0 || (sim->passage.told && !strict)) {
+    if (!weft__cloth_passages(sim->cloth) || (sim->passage.told && !strict)) {
         sim->passage.next = INFINITY;
         return WEFT_OK;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* gather.c -- contact of a cloth in bands with itself: any two particles may meet, so
- * each band gets the state of all others in each evaluation, and adds the forces on its
- * own particles in the order of one process. */
+/* gather.c -- forces between any two particles of a cloth in bands: each band gets the
+ * state of all others in each evaluation, and adds the forces on its own particles in
+ * the order of one process. */
 #include "sim/bands.h"
 
 #include "base/finite.h"
@@ -42,24 +42,37 @@ static bool gather_make_room(weft__gather *of, const weft__forces *forces)
     return true;
 }
 
+/* Workspaces of the whole cloth, which lists the pairs of the own particles if that is
+ * enough. False: no memory. */
+static bool gather_make_spaces(weft__forces *forces)
+{
+    const weft__gather *of = &forces->exchange.gather;
+    const size_t own[2] = { of->first, of->first + of->own };
+    bool made = true;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(of->cloth, k);
+        if (force != NULL && force->space.create != NULL && forces->spaces[k] == NULL) {
+            forces->spaces[k]
+                = force->space.create(weft__own(of->cloth, k), forces->pool,
+                                      of->part ? own : NULL, &forces->memory);
+            made = made && forces->spaces[k] != NULL;
+        }
+    }
+    return made;
+}
+
 bool weft__gather_create(weft__forces *forces, bool all)
 {
     const weft_cloth *cloth = forces->cloth;
     weft__gather *of = &forces->exchange.gather;
-    if (forces->comm == NULL || !cloth->contact.law.self) {
+    if (forces->comm == NULL || !weft__cloth_gathers(cloth)) {
         return true;
     }
     of->cloth = cloth->whole != NULL ? cloth->whole : cloth;
     of->own = own_of(forces, (size_t)forces->comm->rank, &of->first);
     of->here = weft__block(&cloth->mesh, cloth->mesh.band.above);
     of->part = cloth->whole != NULL && !all;
-    if (forces->self == NULL) {
-        const size_t own[2] = { of->first, of->first + of->own };
-        forces->self = weft__self_list_create(&of->cloth->self, forces->pool,
-                                              of->part ? own : NULL, &forces->memory);
-        forces->spaces[WEFT__FORCE_self] = forces->self;
-    }
-    return forces->self != NULL && gather_make_room(of, forces);
+    return gather_make_spaces(forces) && gather_make_room(of, forces);
 }
 
 /* ---- states ---------------------------------------------------------------------- */
@@ -117,18 +130,17 @@ bool weft__gather_finite(const weft__forces *forces, const double *y)
 int weft__gather_add(const weft__forces *forces, double *dvdt)
 {
     const weft__gather *of = &forces->exchange.gather;
-    const weft__self *own = &of->cloth->self;
-    weft__self_sums sums = { .own = own,
-                             .unit = WEFT__ACCELERATION,
-                             .to = dvdt + of->here,
-                             .first = of->first,
-                             .end = of->first + of->own,
-                             .stride = weft_cloth_particles(forces->cloth) };
-    weft__self_pass pass = { .law = weft__self_law_of(own),
-                             .y = of->y[0],
-                             .each = weft__self_sum,
-                             .ctx = &sums };
-    return weft__self_list_each(forces->self, of->y[0], &pass);
+    const size_t end = of->first + of->own, n = weft_cloth_particles(forces->cloth);
+    int failed = 0;
+    for (size_t k = 0; k < WEFT__FORCES; ++k) {
+        const weft__force *force = weft__force_at(of->cloth, k);
+        if (force != NULL && force->whole.add_part != NULL) {
+            failed
+                |= force->whole.add_part(weft__own(of->cloth, k), forces->spaces[k],
+                                         of->y[0], of->first, end, n, dvdt + of->here);
+        }
+    }
+    return failed;
 }
 
 void weft__gather_measure(const weft__forces *forces, const weft__state *at,

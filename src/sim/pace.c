@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/log.h"
-#include "forces/contact/closing.h"
 #include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
@@ -14,7 +13,7 @@
 #define LEAST_PART 1e-4
 
 /* What takes all of a step's length, if it is below this part of the shortest time that
- * springs and contact have, is neither. */
+ * forces have, is neither. */
 #define SHORT 1e-3
 
 /* Of rates: contact holds the step if it is so many times as fast as all else. */
@@ -50,27 +49,13 @@ static other_gap find_other(const weft_sim *sim, size_t than)
     const weft_cloth *cloth = sim->cloth;
     const weft_comm *comm = sim->def.comm;
     const weft__mesh *mesh = &cloth->mesh;
-    const double thickness = cloth->contact.law.thickness;
-    const size_t end = weft__block(mesh, mesh->band.above + mesh->band.own);
+    const double reach = weft__cloth_reach(cloth);
+    const weft__state at = { .t = sim->t, .y = sim->y };
     weft_measures least = weft__measures_start;
-    for (size_t k = 0; k < cloth->contact.shape_count; ++k) {
-        const weft__pose pose = weft__pose_of(&cloth->contact.shapes[k], sim->t);
-        for (size_t i = weft__block(mesh, mesh->band.above); k != than && i < end;
-             ++i) {
-            const size_t n = mesh->particles;
-            const double x[3] = { sim->y[i], sim->y[n + i], sim->y[2 * n + i] };
-            if (mesh->pin[i] == 0) {
-                weft__keep_gap(&least, weft__gap_at(&pose, x), i, k);
-            }
-        }
-    }
-    if (sim->forces.bodies != NULL) {
-        const weft__state at = { .t = sim->t, .y = sim->y };
-        weft__bodies_gap(&cloth->bodies, sim->forces.bodies, &at, than, &least);
-    }
+    WEFT__EACH_FORCE(cloth, checks.other, sim->forces.spaces[k_], &at, than, &least)
     other_gap out = { least.gap, 0, least.gap_shape };
     out.particle = weft__vertex_of(mesh, weft__whole_index(mesh, least.gap_particle));
-    const double near = least.gap < thickness ? thickness - least.gap : 0.0;
+    const double near = least.gap < reach ? reach - least.gap : 0.0;
     const double most = weft__bands_max(comm, near);
     (void)weft__bands_first(comm, near == most, &out, sizeof out);
     return out;
@@ -78,33 +63,32 @@ static other_gap find_other(const weft_sim *sim, size_t than)
 
 /* What is nearest, in words, and to *out. */
 static void pace_find_nearest(const weft_sim *sim, const weft_measures *now, char *text,
-                              size_t size, weft_failure *out)
+                              size_t size, weft__holder *out)
 {
+    weft__penetration *near = &out->near;
     const weft__mesh *mesh = &sim->cloth->mesh;
     char names[2][96];
     if (now->self_gap < now->gap) {
-        memcpy(out->self_pair, now->self_pair, sizeof out->self_pair);
-        out->gap = now->self_gap;
+        memcpy(near->pair, now->self_pair, sizeof near->pair);
+        near->gap = now->self_gap;
         for (size_t k = 0; k < 2; ++k) {
-            (void)weft__primitive_text(mesh, &out->self_pair[k], names[k],
-                                       sizeof names[k]);
+            (void)weft__primitive_text(mesh, &near->pair[k], names[k], sizeof names[k]);
         }
         (void)weft_text_format(text, size, "%s and %s are %.3g mm apart", names[0],
-                               names[1], 1e3 * out->gap);
+                               names[1], 1e3 * near->gap);
         return;
     }
     const other_gap other = find_other(sim, now->gap_shape);
-    const bool two = other.gap < sim->cloth->contact.law.thickness;
-    out->contact = true;
-    out->gap = now->gap;
-    out->gap_particle = now->gap_particle;
-    out->gap_shape = now->gap_shape;
+    const bool two = other.gap < weft__cloth_reach(sim->cloth);
+    near->gap = now->gap;
+    near->particle = now->gap_particle;
+    near->shape = now->gap_shape;
     out->other_shape = two ? other.shape : now->gap_shape;
     out->other_gap = two ? other.gap : 0.0;
     const int used = weft_text_format(
         text, size, "%s is %.3g mm from shapes[%zu]",
-        weft__particle_name(mesh, out->gap_particle, names[0], sizeof names[0]),
-        1e3 * out->gap, out->gap_shape);
+        weft__particle_name(mesh, near->particle, names[0], sizeof names[0]),
+        1e3 * near->gap, near->shape);
     if (two && used > 0 && (size_t)used < size) {
         (void)weft_text_format(
             text + used, size - (size_t)used, " and %s %.3g mm from shapes[%zu]",
@@ -114,7 +98,7 @@ static void pace_find_nearest(const weft_sim *sim, const weft_measures *now, cha
 }
 
 void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
-                           weft_failure *out)
+                           weft__holder *out)
 {
     char near[240];
     const double fixed = sim->config.fixed_step, h = weft_sim_stats(sim).last_step;
@@ -122,23 +106,24 @@ void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
     const double rate = fmax(sqrt(fmax(all.omega2, 0.0)), all.damping);
     const stiff_part part = find_stiff_part(sim);
     const double least = fmin(now->gap, now->self_gap);
-    out->held_by_contact = least < sim->cloth->contact.law.thickness
-                           && rate > FASTER * part.rate && !(fixed > 0.0);
+    *out = (weft__holder){ .near.found = least < weft__cloth_reach(sim->cloth)
+                                         && rate > FASTER * part.rate
+                                         && !(fixed > 0.0) };
     if (fixed > 0.0) {
-        (void)weft_text_format(out->held, sizeof out->held, "the fixed step is %g s",
+        (void)weft_text_format(out->text, sizeof out->text, "the fixed step is %g s",
                                fixed);
-    } else if (out->held_by_contact) {
+    } else if (out->near.found) {
         pace_find_nearest(sim, now, near, sizeof near, out);
-        (void)weft_text_format(out->held, sizeof out->held,
+        (void)weft_text_format(out->text, sizeof out->text,
                                "contact holds it: %s (rates up to %.2g 1/s; without "
                                "contact %.2g 1/s, by %s)",
                                near, rate, part.rate, part.name);
     } else if (h == 0.0 || h * rate >= SHORT) {
-        (void)weft_text_format(out->held, sizeof out->held,
+        (void)weft_text_format(out->text, sizeof out->text,
                                "what is stiffest holds it: %s (rates up to %.2g 1/s)",
                                part.name, rate);
     } else {
-        (void)weft_text_format(out->held, sizeof out->held,
+        (void)weft_text_format(out->text, sizeof out->text,
                                "neither stiffness (rates up to %.2g 1/s, by %s) nor "
                                "contact holds it, but what drives the cloth",
                                rate, part.name);
@@ -149,44 +134,29 @@ void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
 
 static void warn_of_pace(weft_sim *sim, double covered)
 {
-    weft_failure held = { .status = WEFT_OK };
+    weft__holder held;
     const weft_measures now = weft_sim_measure(sim);
     weft__sim_find_holder(sim, &now, &held);
     weft__log(&sim->def.log, WEFT_LOG_WARNING,
               "%d steps advance %.3g s at t = %.9g s, %.2g of a frame: %s; the run may "
               "take very long",
-              WEFT__PACE, covered, sim->t, covered / sim->pace.frame, held.held);
+              WEFT__PACE, covered, sim->t, covered / sim->pace.frame, held.text);
     sim->pace.told = true;
-}
-
-static void pace_place_of(const void *ctx, size_t i, double x[3])
-{
-    const weft_sim *sim = ctx;
-    for (size_t k = 0; k < 3; ++k) {
-        x[k] = sim->y[k * sim->cloth->mesh.particles + i];
-    }
 }
 
 static void pace_warn_of_closing(weft_sim *sim)
 {
-    const weft__contact *contact = &sim->cloth->contact;
     const weft__mesh *mesh = &sim->cloth->mesh;
-    const double two = 2.0 * contact->law.thickness;
-    const weft__closing_search search = { .shapes = contact->shapes,
-                                          .shape_count = contact->shape_count,
-                                          .end = mesh->particles,
-                                          .place = pace_place_of,
-                                          .ctx = sim,
-                                          .thickness = contact->law.thickness,
-                                          .within = two,
-                                          .t = sim->t,
-                                          .t_last = INFINITY };
-    weft__closing found = weft__shapes_closing(&search);
+    const double two = 2.0 * weft__cloth_reach(sim->cloth);
+    const weft__state at = { .t = sim->t, .y = sim->y };
+    weft__closing found = { .found = false };
     char name[96];
-    if (!found.found && sim->forces.bodies != NULL) {
-        const weft__state at = { .t = sim->t, .y = sim->y };
-        found = weft__bodies_closing(&sim->cloth->bodies, sim->forces.bodies, &at,
-                                     contact->law.thickness);
+    for (size_t k = 0; k < WEFT__FORCES && !found.found; ++k) {
+        const weft__force *force = weft__force_at(sim->cloth, k);
+        if (force != NULL && force->checks.closing != NULL) {
+            found = force->checks.closing(weft__own(sim->cloth, k),
+                                          sim->forces.spaces[k], &at);
+        }
     }
     if (found.found) {
         sim->pace.closed = true;

@@ -55,13 +55,13 @@ static weft_status take_config(weft_sim *sim, weft_error *err)
         return weft_error_set(err, WEFT_UNSUPPORTED, "%zu threads: %s", config->threads,
                               refusal);
     }
-    if (def->comm != NULL
-        && (def->cloth->bodies.pairs.law.self || def->cloth->untangle > 0.0)) {
+    const char *whole
+        = def->cloth->untangle > 0.0 ? "untangle" : weft__cloth_no_bands(def->cloth);
+    if (def->comm != NULL && whole != NULL) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "not possible for a cloth in bands: %s needs the whole "
                               "cloth",
-                              def->cloth->untangle > 0.0 ? "untangle"
-                                                         : "a shape of kind mesh");
+                              whole);
     }
     return WEFT_OK;
 }
@@ -127,7 +127,7 @@ static weft_sim *sim_make_sim(const weft_sim_def *def)
         = def->force == NULL ? NULL : weft__alloc(&memory, dim / 2, sizeof(double)),
         .memory = memory,
         .ledger = { .on = def->ledger },
-        .passage.next = def->cloth->contact.shape_count > 0 ? -INFINITY : INFINITY,
+        .passage.next = weft__cloth_passages(def->cloth) ? -INFINITY : INFINITY,
         .event.value = NAN,
         .event.since = NAN,
         .y = weft__alloc(&memory, dim + WEFT__QUADRATURES, sizeof(double)),

@@ -116,7 +116,7 @@ weft_status weft__sim_make_pass(weft_sim *sim, weft_error *err)
 uint64_t weft__sim_bytes(const weft_sim *sim)
 {
     const weft__mesh *mesh = &sim->cloth->mesh;
-    if (mesh->triangles != NULL || sim->forces.self != NULL
+    if (mesh->triangles != NULL || sim->forces.spaces[WEFT__FORCE_self] != NULL
         || sim->between.start != NULL || sim->sensitivity.count > 0) {
         return 0;
     }

@@ -3,7 +3,6 @@
 #include <inttypes.h>
 
 #include "base/log.h"
-#include "forces/contact/self/crossing.h"
 #include "sim/simulation.h"
 
 static bool correct(weft_sim *sim, double h)
@@ -92,9 +91,7 @@ static void sim_step_watch_pace(weft_sim *sim, double t_end)
     if (t_end != of->end) {
         of->frame = fmin(t_end - sim->t, LONGEST_FRAME);
         of->end = t_end;
-        if (sim->cloth->contact.shape_count > 1) {
-            weft__sim_look_ahead(sim);
-        }
+        weft__sim_look_ahead(sim);
     }
     if (of->steps == WEFT__PACE) {
         weft__sim_look_back(sim);

@@ -41,6 +41,14 @@ typedef struct weft__pace {
     bool told, closed; /* of a run that hardly advances; of shapes that close */
 } weft__pace;
 
+/* What holds a step: if `near.found`, what is nearest. */
+typedef struct weft__holder {
+    char text[sizeof((weft_failure *)0)->held];
+    weft__penetration near; /* particle and shape as of a definition */
+    size_t other_shape;     /* the nearest but one */
+    double other_gap;       /* [m] of that; 0: it is not near */
+} weft__holder;
+
 struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
     weft_log log;
@@ -123,12 +131,7 @@ static inline bool weft__sim_limits(const weft_sim *of)
     return of->def.limit.method != WEFT_LIMIT_NONE;
 }
 
-/* Whether steps are checked: for shapes or self-contact. */
-static inline bool weft__cloth_checks(const weft_cloth *of)
-{
-    return of->contact.shape_count > 0 || of->contact.law.self;
-}
-
+/* Whether steps are checked. */
 static inline bool weft__sim_checks(const weft_sim *of)
 {
     return weft__cloth_checks(of->cloth);
@@ -186,7 +189,7 @@ double *weft__sim_room(const weft_sim *sim);
 void weft__sim_look_ahead(weft_sim *sim);
 void weft__sim_look_back(weft_sim *sim);
 void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
-                           weft_failure *out);
+                           weft__holder *out);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err
  * as a message. Returns the status of *why. */

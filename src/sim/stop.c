@@ -12,12 +12,6 @@ const char *weft_stop_name(weft_stop_quantity quantity)
     return (unsigned)quantity < WEFT_STOPS ? names[quantity] : "";
 }
 
-static void block_gap(const weft_cloth *cloth, const weft__state *at, size_t b,
-                      weft_measures *sum)
-{
-    weft__block_gap(&cloth->contact, at, b, sum);
-}
-
 /* The kinetic energy and the work of gravity since t = 0, as energies. */
 static void block_rest(const weft_cloth *cloth, const weft__state *at, size_t b,
                        weft_measures *sum)
@@ -40,7 +34,7 @@ static void block_rest(const weft_cloth *cloth, const weft__state *at, size_t b,
 
 static weft__measure_fn *const stop_measures[WEFT_STOPS]
     = { [WEFT_STOP_STRAIN] = weft__block_worst,
-        [WEFT_STOP_GAP] = block_gap,
+        [WEFT_STOP_GAP] = weft__block_gaps,
         [WEFT_STOP_KINETIC] = weft__block_energy,
         [WEFT_STOP_REST] = block_rest };
 

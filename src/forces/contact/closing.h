@@ -19,14 +19,5 @@ typedef struct weft__closing_search {
                          far as the present speed leads */
 } weft__closing_search;
 
-/* Two shapes, of which one moves against the other, and a particle between them. */
-typedef struct weft__closing {
-    bool found;
-    size_t shape[2], particle;
-    double apart;     /* [m] now, along the line through the particle */
-    double near_time; /* [s] when they are two thicknesses apart */
-    double meet_time; /* [s] when they meet */
-} weft__closing;
-
 /* The first two by number. */
 weft__closing weft__shapes_closing(const weft__closing_search *of);

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "forces/contact/contact_law.h"
 #include "forces/contact/mesh_shape.h"
+#include "forces/contact/passage.h"
 
 void weft__touch_forces(const weft_contact_def *law, double friction,
                         weft__touch *touch)
@@ -184,27 +185,19 @@ bool weft__touches_any(const weft__contact *own, const weft__state *at, size_t i
     return touches;
 }
 
-void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape)
+void weft__contact_gaps(const void *own, const weft__state *at, size_t b,
+                        weft_measures *sum)
 {
-    if (!isnan(kept->gap) && !(gap >= kept->gap)) {
-        kept->gap = gap;
-        kept->gap_particle = particle;
-        kept->gap_shape = shape;
-    }
-}
-
-void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,
-                     weft_measures *sum)
-{
-    const weft__mesh *mesh = own->mesh;
-    for (size_t k = 0; k < own->shape_count; ++k) {
-        const weft__pose pose = weft__pose_of(&own->shapes[k], at->t);
+    const weft__contact *of = own;
+    const weft__mesh *mesh = of->mesh;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        const weft__pose pose = weft__pose_of(&of->shapes[k], at->t);
         for (size_t i = weft__block(mesh, b); i < weft__block(mesh, b + 1); ++i) {
             if (mesh->pin[i] == 0) {
-                const double gap = gap_of(own, at, &pose, i);
+                const double gap = gap_of(of, at, &pose, i);
                 weft__keep_gap(sum, gap, i, k);
                 sum->touching
-                    += gap < own->law.thickness && !weft__touches_any(own, at, i, k);
+                    += gap < of->law.thickness && !weft__touches_any(of, at, i, k);
             }
         }
     }
@@ -250,6 +243,43 @@ static bool contact_init(void *own, const weft_cloth_def *def,
         of->shapes[k] = weft__shape_of(&def->contact.shapes[k], def->contact.friction);
     }
     return weft__bodies_copy(of->shapes, of->shape_count, memory);
+}
+
+static void contact_defaults(weft_cloth_def *def)
+{
+    def->contact = (weft_contact_def){ .thickness = 5e-3,
+                                       .stopping_speed = 5.0,
+                                       .exponent = 4,
+                                       .damping = 1.0,
+                                       .friction = 0.3,
+                                       .slip = 1e-3 };
+}
+
+static const weft__def_array shapes_array
+    = { "weft_shape",
+        "shapes",
+        sizeof(weft_shape),
+        offsetof(weft_cloth_def, contact.shapes),
+        offsetof(weft_cloth_def, contact.shape_count),
+        offsetof(weft_cloth_def, shape_size) };
+
+static bool contact_alike(const void *own, const void *other)
+{
+    return ((const weft__contact *)own)->shape_count
+           == ((const weft__contact *)other)->shape_count;
+}
+
+/* Contact is that of the whole cloth. */
+static void contact_define(const weft_cloth_def *whole, weft_cloth_def *grid)
+{
+    (void)whole;
+    grid->contact = (weft_contact_def){ .thickness = 0.0 };
+}
+
+static size_t contact_bytes(const void *own)
+{
+    const weft__contact *of = own;
+    return of->shape_count * sizeof *of->shapes;
 }
 
 static void contact_choose(void *own, weft__isa isa)
@@ -333,8 +363,33 @@ static bool contact_present(const void *own)
     return ((const weft__contact *)own)->shape_count > 0;
 }
 
+/* ---- its checks of steps --------------------------------------------------------- */
+
+static bool contact_wanted(const void *own)
+{
+    const weft__contact *of = own;
+    return of->shape_count > 0 || of->law.self;
+}
+
+static double contact_reach(const void *own)
+{
+    return ((const weft__contact *)own)->law.thickness;
+}
+
+static bool contact_gathers(const void *own)
+{
+    return ((const weft__contact *)own)->law.self;
+}
+
+static bool contact_pairs(const void *own)
+{
+    return contact_gathers(own) || weft__bodies_vertices(own) > 0;
+}
+
 const weft__force weft__contact_force
     = { .name = "contact",
+        .tables.defaults = contact_defaults,
+        .tables.array = &shapes_array,
         .tables.check = weft__contact_def_check,
         .tables.init = contact_init,
         .tables.hash = contact_hash_of,
@@ -342,7 +397,10 @@ const weft__force weft__contact_force
         .tables.copy = contact_copy,
         .tables.free = free_shapes,
         .tables.leave_out = contact_leave_out,
+        .tables.bytes = contact_bytes,
+        .tables.alike = contact_alike,
         .tables.slows = contact_slows,
+        .grids.define = contact_define,
         .changes.words = weft__contact_words,
         .changes.put = weft__contact_put,
         .changes.take = weft__contact_take,
@@ -355,6 +413,18 @@ const weft__force weft__contact_force
         .law.piece = contact_piece,
         .measures.energy = contact_energy,
         .measures.power = contact_power,
+        .measures.gaps = weft__contact_gaps,
         .bounds.range_stiffness = weft__shapes_range_stiffness,
         .bounds.multiply = weft__contact_multiply,
-        .couplings.blocks = weft__contact_blocks };
+        .couplings.blocks = weft__contact_blocks,
+        .checks.wanted = contact_wanted,
+        .checks.reach = contact_reach,
+        .checks.gathers = contact_gathers,
+        .checks.pairs = contact_pairs,
+        .checks.clear = weft__contact_clear,
+        .checks.first = weft__contact_first,
+        .checks.hold = weft__contact_hold,
+        .checks.gap = weft__contact_gap,
+        .checks.other = weft__contact_other,
+        .checks.closing = weft__contact_closing,
+        .checks.passages = weft__contact_passages };

@@ -86,12 +86,6 @@ double weft__gap_at(const weft__pose *pose, const double x[3]);
  * particle and shape (docs/theory/contact.md, "The collision check"),
  *
  *     d1 > 0  and  h (max(|v0 - V0|, |v1 - V1|) + w), |r1 - r0| < d0 + d1 */
-/* From one state to another. */
-typedef struct weft__path {
-    double t0, t1; /* [s] */
-    const double *y0, *y1;
-} weft__path;
-
 /* A shape at both ends of a path. */
 typedef struct weft__ccd {
     double h;       /* [s] */
@@ -207,16 +201,12 @@ void weft__range_stiffness_most(const weft_contact_def *law, const weft__pose *p
 
 /* ---- measures -------------------------------------------------------------------- */
 
-/* The smaller gap; NaN is smaller than a number. */
-void weft__keep_gap(weft_measures *kept, double gap, size_t particle, size_t shape);
-
 /* Whether particle i touches one of the first `count` shapes. */
 bool weft__touches_any(const weft__contact *own, const weft__state *at, size_t i,
                        size_t count);
 
 /* The gaps and touches of block b. */
-void weft__block_gap(const weft__contact *own, const weft__state *at, size_t b,
-                     weft_measures *sum);
+weft__block_fn weft__contact_gaps;
 
 /* What the particles of block b exert on shape k: force [N], torque [N m]. */
 enum { WEFT__LOAD = 6 };
@@ -256,6 +246,19 @@ void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to);
 /* Of the law alone, which shapes that are added obey; after it a hash goes on. */
 uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash);
 uint64_t weft__contact_hash(const weft__contact *own);
+
+/* contact_steps.c: for weft__force_checks. */
+bool weft__contact_clear(const void *own, const weft__path *path, size_t first,
+                         size_t end);
+void weft__contact_first(const void *own, const weft__path *path, size_t first,
+                         size_t end, weft__penetration *out);
+void weft__contact_hold(const void *own, double t, const double *from, double *y,
+                        size_t first, size_t end);
+double weft__contact_gap(const void *own, double t, const double x[3], size_t *shape);
+void weft__contact_other(const void *own, void *space, const weft__state *at,
+                         size_t than, weft_measures *least);
+weft__closing weft__contact_closing(const void *own, void *space,
+                                    const weft__state *at);
 
 /* contact_changes.c: for weft__force. */
 size_t weft__contact_words(const void *own);

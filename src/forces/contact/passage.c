@@ -384,18 +384,19 @@ double weft__shape_half(const weft_shape *shape)
     return shape->kind == WEFT_BOX ? fmin(h[0], fmin(h[1], h[2])) : shape->radius;
 }
 
-weft__passages weft__block_passages(const weft__contact *own, const weft__state *at,
-                                    size_t b, double rise)
+weft__passages weft__contact_passages(const void *own, const weft__state *at, size_t b,
+                                      double rise)
 {
+    const weft__contact *all = own;
     weft__passages found = { .count = 0, .wait = (double)INFINITY };
-    for (size_t k = 0; k < own->shape_count; ++k) {
-        const weft_shape *shape = &own->shapes[k].def;
+    for (size_t k = 0; k < all->shape_count; ++k) {
+        const weft_shape *shape = &all->shapes[k].def;
         if (shape->kind == WEFT_MESH || shape->kind == WEFT_PLANE) {
             continue; /* a plane is entered at a particle first */
         }
-        weft__pose pose = weft__pose_of(&own->shapes[k], at->t);
-        pose.radius -= weft__shape_allows(&own->law, &own->shapes[k]);
-        passing of = { .mesh = own->mesh,
+        weft__pose pose = weft__pose_of(&all->shapes[k], at->t);
+        pose.radius -= weft__shape_allows(&all->law, &all->shapes[k]);
+        passing of = { .mesh = all->mesh,
                        .pose = &pose,
                        .y = at->y,
                        .shape = k,

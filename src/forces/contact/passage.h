@@ -18,19 +18,9 @@ bool weft__face_enters(const weft__pose *pose, double x[3][3]);
  * the surface too, or of the radius or rounding R if that is less. */
 double weft__shape_allows(const weft_contact_def *law, const weft__shape *shape);
 
-/* Edges that lie deeper, and triangles that do without one. Primitives that pins hold,
- * by all corners or by one inside the shape, do not count. */
-typedef struct weft__passages {
-    size_t count;
-    weft_primitive first; /* of particles as states have them */
-    size_t shape;
-    double wait; /* [s] until the state had better be looked at again */
-} weft__passages;
-
-/* Of those that particles of block b own. At their present speeds, and the acceleration
- * `rise` [m/s^2], no particle crosses half a shape within the wait. */
-weft__passages weft__block_passages(const weft__contact *own, const weft__state *at,
-                                    size_t b, double rise);
+/* For weft__force_checks. */
+weft__passages weft__contact_passages(const void *own, const weft__state *at, size_t b,
+                                      double rise);
 
 /* [m] Half of how thick a sphere, capsule or box is where it is thinnest. */
 double weft__shape_half(const weft_shape *shape);

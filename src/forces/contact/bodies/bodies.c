@@ -130,8 +130,8 @@ int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
     return bad;
 }
 
-static int bodies_add_all(const void *own, void *space, const weft__state *at,
-                          weft__unit unit, double *to)
+int weft__bodies_add(const void *own, void *space, const weft__state *at,
+                     weft__unit unit, double *to)
 {
     const weft__bodies *of = own;
     const size_t n = of->pairs.mesh->particles;
@@ -140,8 +140,8 @@ static int bodies_add_all(const void *own, void *space, const weft__state *at,
     return weft__bodies_each(of, space, at, weft__self_sum, &sums, &y);
 }
 
-static int bodies_transposed_all(const void *own, void *space, const weft__state *at,
-                                 double *out)
+int weft__bodies_transposed(const void *own, void *space, const weft__state *at,
+                            double *out)
 {
     const weft__bodies *of = own;
     double *once;
@@ -218,8 +218,8 @@ static size_t count_touching(const weft__bodies *own, const weft__state *at,
     return count;
 }
 
-static void bodies_measure_all(const void *own, void *space, const weft__state *at,
-                               weft_measures *sum)
+void weft__bodies_measure(const void *own, void *space, const weft__state *at,
+                          weft_measures *sum)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = space;
@@ -261,8 +261,8 @@ static void keep_other(void *ctx, weft__pair_kind kind, const weft__pushes *push
     }
 }
 
-void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
-                      const weft__state *at, size_t than, weft_measures *least)
+void weft__bodies_other(const void *own, void *space, const weft__state *at,
+                        size_t than, weft_measures *least)
 {
     gap_search of = { own, than, least };
     const double *y;
@@ -318,10 +318,12 @@ void weft__bodies_load(const weft__bodies *own, weft__bodies_space *space,
 
 /* ---- steps ----------------------------------------------------------------------- */
 
-bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
-                        weft__bodies_penetration *out)
+bool weft__bodies_clear(const void *of, void *in, const weft__path *path,
+                        weft__penetration *out)
 {
+    weft__bodies_space *space = in;
     const weft__bodies *own = space->own;
+    (void)of;
     if (weft__self_list_far(list_of(space), path->y0, path->y1, path->t1 - path->t0)) {
         return true;
     }
@@ -342,9 +344,9 @@ bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
     return false;
 }
 
-void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
-                       double *y)
+void weft__bodies_hold(void *in, double t, const double *from, double *y)
 {
+    weft__bodies_space *space = in;
     const weft__bodies *own = space->own;
     const size_t n = own->pairs.mesh->particles, points = own->pairs.points;
     (void)bodies_spread(own, &(weft__state){ .t = t, .y = y }, &space->now);
@@ -358,9 +360,9 @@ void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
 
 /* ---- bounds ---------------------------------------------------------------------- */
 
-static void bodies_range_stiffness(const void *own, void *space, const weft__state *at,
-                                   size_t first, size_t count,
-                                   weft__range_stiffness *range_stiffness)
+void weft__bodies_range_stiffness(const void *own, void *space, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__range_stiffness *range_stiffness)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = at->y != NULL ? space : NULL;
@@ -373,8 +375,8 @@ static void bodies_range_stiffness(const void *own, void *space, const weft__sta
     weft__free(&of->memory, once);
 }
 
-static void bodies_multiply(const void *own, const weft__state *at, double a, double b,
-                            const double *x, double *out)
+void weft__bodies_multiply(const void *own, const weft__state *at, double a, double b,
+                           const double *x, double *out)
 {
     const weft__bodies *of = own;
     double *once;
@@ -385,7 +387,7 @@ static void bodies_multiply(const void *own, const weft__state *at, double a, do
     weft__free(&of->memory, once);
 }
 
-static int blocks(const void *own, void *space, const weft__state *at, double *to)
+int weft__bodies_blocks(const void *own, void *space, const weft__state *at, double *to)
 {
     const weft__bodies *of = own;
     weft__bodies_space *in = space;
@@ -398,166 +400,3 @@ static int blocks(const void *own, void *space, const weft__state *at, double *t
     weft__free(&of->memory, once);
     return bad;
 }
-
-/* ---- its part of a cloth --------------------------------------------------------- */
-
-/* Adds the triangles of a body, whose points begin at `first`. */
-static void draft_body(weft__surface_draft *to, const weft_body *body, size_t triangle,
-                       size_t first)
-{
-    for (size_t j = 0; j < 3 * body->triangles; ++j) {
-        const uint32_t *c = body->corners + j / 3 * 3;
-        const double *a = body->positions + 3 * c[(j + 1) % 3];
-        const double *b = body->positions + 3 * c[(j + 2) % 3];
-        const double side[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
-        to->corner[triangle + j / 3][j % 3] = (uint32_t)first + c[j % 3];
-        to->side[triangle + j / 3][j % 3] = weft__dot(side, side);
-    }
-}
-
-static bool cover(weft__bodies *of, const weft_cloth_def *def,
-                  const weft_allocator *memory)
-{
-    const weft__mesh *mesh = of->pairs.mesh;
-    size_t point = mesh->particles, triangle = weft__surface_triangles(mesh, NULL),
-           all = triangle;
-    weft__surface_draft draft;
-    for (size_t k = 0; k < of->contact->shape_count; ++k) {
-        const weft_body *body = of->contact->shapes[k].def.body;
-        all += body != NULL ? body->triangles : 0;
-    }
-    if (weft__surface_draft_create(&draft, of->pairs.points, all, memory)) {
-        draft.particles = point;
-        draft.thickness = of->pairs.law.thickness;
-        if (mesh->triangles != NULL) {
-            weft__surface_draft_parts(&draft, mesh->triangles);
-        } else {
-            weft__surface_draft_grid(&draft, mesh, def);
-        }
-        for (size_t i = point; i < draft.points; ++i) {
-            draft.density[i] = (double)INFINITY;
-        }
-        for (size_t k = 0; k < of->contact->shape_count; ++k) {
-            const weft_body *body = of->contact->shapes[k].def.body;
-            if (body != NULL) {
-                draft_body(&draft, body, triangle, point);
-                triangle += body->triangles, point += body->vertices;
-            }
-        }
-        of->pairs.surface = weft__contact_surface_create(&draft, memory);
-    }
-    weft__surface_draft_destroy(&draft, memory);
-    return of->pairs.surface != NULL;
-}
-
-/* Of points, if bodies have others than the contact. */
-static bool find_friction(weft__bodies *of, const weft_allocator *memory)
-{
-    const double usual = of->pairs.law.friction;
-    bool same = true;
-    of->pairs.max_friction = 0.0;
-    for (size_t k = 0; k < of->contact->shape_count; ++k) {
-        const weft__shape *shape = &of->contact->shapes[k];
-        if (shape->def.body != NULL) {
-            same = same && shape->friction == usual;
-            of->pairs.max_friction = fmax(of->pairs.max_friction, shape->friction);
-        }
-    }
-    if (same) {
-        return true;
-    }
-    of->friction = weft__zeroed(memory, of->pairs.points, sizeof *of->friction);
-    for (size_t k = 0; of->friction != NULL && k < of->contact->shape_count; ++k) {
-        const range own = points_of(of, k);
-        for (size_t i = own.first; i < own.end; ++i) {
-            of->friction[i] = of->contact->shapes[k].friction;
-        }
-    }
-    of->pairs.friction = of->friction;
-    return of->friction != NULL;
-}
-
-static bool bodies_init(void *own, const weft_cloth_def *def,
-                        const weft_allocator *memory)
-{
-    weft__bodies *of = own;
-    const size_t vertices = weft__bodies_vertices(of->contact);
-    of->memory = *memory;
-    of->pairs.law = def->contact;
-    of->pairs.law.self = vertices > 0;
-    of->pairs.between = true;
-    of->pairs.points = of->pairs.mesh->particles + vertices;
-    return vertices == 0 || (find_friction(of, memory) && cover(of, def, memory));
-}
-
-static bool bodies_present(const void *own)
-{
-    return ((const weft__bodies *)own)->pairs.law.self;
-}
-
-static void bodies_free_own(void *own, const weft_allocator *memory)
-{
-    weft__bodies *of = own;
-    if (!of->pairs.shared) {
-        weft__contact_surface_destroy(of->pairs.surface, memory);
-        weft__free(memory, of->friction);
-    }
-}
-
-static size_t bodies_bytes(const void *own)
-{
-    const weft__bodies *of = own;
-    return of->pairs.surface != NULL ? weft__contact_surface_bytes(of->pairs.surface)
-                                     : 0;
-}
-
-weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
-                                              const weft_allocator *memory)
-{
-    weft__bodies_space *out = weft__zeroed(memory, 1, sizeof *out);
-    if (out == NULL) {
-        return NULL;
-    }
-    out->own = own;
-    out->memory = *memory;
-    out->list = weft__self_list_create(&own->pairs, pool, NULL, memory);
-    out->now.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->now.y);
-    out->before.y = weft__alloc(memory, 6 * own->pairs.points, sizeof *out->before.y);
-    out->marks = weft__alloc(memory, own->pairs.mesh->particles, 1);
-    if (out->list == NULL || out->now.y == NULL || out->before.y == NULL
-        || out->marks == NULL) {
-        weft__bodies_space_destroy(out);
-        return NULL;
-    }
-    return out;
-}
-
-void weft__bodies_space_destroy(weft__bodies_space *space)
-{
-    if (space != NULL) {
-        const weft_allocator memory = space->memory;
-        weft__self_list_destroy(space->list);
-        WEFT__FREE_ALL(&memory, space->now.y, space->before.y, space->marks, space);
-    }
-}
-
-static void bodies_leave_out(void *own)
-{
-    ((weft__bodies *)own)->pairs.law.self = false;
-}
-
-const weft__force weft__bodies_force
-    = { .name = "bodies",
-        .tables.init = bodies_init,
-        .tables.choose = weft__self_choose,
-        .tables.copy = weft__self_copy,
-        .tables.free = bodies_free_own,
-        .tables.leave_out = bodies_leave_out,
-        .tables.bytes = bodies_bytes,
-        .present = bodies_present,
-        .bounds.range_stiffness = bodies_range_stiffness,
-        .bounds.multiply = bodies_multiply,
-        .couplings.blocks = blocks,
-        .whole.add = bodies_add_all,
-        .whole.transposed = bodies_transposed_all,
-        .whole.measure = bodies_measure_all };

@@ -35,22 +35,10 @@ typedef struct weft__bodies_space {
     weft_allocator memory;
 } weft__bodies_space;
 
-/* NULL: no memory. */
-weft__bodies_space *weft__bodies_space_create(const weft__bodies *own, weft__pool *pool,
-                                              const weft_allocator *memory);
-void weft__bodies_space_destroy(weft__bodies_space *space); /* NULL is allowed */
-
-/* A free particle or, of its primitive, the first, and a shape that may have met. */
-typedef struct weft__bodies_penetration {
-    size_t particle, shape;
-    double gap; /* [m] at the end */
-} weft__bodies_penetration;
-
-/* As weft__self_list_clear and weft__self_list_hold, at the times of a path. */
-bool weft__bodies_clear(weft__bodies_space *space, const weft__path *path,
-                        weft__bodies_penetration *out);
-void weft__bodies_hold(weft__bodies_space *space, double t, const double *from,
-                       double *y);
+/* As weft__self_list_clear, at the times of a path: a free particle or, of its
+ * primitive, the first, and a shape that may have met. */
+bool weft__bodies_clear(const void *own, void *space, const weft__path *path,
+                        weft__penetration *out);
 
 /* The shape that a point is of; a state of all points, to be freed with the bodies'
  * memory. NULL: no memory. */
@@ -69,25 +57,37 @@ int weft__bodies_each(const weft__bodies *own, weft__bodies_space *space,
 
 /* Two shapes, of which one at least is a body, that push a particle from both sides and
  * will meet at their present motion (forces/contact/closing.h). */
-weft__closing weft__bodies_closing(const weft__bodies *own, weft__bodies_space *space,
-                                   const weft__state *at, double thickness);
-
-/* Keeps the smallest gap to a body but that of shape `than`, as weft__keep_gap. */
-void weft__bodies_gap(const weft__bodies *own, weft__bodies_space *space,
-                      const weft__state *at, size_t than, weft_measures *least);
+weft__closing weft__bodies_closing(const void *own, void *space, const weft__state *at);
 
 /* As weft__crossing_error, at a time; also of cloth that is inside a closed body. */
-struct weft__search; /* crossing.h */
-weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
-                               const struct weft__search *of, weft_error *err);
+weft_status weft__bodies_error(const void *own, double t, const double *y,
+                               const weft__search *of, weft_error *err);
 
 /* WEFT_SOLVER if a pinned particle beside a free one is inside a closed body: no state
  * of the free ones is without a crossing then. */
 weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
-                                    const struct weft__search *of, weft_error *err);
+                                    const weft__search *of, weft_error *err);
 
 /* A weft__name_fn; ctx: a weft__bodies. */
 void weft__bodies_name(const void *ctx, const weft_primitive *of, char *text,
                        size_t size);
+
+/* For weft__force. */
+void weft__bodies_range_stiffness(const void *own, void *space, const weft__state *at,
+                                  size_t first, size_t count,
+                                  weft__range_stiffness *range_stiffness);
+void weft__bodies_multiply(const void *own, const weft__state *at, double a, double b,
+                           const double *x, double *out);
+int weft__bodies_add(const void *own, void *space, const weft__state *at,
+                     weft__unit unit, double *to);
+int weft__bodies_transposed(const void *own, void *space, const weft__state *at,
+                            double *out);
+void weft__bodies_measure(const void *own, void *space, const weft__state *at,
+                          weft_measures *sum);
+void weft__bodies_other(const void *own, void *space, const weft__state *at,
+                        size_t than, weft_measures *least);
+void weft__bodies_hold(void *in, double t, const double *from, double *y);
+int weft__bodies_blocks(const void *own, void *space, const weft__state *at,
+                        double *to);
 
 extern const weft__force weft__bodies_force;

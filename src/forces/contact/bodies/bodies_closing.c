@@ -169,13 +169,14 @@ static void look_at_touches(closing_spots *of, const weft__state *at)
     }
 }
 
-weft__closing weft__bodies_closing(const weft__bodies *own, weft__bodies_space *space,
-                                   const weft__state *at, double thickness)
+weft__closing weft__bodies_closing(const void *own, void *space, const weft__state *at)
 {
-    closing_spots of = { .own = own, .t = at->t, .thickness = thickness };
+    closing_spots of = { .own = own, .t = at->t };
+    const weft__contact *contact = of.own->contact;
     bool moves = false;
-    for (size_t k = 0; k < own->contact->shape_count; ++k) {
-        moves = moves || weft__body_moves(&own->contact->shapes[k], at->t);
+    of.thickness = contact->law.thickness;
+    for (size_t k = 0; contact->shape_count > 1 && k < contact->shape_count; ++k) {
+        moves = moves || weft__body_moves(&contact->shapes[k], at->t);
     }
     if (moves) {
         look_at_touches(&of, at);

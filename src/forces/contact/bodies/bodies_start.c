@@ -190,22 +190,23 @@ static weft_status named_inside(const weft__bodies *own, const double *y,
     return status;
 }
 
-weft_status weft__bodies_error(const weft__bodies *own, double t, const double *y,
+weft_status weft__bodies_error(const void *own, double t, const double *y,
                                const weft__search *of, weft_error *err)
 {
-    if (!own->pairs.law.self) {
+    const weft__bodies *bodies = own;
+    if (!bodies->pairs.law.self) {
         return WEFT_OK;
     }
-    double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
+    double *all = weft__bodies_spread(bodies, &(weft__state){ .t = t, .y = y });
     weft_status status
-        = all == NULL
-              ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
-              : weft__named_crossing(&own->pairs, all, of, weft__bodies_name, own, err);
+        = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
+                      : weft__named_crossing(&bodies->pairs, all, of, weft__bodies_name,
+                                             own, err);
     if (status == WEFT_OK) { /* of each connected part one particle */
-        status = named_inside(own, all, connect, of, ", with all that is joined to it",
-                              err);
+        status = named_inside(bodies, all, connect, of,
+                              ", with all that is joined to it", err);
     }
-    weft__free(&own->memory, all);
+    weft__free(&bodies->memory, all);
     return status;
 }
 

@@ -219,9 +219,10 @@ void weft__self_name(const void *ctx, const weft_primitive *of, char *text, size
     (void)weft__primitive_text(own->mesh, &named, text, size);
 }
 
-weft_status weft__crossing_error(const weft__self *own, const double *y,
+weft_status weft__crossing_error(const void *own, double t, const double *y,
                                  const weft__search *of, weft_error *err)
 {
+    (void)t;
     return weft__named_crossing(own, y, of, weft__self_name, own, err);
 }
 

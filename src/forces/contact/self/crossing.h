@@ -2,7 +2,6 @@
 /* crossing.h -- where a cloth passes through itself or a body. */
 #pragma once
 
-#include "base/stop.h"
 #include "forces/contact/self/self.h"
 
 /* An edge and a triangle; of a chain two edges. Or two neighbours at the same place. */
@@ -12,13 +11,6 @@ typedef struct weft__crossing {
     weft_primitive side[2];
     weft__meeting how;
 } weft__crossing;
-
-/* How they are looked for. */
-typedef struct weft__search {
-    const char *where; /* before the message; NULL: nothing */
-    size_t loose;      /* 1 + a particle that counts as free; 0: none does */
-    weft__stop *stop;  /* asked now and then; NULL: never */
-} weft__search;
 
 /* Visits all, in an order that depends on the cloth alone; false: it was stopped. The
  * own of the tree must have a surface unless it is of a grid. */
@@ -44,7 +36,7 @@ void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *t
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs; pins
  * hold (3, 4), and corners of 2 pairs". Or WEFT_STOPPED. */
-weft_status weft__crossing_error(const weft__self *own, const double *y,
+weft_status weft__crossing_error(const void *own, double t, const double *y,
                                  const weft__search *of, weft_error *err);
 
 /* The same, with names of one's own for primitives. */

@@ -501,88 +501,10 @@ bool weft__self_cover(weft__self *of, const weft_allocator *memory)
            && weft__find_slit_edges(of->surface, of->mesh, of->law.thickness, memory);
 }
 
-static bool self_init(void *own, const weft_cloth_def *def,
-                      const weft_allocator *memory)
-{
-    weft__self *of = own;
-    of->law = def->contact;
-    of->law.self = def->contact.self && !weft__is_band(def);
-    of->max_friction = def->contact.friction;
-    of->points = of->mesh->particles;
-    return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
-}
-
-bool weft__self_copy(void *own, const weft_allocator *memory)
-{
-    (void)memory;
-    ((weft__self *)own)->shared = true;
-    return true;
-}
-
-static void self_free_own(void *own, const weft_allocator *memory)
-{
-    weft__self *of = own;
-    if (!of->shared) {
-        weft__contact_surface_destroy(of->surface, memory);
-    }
-}
-
-static size_t self_bytes(const void *own)
-{
-    const weft__self *of = own;
-    return of->surface != NULL ? weft__contact_surface_bytes(of->surface) : 0;
-}
-
-void weft__self_choose(void *own, weft__isa isa)
-{
-    weft__self *of = own;
-    of->pushes = WEFT_FORM(isa, pushes);
-    of->slack = WEFT_FORM(isa, slack);
-    of->gaps = WEFT_FORM(isa, gaps);
-    of->within = WEFT_FORM(isa, within);
-    of->meets = WEFT_FORM(isa, meets);
-    of->drift = WEFT_FORM(isa, drift);
-    of->range = WEFT_FORM(isa, range);
-    of->seeker = weft__seeker_of(isa);
-}
-
-static int self_add_all(const void *own, void *space, const weft__state *at,
-                        weft__unit unit, double *to)
+int weft__self_add(const void *own, void *space, const weft__state *at, weft__unit unit,
+                   double *to)
 {
     const size_t n = ((const weft__self *)own)->mesh->particles;
     weft__self_sums sums = { own, unit, to, 0, n, n };
     return each_pushed(own, space, at, weft__self_sum, &sums);
 }
-
-static int self_transposed_all(const void *own, void *space, const weft__state *at,
-                               double *out)
-{
-    return weft__self_transposed(own, space, at->y, at->along, out);
-}
-
-static bool self_present(const void *own)
-{
-    return ((const weft__self *)own)->law.self;
-}
-
-static void self_leave_out(void *own)
-{
-    ((weft__self *)own)->law.self = false;
-}
-
-const weft__force weft__self_force
-    = { .name = "self",
-        .tables.check = weft__self_check,
-        .tables.init = self_init,
-        .tables.choose = weft__self_choose,
-        .tables.copy = weft__self_copy,
-        .tables.free = self_free_own,
-        .tables.leave_out = self_leave_out,
-        .tables.bytes = self_bytes,
-        .present = self_present,
-        .bounds.range_stiffness = weft__self_range_stiffness,
-        .bounds.multiply = weft__self_multiply,
-        .couplings.blocks = weft__self_blocks,
-        .whole.add = self_add_all,
-        .whole.transposed = self_transposed_all,
-        .whole.measure = weft__self_measure };

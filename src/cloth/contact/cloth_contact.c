@@ -4,7 +4,6 @@
 
 #include "base/sized.h"
 #include "cloth/model.h"
-#include "forces/contact/passage.h"
 #include "forces/contact/self/crossing.h"
 #include "mesh/surface.h"
 
@@ -75,7 +74,7 @@ static weft_measures gap(const weft_cloth *cloth, double t, const double *y)
     weft_measures sum = weft__measures_start;
     for (size_t b = first; b < end; ++b) {
         weft_measures block = weft__block_start;
-        weft__block_gap(&cloth->contact, &at, b, &block);
+        weft__contact_gaps(&cloth->contact, &at, b, &block);
         weft__measures_add(&sum, &block);
     }
     if (cloth->bodies.pairs.law.self) {
@@ -100,49 +99,6 @@ double weft_cloth_gap(const weft_cloth *cloth, double t, const double *y,
 size_t weft_cloth_touching(const weft_cloth *cloth, double t, const double *y)
 {
     return gap(cloth, t, y).touching;
-}
-
-size_t weft_cloth_passages(const weft_cloth *cloth, double t, const double *y,
-                           weft_passage *first)
-{
-    const weft__mesh *mesh = &cloth->mesh;
-    const weft__state at = { .t = t, .y = y };
-    weft__passages all = { .count = 0 };
-    for (size_t b = mesh->band.above; b < mesh->band.above + mesh->band.own; ++b) {
-        weft__passages block = weft__block_passages(&cloth->contact, &at, b, 0.0);
-        block.count += all.count;
-        if (all.count == 0) {
-            all = block;
-        }
-        all.count = block.count;
-    }
-    for (size_t k = 0; k < all.first.count; ++k) {
-        all.first.particle[k] = weft__shown(mesh, all.first.particle[k]);
-    }
-    if (first != NULL) {
-        *first = (weft_passage){ all.first, all.shape };
-    }
-    return all.count;
-}
-
-const char *weft__passage_text(const weft_cloth *cloth, double t,
-                               const weft_passage *at, double count,
-                               char text[WEFT__PASSAGE_TEXT])
-{
-    char name[WEFT__PASSAGE_TEXT / 2], others[64] = "";
-    if (count > 1.0) {
-        (void)snprintf(others, sizeof others, ", one of %.0f edges and triangles",
-                       count);
-    }
-    (void)snprintf(
-        text, WEFT__PASSAGE_TEXT,
-        "%s passes through shapes[%zu] at t = %.9g s%s: only particles touch a %s; "
-        "give "
-        "it triangles: true, or the cloth a finer mesh",
-        weft__primitive_text(&cloth->mesh, &at->primitive, name, sizeof name),
-        at->shape, t, others,
-        weft_shape_name(cloth->contact.shapes[at->shape].def.kind));
-    return text;
 }
 
 static weft_measures self_measures(const weft_cloth *cloth, const double *y)
