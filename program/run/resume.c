@@ -24,12 +24,12 @@ static weft_status read_checkpoint(const char *directory, const weft_scene *scen
     if (from->scene != own.scene) {
         const bool parts = weft_scene_mesh_file(scene) != NULL
                            && weft_scene_cloth(scene)->mesh->part_count > 0;
-        const bool bodies = weft_scene_body_file(scene, 0, name, sizeof name) != NULL;
+        const bool copied = weft_scene_body_file(scene, 0, name, sizeof name) != NULL;
         return weft_error_set(err, WEFT_BAD_SCENE,
                               "%s/scene.yaml%s is not the scene that " RECORD_CHECKPOINT
                               " is of: it was changed since",
                               directory,
-                              parts || bodies ? " with its meshes"
+                              parts || copied ? " with its meshes"
                               : weft_scene_mesh_file(scene) != NULL
                                   ? " with its " RECORD_MESH
                                   : "");

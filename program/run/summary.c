@@ -201,16 +201,16 @@ static void print_files(const run *self)
         }
     }
     char copy[64];
-    size_t bodies = 0;
-    while (weft_scene_body_file(self->scene, bodies, copy, sizeof copy) != NULL) {
-        ++bodies;
+    size_t copies = 0;
+    while (weft_scene_body_file(self->scene, copies, copy, sizeof copy) != NULL) {
+        ++copies;
     }
-    if (bodies > 0) {
+    if (copies > 0) {
         (void)weft_scene_body_file(self->scene, 0, copy, sizeof copy);
         say(&names, " %s", copy);
     }
-    if (bodies > 1) {
-        (void)weft_scene_body_file(self->scene, bodies - 1, copy, sizeof copy);
+    if (copies > 1) {
+        (void)weft_scene_body_file(self->scene, copies - 1, copy, sizeof copy);
         say(&names, " to %s", copy);
     }
     print_item("files", "in %s%s", self->out, names.text);

@@ -60,6 +60,17 @@ const char *weft__def_no_bands(const weft_cloth_def *def)
     return name;
 }
 
+bool weft__def_has_gaps(const weft_cloth_def *def)
+{
+    bool has = false;
+    for (size_t k = 0; k < WEFT__FORCES && !has; ++k) {
+        const weft__force *force = weft__table[k].force;
+        has = force->measures.gaps != NULL && force->checks.asked != NULL
+              && force->checks.asked(def);
+    }
+    return has;
+}
+
 /* ---- crossings ------------------------------------------------------------------- */
 
 weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,

@@ -62,6 +62,9 @@ double weft__cloth_reach(const weft_cloth *cloth);
 const char *weft__cloth_no_bands(const weft_cloth *cloth);
 const char *weft__def_no_bands(const weft_cloth_def *def);
 
+/* Whether a force of a definition measures gaps. */
+bool weft__def_has_gaps(const weft_cloth_def *def);
+
 /* What crosses in a state, by the first force that finds any. */
 weft_status weft__crossings_error(const weft_cloth *cloth, double t, const double *y,
                                   const weft__search *of, weft_error *err);

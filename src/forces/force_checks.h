@@ -56,8 +56,8 @@ typedef struct weft__force_checks {
     double (*reach)(const void *own); /* [m] the gap below which it acts */
     bool (*gathers)(const void *own); /* whether a band needs the whole cloth for it */
     bool (*pairs)(const void *own);   /* whether it acts between any two particles */
-    bool (*asked)(const weft_cloth_def *def); /* whether a definition has it, */
-    const char *no_bands; /* which no band can have, and its name; NULL: it can */
+    bool (*asked)(const weft_cloth_def *def); /* whether a definition has it */
+    const char *no_bands; /* its name, if no band can have it; NULL: each can */
 
     /* A path: whether it is clear; if not, the first particle, by shapes. Shortens the
      * displacements of particles from `from` to y until they are. */

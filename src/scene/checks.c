@@ -25,8 +25,12 @@ void weft__check_root(weft__reader *reader, const weft__match *match, void *base
     if (reader->report->found->errors == 0 && scene->sensitivity.count > 0) {
         weft__check_smooth(reader, match);
     }
-    if (reader->report->found->errors == 0 && !reader->report->no_memory) {
-        weft__warn_of_contact(reader, match);
+    for (size_t i = 0; i < match->section->count; ++i) {
+        const weft__section *section = match->section->keys[i].section;
+        if (section != NULL && section->late != NULL
+            && reader->report->found->errors == 0 && !reader->report->no_memory) {
+            section->late(reader, match, base);
+        }
     }
 }
 

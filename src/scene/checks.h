@@ -16,15 +16,16 @@ bool weft__is_table_file(const weft__node *node);
 bool weft__check_motion(weft__reader *reader, const weft__match *match,
                         const double amplitude[3], double frequency);
 
-/* scene_contact.c */
+/* contact/scene_contact.c */
 weft__read_fn weft__read_shape;
-weft__check_fn weft__check_shape, weft__check_contact;
+weft__check_fn weft__check_shape;
 
 /* [m] The longest edge of a grid, or of triangles at rest or where they start. */
 double weft__longest_edge(const weft_cloth_def *def, bool start);
 
-/* Warnings of contact, when all sections were read without errors. */
-void weft__warn_of_contact(weft__reader *reader, const weft__match *root);
+/* contact/scene_body.c: whether two scenes that differ in a parameter have as many
+ * triangles of each shape. */
+bool weft__same_shapes(const weft_scene *a, const weft_scene *b);
 
 /* scene_stop.c: `stop` and run.frames against `limit`, which excludes both. */
 void weft__check_stop(weft__reader *reader, const weft__match *match);
@@ -54,15 +55,6 @@ weft__check_fn weft__check_mesh, weft__check_turn;
  * cloth. NULL: no memory, or
  * there is no copy and no name. */
 char *weft__mesh_path(weft__reader *reader, const char *name, const char *copy);
-
-/* scene_body.c: the body of a shape that is a mesh, whose other keys have no mistake.
- */
-void weft__read_body(weft__reader *reader, const struct weft__match *match,
-                     weft__shape_item *item);
-
-/* The triangles of a sphere, capsule or box without faults, which becomes a mesh. */
-void weft__make_facets(weft__reader *reader, const struct weft__match *match,
-                       weft__shape_item *item);
 
 /* What of a cloth does not go with its grid, or its mesh; the rules of a mesh. */
 void weft__check_grid_cloth(weft__reader *reader, const weft__match *cloth);

@@ -86,6 +86,8 @@ struct weft__section {
     const char *one[4];      /* keys of which exactly one is required */
     const char *together[2]; /* keys that have no effect without each other */
     weft__check_fn *check;   /* of other rules between the keys; NULL: none */
+    weft__check_fn *late; /* of a section of the scene: once the whole scene, which is
+                             matched, was read without errors; NULL: none */
     /* Keys of another mapping that are often put here, and the hint then. */
     const weft__section *beside;
     const char *beside_hint;

@@ -363,16 +363,6 @@ const char *weft_scene_note(const weft_scene *scene, size_t i, const char **abou
     return at != NULL ? at->text : NULL;
 }
 
-bool weft_scene_shape_made(const weft_scene *scene, size_t k)
-{
-    const weft_contact_def *contact = &scene->cloth.contact;
-    bool made = k < contact->shape_count && contact->shapes[k].kind == WEFT_MESH;
-    for (const weft__body_files *at = scene->body_files; at != NULL; at = at->next) {
-        made = made && at->shape != k;
-    }
-    return made;
-}
-
 const char *weft_scene_body_file(const weft_scene *scene, size_t i, char *copy,
                                  size_t size)
 {

@@ -180,35 +180,6 @@ void weft__check_sensitivity(weft__reader *reader, const weft__match *match, voi
     }
 }
 
-/* A pair of contact takes the smaller density of its two parts: where both are the
- * same, the derivative by one of them has a kink. */
-static void warn_of_equal_densities(weft__reader *reader, const weft__match *root)
-{
-    static const char ending[] = ".density";
-    const weft_scene *scene = reader->scene;
-    const weft_scene_sensitivity *of = &scene->sensitivity;
-    const weft_mesh_def *mesh = scene->cloth.mesh;
-    const weft__node *section = weft__value_in(root, "sensitivity");
-    const weft__node *list = section != NULL ? weft__value_of(section, "of") : NULL;
-    for (size_t i = 0; mesh != NULL && scene->cloth.contact.self && i < of->count;
-         ++i) {
-        const size_t length = strlen(of->keys[i]), tail = sizeof ending - 1;
-        size_t same = 0;
-        for (size_t k = 0; k < mesh->fabric_count; ++k) {
-            same += mesh->fabrics[k].density == of->values[i];
-        }
-        if (length > tail && strcmp(of->keys[i] + length - tail, ending) == 0
-            && same > 1) {
-            WARNING_AT(
-                reader, weft__item(list, i),
-                "%s is also the density of another fabric: contact takes the "
-                "smaller of two densities, so the derivative with respect to one of "
-                "two equal ones has a kink",
-                of->keys[i]);
-        }
-    }
-}
-
 void weft__check_smooth(weft__reader *reader, const weft__match *root)
 {
     const weft_scene *scene = reader->scene;
@@ -250,9 +221,6 @@ void weft__check_smooth(weft__reader *reader, const weft__match *root)
                                "sensitivity excludes %s", rules[i].message);
         }
     }
-    if (reader->report->mistakes == 0) {
-        warn_of_equal_densities(reader, root);
-    }
 }
 
 /* ---- perturbed copies
@@ -288,20 +256,6 @@ void weft_scene_perturbed_destroy(weft_scene_perturbed *perturbed)
     }
 }
 
-/* Whether two scenes that differ in a parameter have as many triangles of each shape.
- */
-static bool same_triangles(const weft_scene *a, const weft_scene *b)
-{
-    const weft_contact_def *of[2] = { &a->cloth.contact, &b->cloth.contact };
-    bool same = of[0]->shape_count == of[1]->shape_count;
-    for (size_t k = 0; same && k < of[0]->shape_count; ++k) {
-        const weft_body *x = of[0]->shapes[k].body, *y = of[1]->shapes[k].body;
-        same
-            = (x == NULL) == (y == NULL) && (x == NULL || x->triangles == y->triangles);
-    }
-    return same;
-}
-
 /* The scene with another value of a key. */
 static weft_status load_perturbed(const weft_scene *scene, const weft_scene_def *given,
                                   size_t i, double value, perturbed_copy *out,
@@ -334,7 +288,7 @@ static weft_status load_perturbed(const weft_scene *scene, const weft_scene_def 
                              value, found->items[0].message);
     }
     weft__free(&scene->memory, found);
-    if (status == WEFT_OK && !same_triangles(scene, out->scene)) {
+    if (status == WEFT_OK && !weft__same_shapes(scene, out->scene)) {
         return weft_error_set(err, WEFT_UNSUPPORTED,
                               "%s=%.17g makes another number of triangles of a shape: "
                               "another `triangles` [m] of it avoids that",

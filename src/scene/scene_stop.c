@@ -76,7 +76,7 @@ void weft__check_stop(weft__reader *reader, const weft__match *match)
                  "limit excludes run.frames: interpolate: it changes states "
                  "at the ends of steps");
     } else if (reader->scene->run.stop.quantity == WEFT_STOP_GAP
-               && reader->scene->cloth.contact.shape_count == 0) {
+               && !weft__def_has_gaps(&reader->scene->cloth)) {
         WARNING_AT(reader, stop,
                    "stop has no effect: min_gap is the gap to shapes, and "
                    "the scene has none");

@@ -242,7 +242,7 @@ static bool contact_init(void *own, const weft_cloth_def *def,
     for (size_t k = 0; k < of->shape_count; ++k) {
         of->shapes[k] = weft__shape_of(&def->contact.shapes[k], def->contact.friction);
     }
-    return weft__bodies_copy(of->shapes, of->shape_count, memory);
+    return weft__shapes_copy(of->shapes, of->shape_count, memory);
 }
 
 static void contact_defaults(weft_cloth_def *def)
@@ -305,7 +305,7 @@ static void free_shapes(void *own, const weft_allocator *memory)
 {
     weft__contact *of = own;
     if (!of->shared) {
-        weft__bodies_free(of->shapes, of->shape_count, memory);
+        weft__shapes_free(of->shapes, of->shape_count, memory);
     }
     weft__free(memory, of->shapes);
 }
@@ -323,7 +323,7 @@ static bool contact_slows(const weft_cloth_def *def)
 
 static void contact_piece(const void *own, double t, weft__piece_bounds *to)
 {
-    weft__bodies_bounds(own, t, to);
+    weft__shapes_bounds(own, t, to);
 }
 
 static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
@@ -365,6 +365,11 @@ static bool contact_present(const void *own)
 
 /* ---- its checks of steps --------------------------------------------------------- */
 
+static bool contact_asked(const weft_cloth_def *def)
+{
+    return def->contact.shape_count > 0;
+}
+
 static bool contact_wanted(const void *own)
 {
     const weft__contact *of = own;
@@ -383,7 +388,7 @@ static bool contact_gathers(const void *own)
 
 static bool contact_pairs(const void *own)
 {
-    return contact_gathers(own) || weft__bodies_vertices(own) > 0;
+    return contact_gathers(own) || weft__shapes_vertices(own) > 0;
 }
 
 const weft__force weft__contact_force
@@ -417,6 +422,7 @@ const weft__force weft__contact_force
         .bounds.range_stiffness = weft__shapes_range_stiffness,
         .bounds.multiply = weft__contact_multiply,
         .couplings.blocks = weft__contact_blocks,
+        .checks.asked = contact_asked,
         .checks.wanted = contact_wanted,
         .checks.reach = contact_reach,
         .checks.gathers = contact_gathers,

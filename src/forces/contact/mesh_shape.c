@@ -147,7 +147,7 @@ static weft_body *mesh_shape_copy(const weft_body *from, const weft_allocator *m
     return to;
 }
 
-bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *memory)
+bool weft__shapes_copy(weft__shape *shapes, size_t count, const weft_allocator *memory)
 {
     bool has = true;
     for (size_t k = 0; k < count; ++k) {
@@ -159,7 +159,7 @@ bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *
     return has;
 }
 
-void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *memory)
+void weft__shapes_free(weft__shape *shapes, size_t count, const weft_allocator *memory)
 {
     for (size_t k = 0; shapes != NULL && k < count; ++k) {
         weft__free(memory, weft__unconst(shapes[k].def.body));
@@ -175,7 +175,7 @@ uint64_t weft__body_hash(const weft_body *of, uint64_t hash)
     return weft__hash_real(hash, of->keys > 1 ? of->fps : 0.0);
 }
 
-size_t weft__bodies_vertices(const weft__contact *of)
+size_t weft__shapes_vertices(const weft__contact *of)
 {
     size_t count = 0;
     for (size_t k = 0; k < of->shape_count; ++k) {
@@ -308,7 +308,7 @@ void weft_shape_vertices_sized(const weft_shape *shape, size_t size, double t,
     }
 }
 
-void weft__bodies_bounds(const weft__contact *of, double t, weft__piece_bounds *to)
+void weft__shapes_bounds(const weft__contact *of, double t, weft__piece_bounds *to)
 {
     for (size_t k = 0; k < of->shape_count; ++k) {
         const weft_body *body = of->shapes[k].def.body;

@@ -15,13 +15,13 @@ const char *weft__body_fault(const weft_body *of, size_t *triangle);
 const char *weft__body_flaw(const double *places, const uint32_t *corner, bool *flat);
 
 /* Own copies of the bodies of shapes, to be freed. false: no memory. */
-bool weft__bodies_copy(weft__shape *shapes, size_t count, const weft_allocator *memory);
-void weft__bodies_free(weft__shape *shapes, size_t count, const weft_allocator *memory);
+bool weft__shapes_copy(weft__shape *shapes, size_t count, const weft_allocator *memory);
+void weft__shapes_free(weft__shape *shapes, size_t count, const weft_allocator *memory);
 
 uint64_t weft__body_hash(const weft_body *of, uint64_t hash);
 
 /* Of all shapes of a contact. */
-size_t weft__bodies_vertices(const weft__contact *of);
+size_t weft__shapes_vertices(const weft__contact *of);
 
 /* Whether a body moves after time t. */
 bool weft__body_moves(const weft__shape *shape, double t);
@@ -36,4 +36,4 @@ void weft__body_place(const weft__shape *shape, double t, double piece, size_t p
                       size_t plane, size_t next, double *to);
 
 /* As weft__curve_bounds, of the keys of bodies. */
-void weft__bodies_bounds(const weft__contact *of, double t, weft__piece_bounds *to);
+void weft__shapes_bounds(const weft__contact *of, double t, weft__piece_bounds *to);

@@ -90,7 +90,7 @@ static bool bodies_init(void *own, const weft_cloth_def *def,
                         const weft_allocator *memory)
 {
     weft__bodies *of = own;
-    const size_t vertices = weft__bodies_vertices(of->contact);
+    const size_t vertices = weft__shapes_vertices(of->contact);
     of->memory = *memory;
     of->pairs.law = def->contact;
     of->pairs.law.self = vertices > 0;

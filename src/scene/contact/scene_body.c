@@ -10,7 +10,7 @@
 #include "base/grow.h"
 #include "forces/contact/mesh_shape.h"
 #include "forces/contact/tessellate.h"
-#include "scene/checks.h"
+#include "scene/contact/contact_checks.h"
 
 enum { MOST_KEYS = 100000, WIDEST = 9 };
 
@@ -489,4 +489,26 @@ void weft__make_facets(weft__reader *reader, const weft__match *match,
                          .corners = corners };
     item->shape.kind = WEFT_MESH;
     item->shape.body = body;
+}
+
+bool weft_scene_shape_made(const weft_scene *scene, size_t k)
+{
+    const weft_contact_def *contact = &scene->cloth.contact;
+    bool made = k < contact->shape_count && contact->shapes[k].kind == WEFT_MESH;
+    for (const weft__body_files *at = scene->body_files; at != NULL; at = at->next) {
+        made = made && at->shape != k;
+    }
+    return made;
+}
+
+bool weft__same_shapes(const weft_scene *a, const weft_scene *b)
+{
+    const weft_contact_def *of[2] = { &a->cloth.contact, &b->cloth.contact };
+    bool same = of[0]->shape_count == of[1]->shape_count;
+    for (size_t k = 0; same && k < of[0]->shape_count; ++k) {
+        const weft_body *x = of[0]->shapes[k].body, *y = of[1]->shapes[k].body;
+        same
+            = (x == NULL) == (y == NULL) && (x == NULL || x->triangles == y->triangles);
+    }
+    return same;
 }

@@ -8,7 +8,7 @@
 #include "forces/contact/passage.h"
 #include "mesh/grid_def.h"
 #include "mesh/triangles_work.h"
-#include "scene/checks.h"
+#include "scene/contact/contact_checks.h"
 
 void weft__read_shape(weft__reader *reader, const weft__key *key,
                       const weft__node *node, void *to)
@@ -367,9 +367,39 @@ static void warn_of_closing(weft__reader *reader, const weft__node *nodes)
     }
 }
 
-void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
+/* A pair of contact takes the smaller density of its two parts: where both are the
+ * same, the derivative by one of them has a kink. */
+static void warn_of_equal_densities(weft__reader *reader, const weft__match *root)
 {
-    const weft_cloth_def *def = &reader->scene->cloth;
+    static const char ending[] = ".density";
+    const weft_scene *scene = reader->scene;
+    const weft_scene_sensitivity *of = &scene->sensitivity;
+    const weft_mesh_def *mesh = scene->cloth.mesh;
+    const weft__node *section = weft__value_in(root, "sensitivity");
+    const weft__node *list = section != NULL ? weft__value_of(section, "of") : NULL;
+    for (size_t i = 0; mesh != NULL && scene->cloth.contact.self && i < of->count;
+         ++i) {
+        const size_t length = strlen(of->keys[i]), tail = sizeof ending - 1;
+        size_t same = 0;
+        for (size_t k = 0; k < mesh->fabric_count; ++k) {
+            same += mesh->fabrics[k].density == of->values[i];
+        }
+        if (length > tail && strcmp(of->keys[i] + length - tail, ending) == 0
+            && same > 1) {
+            WARNING_AT(
+                reader, weft__item(list, i),
+                "%s is also the density of another fabric: contact takes the "
+                "smaller of two densities, so the derivative with respect to one of "
+                "two equal ones has a kink",
+                of->keys[i]);
+        }
+    }
+}
+
+void weft__check_late_contact(weft__reader *reader, const weft__match *root, void *base)
+{
+    const weft_scene *scene = base;
+    const weft_cloth_def *def = &scene->cloth;
     const weft__node *stepper = weft__value_in(root, "stepper");
     const weft_contact_def *law = &def->contact;
     if (law->shape_count == 0 && !law->self) {
@@ -377,6 +407,9 @@ void weft__warn_of_contact(weft__reader *reader, const weft__match *root)
     }
     const weft__node *contact = weft__value_in(root, "contact");
     const weft__node *shapes = weft__value_of(contact, "shapes");
+    if (reader->report->mistakes == 0) {
+        warn_of_equal_densities(reader, root);
+    }
     if (law->self) {
         warn_of_friction(reader->report, law, law->friction, "the cloth on itself",
                          weft__value_of(contact, "self")->at);
