@@ -343,7 +343,8 @@ START_TEST(several_directions_and_a_number_in_one_sweep_have_the_bits_of_the_loo
         }
         const weft__state at = { .t = m.t, .y = m.y };
         (void)weft__springs_force.law.start(&m.cloth->springs, &m.cloth->body, &at,
-                                            WEFT__ACCELERATION, m.dydt, 0, m.def.rows);
+                                            NULL, WEFT__ACCELERATION, m.dydt, 0,
+                                            m.def.rows);
         for (size_t k = 0; k < 6 * m.n; ++k) {
             ck_assert(out[k / m.n * stride + k % m.n / cols * down + k % cols]
                       == m.dydt[k]);

@@ -13,15 +13,22 @@
 #define PLACE(name) { &weft__##name##_force, offsetof(struct weft_cloth, name) },
 const weft__line weft__table[WEFT__FORCES] = { WEFT_FORCES(PLACE) };
 
-int weft__sum_blocks(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
-                     double *to, size_t first, size_t end)
+int weft__sum_carried(const weft_cloth *cloth, const weft__state *at,
+                      weft__carry *carry, weft__unit unit, double *to, size_t first,
+                      size_t end)
 {
     double *planes = unit == WEFT__FORCE ? to : to + 3 * cloth->mesh.stride;
     weft__sum_fn *grids = cloth->sum_grids;
     int failed = weft__table[0].force->law.start(weft__own(cloth, 0), &cloth->body, at,
-                                                 unit, to, first, end);
+                                                 carry, unit, to, first, end);
     failed |= grids != NULL ? grids(cloth, at, unit, to, first, end) : 0;
     return failed | weft__rhs_others(cloth, at, unit, planes, first, end);
+}
+
+int weft__sum_blocks(const weft_cloth *cloth, const weft__state *at, weft__unit unit,
+                     double *to, size_t first, size_t end)
+{
+    return weft__sum_carried(cloth, at, NULL, unit, to, first, end);
 }
 
 int weft__rhs_others(const weft_cloth *cloth, const weft__state *at, weft__unit unit,

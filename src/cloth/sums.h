@@ -77,6 +77,11 @@ static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
  * WEFT__ACCELERATION x' are before them. */
 weft__sum_fn weft__sum_blocks;
 
+/* The same in calls that each go on where the last one ended. */
+int weft__sum_carried(const weft_cloth *cloth, const weft__state *at,
+                      weft__carry *carry, weft__unit unit, double *to, size_t first,
+                      size_t end);
+
 /* All of dy/dt of blocks [first, end) but what whole.add adds. Returns 0, or 1 if
  * a number is not finite. The bits do not depend on how blocks are divided among calls.
  */

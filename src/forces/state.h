@@ -20,14 +20,16 @@ static inline size_t weft__carry_length(size_t cols)
 typedef struct weft__state {
     double t;
     const double *y;
-    const double *piece;  /* [s] of tables and keys, at t (mesh/track.h); NULL: t's */
-    const double *along;  /* of products: a direction of the state; else NULL */
-    const bool *families; /* in which the worst spring is sought; NULL: all */
-    /* [N] of calls that each go on where the last one ended: what the last rows do to
-     * the next, which then compute no spring above again; for fast forms. NULL: none */
-    double *carry_rows;
-    bool continues; /* carry_rows is of the rows above */
+    const double *piece; /* [s] of tables and keys, at t (mesh/track.h); NULL: t's */
+    const double *along; /* of products: a direction of the state; else NULL */
 } weft__state;
+
+/* Of calls that each go on where the last one ended: what the last rows do to the next,
+ * which then compute no spring above again; for fast forms. */
+typedef struct weft__carry {
+    double *rows;   /* [N] weft__carry_length */
+    bool continues; /* rows are those above */
+} weft__carry;
 
 static inline double weft__piece(const weft__state *at)
 {
@@ -42,11 +44,11 @@ typedef enum weft__unit {
 struct weft__body; /* weight and air: forces/body */
 
 /* Writes three planes, or x' and v' with WEFT__ACCELERATION, of blocks [first, end):
- * weight, air and this force, in one sweep; with at->along their derivative. Returns 0,
- * or 1 if a number is not finite. */
+ * weight, air and this force, in one sweep; with at->along their derivative. carry:
+ * NULL if nothing is carried. Returns 0, or 1 if a number is not finite. */
 typedef int weft__start_fn(const void *own, const struct weft__body *body,
-                           const weft__state *at, weft__unit unit, double *to,
-                           size_t first, size_t end);
+                           const weft__state *at, weft__carry *carry, weft__unit unit,
+                           double *to, size_t first, size_t end);
 
 /* Adds to three planes. Returns as above. */
 typedef int weft__add_fn(const void *own, const weft__state *at, weft__unit unit,

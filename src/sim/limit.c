@@ -10,6 +10,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/sized.h"
 #include "cloth/model.h"
 #include "forces/springs/limit_springs.h"
 
@@ -182,6 +183,25 @@ static bool is_met(weft__limit *limit, const double *y)
         = weft__limited_excess(&limit->cloth->springs, &limit->def, false, 1, y) == 0;
     limit->stats.unconverged += !met;
     return met;
+}
+
+void weft_sim_limit_stats_sized(weft_limit_stats *out, size_t size, const weft_sim *sim)
+{
+    weft__sized_write(out, size, &sim->limit.stats, sizeof sim->limit.stats);
+}
+
+weft_spring weft_sim_limit_worst(const weft_sim *sim)
+{
+    if (!weft__sim_limits(sim)) {
+        return (weft_spring){ 0 };
+    }
+    return weft__limited_worst(&sim->cloth->springs, &sim->def.limit, sim->y);
+}
+
+size_t weft_sim_limit_held(const weft_sim *sim)
+{
+    return weft__limited_excess(&sim->cloth->springs, &sim->limit.def, true, SIZE_MAX,
+                                sim->y);
 }
 
 static void warn_of_limit(const weft_sim *sim)

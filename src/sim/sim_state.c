@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* sim_state.c -- what a simulation tells of itself. */
 #include "base/sized.h"
-#include "forces/springs/limit_springs.h"
 #include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
@@ -115,26 +114,6 @@ double weft_sim_dissipated(const weft_sim *sim)
 uint64_t weft_sim_vetoed(const weft_sim *sim)
 {
     return sim->guard.vetoed;
-}
-
-void weft_sim_limit_stats_sized(weft_limit_stats *out, size_t size, const weft_sim *sim)
-{
-    weft__sized_write(out, size, &sim->limit.stats, sizeof sim->limit.stats);
-}
-
-weft_spring weft_sim_limit_worst(const weft_sim *sim)
-{
-    if (!weft__sim_limits(sim)) {
-        return (weft_spring){ 0 };
-    }
-    const weft__state of = { .y = sim->y, .families = sim->def.limit.families };
-    return weft__forces_measure(&sim->forces, &of, weft__block_worst).worst;
-}
-
-size_t weft_sim_limit_held(const weft_sim *sim)
-{
-    return weft__limited_excess(&sim->cloth->springs, &sim->limit.def, true, SIZE_MAX,
-                                sim->y);
 }
 
 /* Copies three planes of a state to triples. */

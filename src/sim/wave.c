@@ -433,13 +433,13 @@ static bool make_rates(const wave_progress *by, size_t i, size_t end)
     window *at = &by->span->windows[i];
     const size_t cols = by->of->cloth->mesh.cols, first = at->done - at->low;
     const double t = by->of->of->t[i];
-    weft__state state = weft__forces_state(by->of->forces, t, at->z);
-    state.carry_rows = at->carry_rows, state.continues = at->done > first_of(by, i);
+    const weft__state state = weft__forces_state(by->of->forces, t, at->z);
+    weft__carry carry = { at->carry_rows, at->done > first_of(by, i) };
     double *to = at->k + slot(by, i, at->done) * cols;
     wave_place(by, at);
     const int failed
-        = weft__sum_blocks(&at->cloth, &state, WEFT__ACCELERATION, to - first * cols,
-                           first, first + (end - at->done));
+        = weft__sum_carried(&at->cloth, &state, &carry, WEFT__ACCELERATION,
+                            to - first * cols, first, first + (end - at->done));
     weft__move_pins(&by->of->cloth->mesh, t, weft__piece(&state), to,
                     by->of->wave->stride, at->done * cols, end * cols);
     return failed == 0;

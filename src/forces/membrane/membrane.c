@@ -170,8 +170,7 @@ static void membrane_worst(const void *own, const weft__state *at, size_t b,
 {
     const weft__membrane *of = own;
     weft__triangle tri;
-    const bool wanted = at->families == NULL || at->families[WEFT_STRETCH];
-    for (size_t next = 0; wanted && weft__membrane_each_own(of, b, &next, &tri);) {
+    for (size_t next = 0; weft__membrane_each_own(of, b, &next, &tri);) {
         for (size_t i = 0; i < 3; ++i) {
             const weft_spring edge = membrane_strain_of(of, &tri, at->y, i);
             weft__keep_worst(&sum->worst, &edge);

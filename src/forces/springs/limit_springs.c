@@ -86,3 +86,21 @@ size_t weft__limited_excess(const weft__springs *own, const weft_limit_def *limi
     }
     return count;
 }
+
+weft_spring weft__limited_worst(const weft__springs *own, const weft_limit_def *limit,
+                                const double *x)
+{
+    weft_spring worst = { .p = 0 };
+    for (size_t r = 0; r < own->mesh->rows; ++r) {
+        for (weft__walk walk = weft__row_springs(own, x, r);
+             weft__each_spring(&walk);) {
+            const weft__spring *at = &walk.spring;
+            const weft_spring spring
+                = { at->group->family, at->p, at->q, weft__spring_strain(at) };
+            if (limit->families[spring.family]) {
+                weft__keep_worst(&worst, &spring);
+            }
+        }
+    }
+    return worst;
+}

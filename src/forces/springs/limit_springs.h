@@ -16,3 +16,7 @@ void weft__limited_sweep(const weft__springs *own, const weft_limit_def *limit,
  * `most`. */
 size_t weft__limited_excess(const weft__springs *own, const weft_limit_def *limit,
                             bool held, size_t most, const double *x);
+
+/* The spring of the largest strain among those that a limit bounds. */
+weft_spring weft__limited_worst(const weft__springs *own, const weft_limit_def *limit,
+                                const double *x);

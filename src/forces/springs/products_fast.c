@@ -128,5 +128,5 @@ int NAME(products, LEVEL)(const weft__springs *own, const weft__body *body,
     }
     self.dydt = tangents->base;
     self.form = &form;
-    return sweep_tiles(&self, all, first, end, NULL, false, products_row);
+    return sweep_tiles(&self, all, first, end, NULL, products_row);
 }

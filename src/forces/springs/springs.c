@@ -34,8 +34,10 @@ static void springs_choose(void *own, weft__isa isa)
 }
 
 int weft__rows_loops(const void *own, const weft__body *body, const weft__state *at,
-                     weft__unit unit, double *to, size_t first, size_t end)
+                     weft__carry *carry, weft__unit unit, double *to, size_t first,
+                     size_t end)
 {
+    (void)carry;
     const weft__springs *of = own;
     const weft__mesh *mesh = of->mesh;
     const size_t n = mesh->stride, last = weft__block(mesh, end);
@@ -59,14 +61,15 @@ int weft__rows_loops(const void *own, const weft__body *body, const weft__state 
 }
 
 static int springs_start(const void *own, const weft__body *body, const weft__state *at,
-                         weft__unit unit, double *to, size_t first, size_t end)
+                         weft__carry *carry, weft__unit unit, double *to, size_t first,
+                         size_t end)
 {
     const weft__springs *of = own;
     if (at->along != NULL) {
         return weft__springs_along(of, body, at, to, first, end);
     }
-    return (unit == WEFT__FORCE ? weft__rows_loops : of->fast)(own, body, at, unit, to,
-                                                               first, end);
+    return (unit == WEFT__FORCE ? weft__rows_loops : of->fast)(own, body, at, carry,
+                                                               unit, to, first, end);
 }
 
 static void springs_energy(const void *own, const weft__state *at, size_t b,
@@ -106,9 +109,7 @@ static void springs_worst(const void *own, const weft__state *at, size_t b,
         const weft__spring *found = &walk.spring;
         const weft_spring spring
             = { found->group->family, found->p, found->q, weft__spring_strain(found) };
-        if (at->families == NULL || at->families[spring.family]) {
-            weft__keep_worst(&sum->worst, &spring);
-        }
+        weft__keep_worst(&sum->worst, &spring);
     }
 }
 

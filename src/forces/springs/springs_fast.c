@@ -6,7 +6,7 @@ enum { TILE = WEFT__CARRY_TILE, STREAMS = 1 };
 #include "forces/springs/springs_sweep.h"
 
 _Static_assert(sizeof(landing) <= 6 * (TILE + 3 * WEFT__CARRY_LANES) * 8,
-               "carry_rows have room for it");
+               "weft__carry has room for it");
 
 /* find_springs and land_springs in one: each pull is added as soon as it is known, so
  * that registers hold less. */
@@ -96,7 +96,8 @@ static vec bare(const sweep *self, size_t first, size_t end)
 }
 
 int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state *at,
-                      weft__unit unit, double *dydt, size_t first, size_t end)
+                      weft__carry *carried, weft__unit unit, double *dydt, size_t first,
+                      size_t end)
 {
     const weft__springs *of = own;
     sweep self;
@@ -113,6 +114,5 @@ int NAME(rows, LEVEL)(const void *own, const weft__body *body, const weft__state
                    : 1;
     }
     self.aside = stores_delay_loads(&self) ? aside : NULL;
-    return sweep_tiles(&self, all, first, end, at->carry_rows, at->continues,
-                       springs_row);
+    return sweep_tiles(&self, all, first, end, carried, springs_row);
 }

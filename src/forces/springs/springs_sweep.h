@@ -498,17 +498,19 @@ static unsigned start(sweep *self, const weft__springs *own, const weft__body *b
     return all;
 }
 
-/* Rows [first, end) with the springs of the set `all`; carry_rows and continues as in
- * weft__state. */
+/* Rows [first, end) with the springs of the set `all`; carried: as of weft__start_fn.
+ */
 static int sweep_tiles(sweep *self, unsigned all, size_t first, size_t end,
-                       double *carry_rows, bool continues, row_fn *sweep_row)
+                       const weft__carry *carried, row_fn *sweep_row)
 {
+    double *rows = carried != NULL ? carried->rows : NULL;
+    const bool continues = carried != NULL && carried->continues;
     for (size_t c = 0; c == 0 || c < self->inner; c += TILE) {
         const size_t stop = self->inner - c < TILE ? self->inner : c + TILE;
-        tile(self, c, stop, all, first, end, continues ? carry_rows : NULL, sweep_row);
-        if (carry_rows != NULL) {
-            memcpy(carry_rows, self->of, sizeof(landing));
-            carry_rows += sizeof(landing) / sizeof *carry_rows;
+        tile(self, c, stop, all, first, end, continues ? rows : NULL, sweep_row);
+        if (rows != NULL) {
+            memcpy(rows, self->of, sizeof(landing));
+            rows += sizeof(landing) / sizeof *rows;
         }
     }
     return sum(self->bad) == 0.0 ? 0 : 1;

@@ -138,8 +138,8 @@ int NAME(transposed, LEVEL)(const weft__springs *own, const weft__body *body,
         = start(&self, own, body, at->y, mesh->particles, mesh->cols, STREAMS);
     self.dydt = NULL;
     self.form = &form;
-    const int failed = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, false,
-                                   transposed_row);
+    const int failed
+        = sweep_tiles(&self, all | BIT(DAMPED), 0, mesh->rows, NULL, transposed_row);
     weft__totals_add((const weft__totals *)totals, by);
     return failed;
 }
