@@ -458,7 +458,7 @@ START_TEST(one_sheet_stands_instead_of_own_numbers)
           ":3:17: error: kes lacks the required key 'W' [mg/cm^2]" },
         { "fast: {E100: 4, EB5: 3, C: 18, W: 180, G: 41}",
           ":3:51: error: unknown key 'G' in fast" },
-        { "shear: 3", "which is required without 'preset', 'kes' or 'fast'" },
+        { "shear: 3", "which is required without 'preset', 'kes', 'fast' or 'arcsim'" },
     };
     char text[512];
     (void)snprintf(text, sizeof text, GRID "  fabric: {%s}\n" ENDED, wrong[_i].fabric);

@@ -12,6 +12,10 @@
 bool weft__take_tables(weft__reader *reader);
 bool weft__is_table_file(const weft__node *node);
 
+/* material_file.c: the mapping that a JSON file has, in place of its name; the node
+ * itself: it is no name, or what is wrong was reported. */
+const weft__node *weft__take_material(weft__reader *reader, const weft__node *node);
+
 /* scene_pins.c: the oscillation [m], [Hz] of a pin or a shape; whether it is finite. */
 bool weft__check_motion(weft__reader *reader, const weft__match *match,
                         const double amplitude[3], double frequency);

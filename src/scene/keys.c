@@ -284,9 +284,14 @@ static const weft__key fabric_keys[] = {
         "system in its units; a pair: [warp, weft]" },
     { "fast", WEFT__SHEET, SECTION(fast), .absent = "none", .first = WEFT__FAST,
       .meaning = "the same: a data sheet of the FAST system" },
-    { "density", WEFT__NUMBER, .absent = "required: density, preset, kes or fast",
+    { "arcsim", WEFT__ARCSIM, .absent = "none",
+      .meaning
+      = "instead of density, stretch, shear, coupling and bend: a JSON file of "
+        "an ARCSim material, whose u is the warp" },
+    { "density", WEFT__NUMBER,
+      .absent = "required: density, preset, kes, fast or arcsim",
       NUMBER(fabric, density), .meaning = "mass per area" },
-    { "stretch", WEFT__PAIR, .absent = "required: stretch, preset, kes or fast",
+    { "stretch", WEFT__PAIR, .absent = "required: stretch, preset, kes, fast or arcsim",
       NUMBER(fabric, stretch),
       .meaning = "tension per strain; a pair: [along a column (warp), along a row "
                  "(weft)]" },

@@ -25,8 +25,9 @@
     X(FACETS, facets, "true, false or a number > 0")      /* double: 0, -1 for true */ \
     X(PRESET, preset, "a name that 'weft fabrics' lists") /* weft_fabric */            \
     X(SHEET, sheet, "a mapping")                          /* the same */               \
-    X(ATOL, atol, "a number")                             /* two doubles */            \
-    X(INDEX, index, "an index, [first, last] or all")     /* weft_range */             \
+    X(ARCSIM, arcsim, "the JSON file of an ARCSim material, or what it has")           \
+    X(ATOL, atol, "a number")                         /* two doubles */                \
+    X(INDEX, index, "an index, [first, last] or all") /* weft_range */                 \
     X(PLACE, place, "a corner, an edge, [row, column] or {rows, cols}")                \
     X(VERTEX_LIST, vertices, "a list of vertex indices") /* weft__vertices */          \
     X(GROUP, group, "the name of a group")               /* the same */                \

@@ -57,16 +57,22 @@ void weft__read_sheet(weft__reader *reader, const weft__key *key,
 /* A sheet, of which there may be one, instead of a preset. Whether there is one. */
 static bool check_sheets(weft__reader *reader, const weft__match *match)
 {
-    static const char *const sources[] = { "preset", "kes", "fast", NULL };
+    static const char *const sources[] = { "preset", "kes", "fast", "arcsim", NULL };
     (void)weft__check_exclusive(reader, match, sources);
     const weft__node *sheet = weft__key_in(match, "kes");
     sheet = sheet == NULL ? weft__key_in(match, "fast") : sheet;
+    const weft__node *material = weft__key_in(match, "arcsim");
+    if (material != NULL) {
+        static const char *const fitted[]
+            = { "arcsim", "density", "stretch", "shear", "coupling", "bend", NULL };
+        (void)weft__check_exclusive(reader, match, fitted);
+    }
     if (sheet != NULL) {
         const char *const one[]
             = { sheet->text, "density", "stretch", "shear", "bend", NULL };
         (void)weft__check_exclusive(reader, match, one);
     }
-    return sheet != NULL;
+    return sheet != NULL || material != NULL;
 }
 
 void weft__check_fabric(weft__reader *reader, const weft__match *match, void *base)
@@ -74,8 +80,8 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
     static const char *const needed[] = { "density", "stretch" };
     weft_fabric *fabric = base;
     const bool sheet = check_sheets(reader, match);
-    if (weft__key_in(match, "coupling") == NULL
-        && weft__key_in(match, "preset") == NULL) {
+    if (weft__key_in(match, "coupling") == NULL && weft__key_in(match, "preset") == NULL
+        && weft__key_in(match, "arcsim") == NULL) {
         fabric->coupling = fabric->shear;
     }
     if (weft__key_in(match, "preset") != NULL) {
@@ -85,12 +91,12 @@ void weft__check_fabric(weft__reader *reader, const weft__match *match, void *ba
         const weft__key *key = weft__key_named(match->section, needed[i]);
         if (!sheet && weft__lacks(match, needed[i]) && weft__lacks(match, "preset")) {
             ERROR_AT(reader, match->map,
-                     "%s lacks '%s'%s, which is required without 'preset', 'kes' or "
-                     "'fast'",
+                     "%s lacks '%s'%s, which is required without 'preset', 'kes', "
+                     "'fast' or 'arcsim'",
                      match->title, needed[i], weft__unit_text(key).text);
         }
     }
-    if (weft__key_in(match, "twist") == NULL) {
+    if (weft__key_in(match, "twist") == NULL && weft__key_in(match, "arcsim") == NULL) {
         fabric->twist = -1.0; /* the default */
     }
 }

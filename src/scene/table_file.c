@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* table_file.c -- tables of times that are CSV files: their rows come in place of the
- * file's name, so that all that follows, and the copy of a scene in a run's results,
- * has a list. */
+/* table_file.c -- tables of times that are CSV files, and materials that are JSON files
+ * (material_file.c): what they have comes in place of the file's name, so that all that
+ * follows, and the copy of a scene in a run's results, has it. */
 #include <string.h>
 
 #include "base/file.h"
@@ -164,6 +164,19 @@ static const weft__node *with_key(weft__reader *reader, const weft__node *node,
     return with_value(reader, node, weft__find_key(node, key, strlen(key)), value);
 }
 
+/* Each section of a mapping from names to sections. */
+static const weft__node *take_named(weft__reader *reader, const weft__section *of,
+                                    const weft__node *node)
+{
+    for (size_t i = 0; node->type == WEFT__MAP && i < node->count; ++i) {
+        if (node->entries[i].value != NULL) {
+            node = with_value(reader, node, i,
+                              take_section(reader, of, node->entries[i].value));
+        }
+    }
+    return node;
+}
+
 /* What stands in place of a value, or of an item or a member of it: itself, if nothing
  * changes. */
 static const weft__node *take_value(weft__reader *reader, const weft__key *key,
@@ -171,6 +184,12 @@ static const weft__node *take_value(weft__reader *reader, const weft__key *key,
 {
     const weft__node *rows
         = node->type == WEFT__MAP ? weft__value_of(node, "rows") : NULL;
+    if (key->kind == WEFT__ARCSIM) {
+        return weft__take_material(reader, node);
+    }
+    if (key->kind == WEFT__FABRICS) {
+        return take_named(reader, key->section, node);
+    }
     if (key->kind != WEFT__TRACK) {
         return take_section(reader, key->section, node);
     }
@@ -189,7 +208,8 @@ static const weft__node *take_section(weft__reader *reader, const weft__section 
     for (size_t i = 0; node->type == WEFT__MAP && i < of->count; ++i) {
         const weft__key *key = &of->keys[i];
         const bool may = key->kind == WEFT__TRACK || key->kind == WEFT__MAPPING
-                         || key->kind == WEFT__ITEMS || key->kind == WEFT__CLOTHS;
+                         || key->kind == WEFT__ITEMS || key->kind == WEFT__CLOTHS
+                         || key->kind == WEFT__FABRICS || key->kind == WEFT__ARCSIM;
         const weft__node *value = may ? weft__value_of(node, key->name) : NULL;
         if (value != NULL) {
             node = with_key(reader, node, key->name, take_value(reader, key, value));
