@@ -259,6 +259,28 @@ typedef enum weft_seam {
     WEFT_SEAM_HINGE /* it turns freely there */
 } weft_seam;
 
+/* Where triangles have their rest shape. */
+typedef enum weft_rest_shape {
+    WEFT_REST_PLANE, /* in the plane (u, v) */
+    WEFT_REST_START  /* in space, where they start */
+} weft_rest_shape;
+
+/* In what shape the cloth is free of bending. */
+typedef enum weft_rest_angle {
+    WEFT_ANGLE_DEFAULT, /* flat with WEFT_REST_PLANE, start with WEFT_REST_START */
+    WEFT_ANGLE_FLAT,
+    WEFT_ANGLE_START
+} weft_rest_angle;
+
+/* The rest shape of the triangles of one cloth. In space they need no (u, v): each
+ * vertex is one particle, there are no seams, and faces may be turned over. */
+typedef struct weft_rest {
+    weft_rest_shape shape;
+    weft_rest_angle angle;
+    double warp[3]; /* in space: the direction of the warp, projected into each
+                       triangle; 0, 0, 0: the fabric is alike in all directions */
+} weft_rest;
+
 enum { WEFT_CLOTHS_MAX = 64, WEFT_CLOTH_NAME_MAX = 40 };
 
 /* One of several cloths that a mesh has: vertices one after another, which share no
@@ -299,6 +321,11 @@ typedef struct weft_mesh_def {
                        vertex first + r cols + c, which has no triangle, place or start
                        here. Its rows to scale, mass, density, law, springs, across,
                        rim_half and bending are used: 2 rows and 2 columns or more */
+    const weft_rest *rests; /* of each part, without parts one; NULL: in the plane. Then
+                               `rest` and `corner_uv` have what lies in the plane */
+    const double *space;    /* [m] x y z of each vertex in the rest shape that lies in
+                               space, 3 N; NULL: `start` */
+    size_t rest_size;       /* [bytes] of an element of `rests` */
 } weft_mesh_def;
 
 /** Fills the defaults of weft_mesh_def_default, which calls it.
@@ -307,7 +334,7 @@ typedef struct weft_mesh_def {
 WEFT_API void weft_mesh_def_init(weft_mesh_def *def, size_t size);
 
 /** Returns a mesh without triangles, with seams that bend; set the rest.
- * @return the defaults, with struct_size and fabric_size set
+ * @return the defaults, with struct_size, fabric_size and rest_size set
  * @par Example
  * @snippet pillow.c mesh */
 static inline weft_mesh_def weft_mesh_def_default(void)
@@ -315,6 +342,7 @@ static inline weft_mesh_def weft_mesh_def_default(void)
     weft_mesh_def def;
     weft_mesh_def_init(&def, sizeof def);
     def.fabric_size = sizeof(weft_fabric);
+    def.rest_size = sizeof(weft_rest);
     return def;
 }
 
@@ -406,6 +434,32 @@ typedef struct weft_stretch {
  * @return WEFT_OK; WEFT_NO_MEMORY */
 WEFT_API weft_status weft_cloth_def_stretch(const weft_cloth_def *def, size_t part,
                                             weft_stretch *out, weft_error *err);
+
+/* What a surface is whose rest shape lies in space. Fixed for ever. */
+typedef struct weft_rest_report {
+    size_t triangles;                 /* 0: the rest shape lies in the plane */
+    size_t pieces, closed, one_sided; /* sets of triangles that edges join; those
+                                         without a boundary, and those of one side, as a
+                                         Moebius band */
+    size_t flipped;        /* triangles that are turned over, of the others */
+    size_t woven, blended; /* triangles with the fabric along the warp, and
+                              others, if there is a warp within 17 degrees of
+                              their normal */
+    size_t sharp;          /* edges that fold by more than 60 degrees */
+    double fold;           /* [rad] of the sharpest, */
+    size_t fold_at[2];     /* which joins these vertices */
+    double defect; /* [rad] 2 pi less the angles about a vertex: the largest in size */
+    size_t defect_at;
+} weft_rest_report;
+
+/** Surveys a surface whose rest shape lies in space.
+ * @param def one of which a cloth can be made
+ * @param part one of its mesh's parts; 0 without parts
+ * @param[out] out filled
+ * @param[out] err may be NULL
+ * @return WEFT_OK; WEFT_NO_MEMORY */
+WEFT_API weft_status weft_cloth_def_rest(const weft_cloth_def *def, size_t part,
+                                         weft_rest_report *out, weft_error *err);
 
 /* A spring between two particles, given by family and indices. Fixed for ever. */
 typedef struct weft_spring {

@@ -198,7 +198,7 @@ static weft_status take_items(const char *name, const void *items, size_t count,
     return understood ? WEFT_OK : weft__sized_unknown(name, err);
 }
 
-enum { ARRAYS = 3, COPIES = ARRAYS + WEFT__FORCES + 1 };
+enum { ARRAYS = 4, COPIES = ARRAYS + WEFT__FORCES + 1 };
 
 /* The arrays of the forces. */
 static weft_status take_arrays(weft_cloth_def *def, const weft_allocator *memory,
@@ -269,6 +269,8 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
         { "weft_pin", def->pins, def->pin_count, def->pin_size, sizeof *def->pins },
         { "weft_fabric", mesh->fabrics, mesh->fabric_count, mesh->fabric_size,
           sizeof *mesh->fabrics },
+        { "weft_rest", mesh->rests, mesh->part_count > 0 ? mesh->part_count : 1,
+          mesh->rest_size, sizeof *mesh->rests },
     };
     for (size_t i = 0; i < ARRAYS; ++i) {
         TRY(take_items(arrays[i].name, arrays[i].items, arrays[i].count,
@@ -277,6 +279,7 @@ static weft_status take_def(weft_cloth_def *def, weft_mesh_def *mesh,
     def->loads = copies[0] != NULL ? copies[0] : def->loads;
     def->pins = copies[1] != NULL ? copies[1] : def->pins;
     mesh->fabrics = copies[2] != NULL ? copies[2] : mesh->fabrics;
+    mesh->rests = copies[3] != NULL ? copies[3] : mesh->rests;
     TRY(take_arrays(def, &memory, &copies[ARRAYS], err));
     return take_grids(mesh, &memory, &copies[COPIES - 1], err);
 }

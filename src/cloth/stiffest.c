@@ -28,8 +28,8 @@ static double height_of(const weft__triangles *of, size_t t)
 {
     double most = 0.0;
     for (size_t k = 0; k < 3; ++k) {
-        const double *a = of->rest[of->place[t][k]];
-        const double *b = of->rest[of->place[t][(k + 1) % 3]];
+        const double *a = weft__rest_at(of, t, k);
+        const double *b = weft__rest_at(of, t, (k + 1) % 3);
         most
             = fmax(most, (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
     }

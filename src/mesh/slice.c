@@ -51,6 +51,10 @@ static void slice_keep(weft__triangles *of, const weft__slice *slice, size_t t,
     of->piece[next] = of->piece[t];
     of->fabric[next] = of->fabric[t];
     of->area[next] = of->area[t];
+    if (of->frame != NULL) {
+        of->in_space[next] = of->in_space[t];
+        memcpy(of->frame[next], of->frame[t], sizeof of->frame[t]);
+    }
 }
 
 /* Gives back the room of what is not here. Places keep their numbers; of edges there is
@@ -66,6 +70,10 @@ static void shrink(weft__mesh *mesh, const weft__slice *slice)
     SHRINK(of->piece, of->count)
     SHRINK(of->fabric, of->count)
     SHRINK(of->area, of->count)
+    if (of->frame != NULL) {
+        SHRINK(of->in_space, of->count)
+        SHRINK(of->frame, of->count)
+    }
     SHRINK(of->around, 3 * of->count)
     SHRINK(of->around_first, mesh->particles + 1)
     SHRINK(of->rest, of->places)
@@ -83,7 +91,9 @@ bool weft__mesh_slice(weft__mesh *mesh, const weft__slice *slice)
     if (!weft__slice_list(slice, &mesh->mass, sizeof *mesh->mass)
         || !weft__slice_list(slice, &mesh->pin, sizeof *mesh->pin)
         || !weft__slice_list(slice, &of->start, 3 * sizeof *of->start)
-        || !weft__slice_list(slice, &of->lumped, sizeof *of->lumped)) {
+        || !weft__slice_list(slice, &of->lumped, sizeof *of->lumped)
+        || (of->space != NULL
+            && !weft__slice_list(slice, &of->space, 3 * sizeof *of->space))) {
         return false;
     }
     for (size_t t = 0; t < of->count; ++t) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/plane.h"
 
 /* The stretches of one triangle: F maps its rest shape to where it starts, and the
  * singular values of F are the largest and the least; their product is the ratio of the
@@ -16,13 +17,13 @@ typedef struct strain {
 
 static strain stretch_strain_of(const weft_mesh_def *def, size_t t)
 {
-    const double *x[3], *u[3];
-    double a[3], b[3], longest, cross[3];
+    const double *x[3];
+    double a[3], b[3], u[3][2], cross[3];
+    weft__def_corners(def, t, u);
     for (size_t k = 0; k < 3; ++k) {
         x[k] = &def->start[3 * (size_t)weft__vertex_at(def, t, k)];
-        u[k] = &def->rest[2 * (size_t)weft__place_at(def, t, k)];
     }
-    const double det = weft__twice_area(def, t, &longest);
+    const double det = weft__plane_turn(u[0], u[1], u[2]);
     const double p = u[1][0] - u[0][0], q = u[1][1] - u[0][1];
     const double r = u[2][0] - u[0][0], s = u[2][1] - u[0][1];
     for (size_t k = 0; k < 3; ++k) { /* the columns of F */

@@ -123,7 +123,8 @@ static void triangles_join(weft__work *at, uint32_t low, const weft__half_edge *
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, from[2].triangle,
                          "edge %zu-%zu has %zu triangles; an edge has one or two", p, q,
                          count);
-    } else if (count == 2 && from[0].down == from[1].down) {
+    } else if (count == 2 && from[0].down == from[1].down
+               && weft__rest_in_space(at->def, low) == NULL) {
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, from[1].triangle,
             "two triangles run along edge %zu-%zu in the same direction: %s", p, q,
@@ -182,29 +183,6 @@ static void check_sides(weft__work *at)
 
 /* ---- order ----------------------------------------------------------------------- */
 
-/* The distance of a point along Hilbert's curve (D. Hilbert, Math. Ann. 38, 459, 1891).
- */
-static uint64_t hilbert(uint32_t x, uint32_t y)
-{
-    uint64_t d = 0;
-    for (uint32_t s = UINT32_C(1) << 31; s > 0; s >>= 1) {
-        const bool right = (x & s) != 0, up = (y & s) != 0;
-        d = d << 2 | ((right ? 3U : 0U) ^ (up ? 1U : 0U));
-        if (!up) {
-            const uint32_t kept = right ? ~x : x;
-            x = right ? ~y : y;
-            y = kept;
-        }
-    }
-    return d;
-}
-
-/* A part of 2^32, 0 for what is no number. */
-static uint32_t triangles_along(double part)
-{
-    return part <= 1.0 ? (uint32_t)(part * (double)UINT32_MAX) : 0;
-}
-
 /* Of the places of a cloth; it begins as that of all. */
 typedef struct place_extent {
     double low[2], high[2];
@@ -217,8 +195,10 @@ static void set_place_keys(weft__work *at)
     place_extent of[WEFT_CLOTHS_MAX];
     memset(at->place_key, 0, def->uv_count * sizeof *at->place_key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
-        at->place_key[weft__place_at(def, 0, h)]
-            = 1 + weft__part_at(def, weft__vertex_at(def, 0, h));
+        const uint32_t vertex = weft__vertex_at(def, 0, h);
+        if (weft__rest_in_space(def, vertex) == NULL) {
+            at->place_key[weft__place_at(def, 0, h)] = 1 + weft__part_at(def, vertex);
+        }
     }
     for (size_t k = 0; k < WEFT_CLOTHS_MAX; ++k) {
         of[k] = (place_extent){ { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
@@ -236,8 +216,7 @@ static void set_place_keys(weft__work *at)
             const place_extent *in = &of[at->place_key[i] - 1];
             const double side
                 = fmax(in->high[0] - in->low[0], in->high[1] - in->low[1]);
-            at->place_key[i] = hilbert(triangles_along((x[0] - in->low[0]) / side),
-                                       triangles_along((x[1] - in->low[1]) / side));
+            at->place_key[i] = weft__curve_key(x, in->low, side);
         }
     }
 }
@@ -249,10 +228,14 @@ static void set_keys(weft__work *at)
     set_place_keys(at);
     memset(at->key, 0xff, def->vertices * sizeof *at->key);
     for (size_t h = 0; h < 3 * def->triangles; ++h) {
-        const uint64_t key = at->place_key[weft__place_at(def, 0, h)];
-        uint64_t *kept = &at->key[weft__vertex_at(def, 0, h)];
-        *kept = key < *kept ? key : *kept;
+        const uint32_t vertex = weft__vertex_at(def, 0, h);
+        if (weft__rest_in_space(def, vertex) == NULL) {
+            const uint64_t key = at->place_key[weft__place_at(def, 0, h)];
+            uint64_t *kept = &at->key[vertex];
+            *kept = key < *kept ? key : *kept;
+        }
     }
+    weft__space_keys(at);
 }
 
 /* Sorts order[count] by keys, byte after byte from the last one; equal keys keep their
@@ -390,7 +373,8 @@ static void add_place(weft__work *at, uint32_t particle, uint32_t given,
                       uint32_t triangle)
 {
     weft__triangles *out = at->out;
-    const double *x = &at->def->rest[2 * (size_t)given];
+    const bool space = weft__rest_in_space(at->def, out->vertex[particle]) != NULL;
+    const double *x = (space ? at->view : at->def->rest) + 2 * (size_t)given;
     const bool mirrored = at->clockwise[triangle];
     out->particle[out->places] = particle;
     out->mirrored[out->places] = mirrored;
@@ -517,6 +501,7 @@ static void copy_fabrics(weft__work *at)
         *to = at->def->fabrics[i];
         to->twist = to->twist < 0.0 ? sqrt(to->bend[0] * to->bend[1]) : to->twist;
         to->name = NULL;
+        out->more[i] = (weft__fabric_more){ 0.0, to->stretch[0] + to->stretch[1] };
     }
     for (size_t i = 0; out->name != NULL && i < at->def->vertices; ++i) {
         out->name[i] = at->def->file_index[i];
@@ -551,7 +536,9 @@ static void copy_fabrics(weft__work *at)
     X(start, 3 * n)                                                                    \
     X(lumped, n)                                                                       \
     X(vertex, n)                                                                       \
-    X(of_vertex, n) X(fabrics, of->fabric_count) X(parts, of->part_count + 1)
+    X(of_vertex, n)                                                                    \
+    X(fabrics, of->fabric_room)                                                        \
+    X(more, of->fabric_room) X(parts, of->part_count + 1)
 
 static void triangles_allocate(weft__work *at)
 {
@@ -567,6 +554,7 @@ static void triangles_allocate(weft__work *at)
     at->other = weft__work_take(at, most, sizeof *at->other);
     of->count = of->all = t;
     of->fabric_count = at->def->fabric_count;
+    of->fabric_room = of->fabric_count + weft__space_fabrics(at->def);
     of->part_count = at->def->part_count;
     of->seams = at->def->seams;
     of->arc = at->def->arc;
@@ -574,6 +562,12 @@ static void triangles_allocate(weft__work *at)
     ARRAYS(TAKE)
     of->name
         = at->def->file_index != NULL ? weft__work_take(at, n, sizeof *of->name) : NULL;
+    if (weft__any_in_space(at->def)) {
+        at->view = weft__work_take(at, 2 * n, sizeof *at->view);
+        of->space = weft__work_take(at, 3 * n, sizeof *of->space);
+        of->in_space = weft__work_take(at, t, sizeof *of->in_space);
+        of->frame = weft__work_take(at, t, sizeof *of->frame);
+    }
 }
 
 /* Faults of what good triangles are joined to, with which the rest cannot be made. */
@@ -607,6 +601,7 @@ static void triangles_fill(weft__work *at)
     if (!at->failed) {
         set_areas(at);
         copy_fabrics(at);
+        weft__space_fill(at);
         list_halves(at, &at->out->corner[0][0], at->def->vertices, at->out->count);
         each_edge(at, at->def->vertices, triangles_add_edge);
     }
@@ -628,7 +623,7 @@ bool weft__triangles_create(weft__triangles **out, const weft_mesh_def *def,
         triangles_fill(&at);
     }
     WEFT__FREE_ALL(memory, at.bad, at.clockwise, at.one_sided, at.halves, at.first,
-                   at.piece, at.key, at.place_key, at.order, at.other);
+                   at.piece, at.key, at.place_key, at.order, at.other, at.view);
     *no_memory = at.no_memory;
     if (at.failed) {
         weft__triangles_destroy(at.out, memory);
@@ -644,7 +639,10 @@ size_t weft__triangles_bytes(const weft__triangles *of, size_t n)
 {
     const size_t t = of->count;
 #define BYTES(array, number) +(number) * sizeof *of->array
-    return sizeof *of + (of->name != NULL ? n * sizeof *of->name : 0) ARRAYS(BYTES);
+    const size_t frames = of->frame != NULL ? t : 0;
+    return sizeof *of + (of->name != NULL ? n * sizeof *of->name : 0)
+           + (frames > 0 ? 3 * n * sizeof *of->space : 0)
+           + frames * (sizeof *of->frame + sizeof *of->in_space) ARRAYS(BYTES);
 }
 
 void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
@@ -652,7 +650,7 @@ void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
     if (of != NULL) {
 #define FREE(array, number) weft__free(memory, of->array);
         ARRAYS(FREE)
-        WEFT__FREE_ALL(memory, of->name, of);
+        WEFT__FREE_ALL(memory, of->name, of->space, of->in_space, of->frame, of);
     }
 }
 

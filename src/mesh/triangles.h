@@ -31,6 +31,12 @@ typedef struct weft__part {
     double mass, density; /* of the grid, as in weft_cloth_def */
 } weft__part;
 
+/* What of a fabric is not in weft_fabric. */
+typedef struct weft__fabric_more {
+    double bend_coupling; /* [N m] D12 */
+    double barrier;       /* [N/m] C_warp + C_weft of the fabric as it is defined */
+} weft__fabric_more;
+
 typedef struct weft__triangles {
     size_t count, places, edges, pieces;
     size_t all;            /* `count` of the whole */
@@ -41,7 +47,8 @@ typedef struct weft__triangles {
     uint32_t *around_first, *around; /* triangles of particle i, ascending: around[j],
                                         around_first[i] <= j < around_first[i + 1] */
     double *area;                    /* [m^2] at rest, > 0 */
-    double (*rest)[2];  /* [m] (u, v) of a place; (-u, v) in mirrored pieces */
+    double (*rest)[2];  /* [m] (u, v) of a place; (-u, v) in mirrored pieces; where the
+                           rest shape lies in space, a view of it: see frame */
     bool *mirrored;     /* whether a place is of such a piece */
     uint32_t *particle; /* of a place */
     weft__edge *edge_list;
@@ -50,8 +57,14 @@ typedef struct weft__triangles {
     uint32_t *vertex, *of_vertex; /* of particle i of the whole in the definition, and
                                      back */
     size_t *name;                 /* of vertices; NULL: their numbers */
-    weft_fabric *fabrics;         /* twist >= 0 */
-    size_t fabric_count;
+    weft_fabric *fabrics;         /* twist >= 0; then those of space.c */
+    size_t fabric_count, fabric_room; /* without those; with them */
+    weft__fabric_more *more;          /* as many as fabrics */
+    double *space;         /* [m] x y z of each particle at rest in space; NULL:
+                              none is */
+    bool *in_space;        /* of triangles; NULL: none is */
+    double (*frame)[3][2]; /* [m] corners of each of them in its own plane, where
+                              the second axis is that of the warp; NULL: none */
     weft_seam seams;
     bool arc;
     weft__part *parts;
@@ -60,6 +73,18 @@ typedef struct weft__triangles {
 
 /* Of a vertex, or of a particle. */
 WEFT__PART_OF(weft__part_of, weft__triangles)
+
+/* Whether the rest shape of triangle t lies in space. */
+static inline bool weft__in_space(const weft__triangles *of, size_t t)
+{
+    return of->in_space != NULL && of->in_space[t];
+}
+
+/* [m] Where corner k of triangle t rests in a plane: (u, v), or its own. */
+static inline const double *weft__rest_at(const weft__triangles *of, size_t t, size_t k)
+{
+    return weft__in_space(of, t) ? of->frame[t][k] : of->rest[of->place[t][k]];
+}
 
 /* The part that has a vertex, or a particle, if it is a grid, whose particles have the
  * numbers of their vertices; else NULL. */

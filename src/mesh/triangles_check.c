@@ -3,9 +3,6 @@
  */
 #include "mesh/triangles_work.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-
 #include "base/finite.h"
 #include "base/memory.h"
 #include "base/name.h"
@@ -15,42 +12,24 @@
 #define MAX_TRIANGLES ((size_t)UINT32_MAX / 3)
 #define LEAST_HEIGHT  1e-4 /* of the longest edge */
 
-void *weft__work_take(weft__work *at, size_t count, size_t size)
-{
-    void *block = at->no_memory ? NULL : weft__zeroed(at->memory, count, size);
-    at->no_memory = at->no_memory || block == NULL;
-    at->failed = at->failed || at->no_memory;
-    return block;
-}
-
-void weft__mesh_fault(weft__work *at, weft__mesh_part part, size_t index,
-                      const char *format, ...)
-{
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    (void)vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    at->failed = true;
-    at->to->found(at->to->ctx, part, index, text);
-}
-
 /* ---- numbers --------------------------------------------------------------------- */
 
 static void triangles_check_check_arrays(weft__work *at)
 {
     const weft_mesh_def *def = at->def;
     const bool none = def->grids != NULL && def->triangles == 0;
-    const char *missing = none                   ? NULL
-                          : def->start == NULL   ? "start"
-                          : def->rest == NULL    ? "rest"
+    const bool plane = weft__any_in_plane(def);
+    const char *missing = none                                                ? NULL
+                          : def->start == NULL                                ? "start"
+                          : (plane || def->uv_count > 0) && def->rest == NULL ? "rest"
                           : def->corners == NULL ? "corners"
                           : def->fabrics == NULL ? "fabrics"
                                                  : NULL;
     if (def->vertices < 3 || def->vertices > MAX_VERTICES
         || def->triangles > MAX_TRIANGLES || def->uv_count > UINT32_MAX
         || (!none
-            && (def->triangles < 1 || def->uv_count < 3 || def->fabric_count < 1))) {
+            && (def->triangles < 1 || (plane && def->uv_count < 3)
+                || def->fabric_count < 1))) {
         weft__mesh_fault(
             at, WEFT__MESH_DEF, 0,
             "a mesh of %zu vertices, %zu places, %zu triangles and %zu fabrics: it "
@@ -142,6 +121,9 @@ static void check_positions(weft__work *at)
 double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest)
 {
     const double *x[3];
+    if (weft__rest_in_space(def, weft__vertex_at(def, t, 0)) != NULL) {
+        return weft__space_twice_area(def, t, longest);
+    }
     /* callers go through them all */
     const size_t soon = weft__soon(t, 32, def->triangles);
     double square = 0.0;
@@ -163,7 +145,9 @@ static bool check_indices(weft__work *at, size_t t)
     for (size_t k = 0; k < 3; ++k) {
         const uint32_t vertex = weft__vertex_at(def, t, k),
                        place = weft__place_at(def, t, k);
-        if (vertex >= def->vertices || place >= def->uv_count) {
+        const bool space
+            = vertex < def->vertices && weft__rest_in_space(def, vertex) != NULL;
+        if (vertex >= def->vertices || (!space && place >= def->uv_count)) {
             weft__mesh_fault(
                 at, WEFT__MESH_TRIANGLE, t,
                 "triangle %zu has corner %u at place %u, of %zu vertices and %zu "
@@ -189,6 +173,11 @@ static bool check_triangle(weft__work *at, size_t t)
     const double area = weft__twice_area(at->def, t, &longest),
                  height = fabs(area) / longest;
     const size_t part = weft__part_at(at->def, a);
+    const char *where
+        = weft__rest_in_space(at->def, a) != NULL
+              ? ", in the start shape, which `rest: start` makes the rest "
+                "shape"
+              : "";
     at->clockwise[t] = area < 0.0;
     if (part != weft__part_at(at->def, b) || part != weft__part_at(at->def, c)) {
         weft__mesh_fault(at, WEFT__MESH_TRIANGLE, t,
@@ -212,8 +201,8 @@ static bool check_triangle(weft__work *at, size_t t)
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, t,
             "the triangle of vertices %zu, %zu, %zu is degenerate at rest: its "
-            "corners have the same place in the rest shape",
-            weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c));
+            "corners have the same place in the rest shape%s",
+            weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c), where);
         return false;
     }
     if (!isfinite(area)) {
@@ -228,9 +217,10 @@ static bool check_triangle(weft__work *at, size_t t)
         weft__mesh_fault(
             at, WEFT__MESH_TRIANGLE, t,
             "the triangle of vertices %zu, %zu, %zu is %s at rest: its height is "
-            "%.3g m, below %g of its longest edge of %.3g m",
+            "%.3g m, below %g of its longest edge of %.3g m%s",
             weft__name_of(at, a), weft__name_of(at, b), weft__name_of(at, c),
-            area == 0.0 ? "degenerate" : "too thin", height, LEAST_HEIGHT, longest);
+            area == 0.0 ? "degenerate" : "too thin", height, LEAST_HEIGHT, longest,
+            where);
         return false;
     }
     return true;
@@ -266,10 +256,14 @@ void weft__triangles_check(weft__work *at)
     triangles_check_check_arrays(at);
     check_parts(at);
     if (!at->failed) {
+        weft__rests_check(at);
+    }
+    if (!at->failed) {
         check_positions(at);
         check_triangles(at);
     }
     if (!at->failed) {
         check_used(at);
+        weft__warps_check(at);
     }
 }

@@ -27,6 +27,7 @@ typedef struct weft__work {
     uint32_t *piece;         /* of a triangle: the root of its tree */
     uint64_t *key, *place_key; /* of vertices, or triangles; of places */
     uint32_t *order, *other;
+    double *view; /* [m] of vertices that rest in space: where they are on two axes */
 } weft__work;
 
 /* Zeroed; NULL: no memory, which *at keeps. */
@@ -42,8 +43,28 @@ bool weft__is_one_sided(weft__work *at, uint32_t triangle);
 /* Numbers, indices and shapes of triangles, one by one. */
 void weft__triangles_check(weft__work *at);
 
-/* Twice the area of a triangle at rest, signed, and its longest edge. */
+/* Twice the area of a triangle at rest, signed in the plane, and its longest edge. */
 double weft__twice_area(const weft_mesh_def *def, size_t t, double *longest);
+
+/* space.c: triangles whose rest shape lies in space. The corners of a triangle at rest
+ * in a plane, (u, v) or its own: then corner 0 is the origin and corner 1 lies on the
+ * first axis. */
+void weft__def_corners(const weft_mesh_def *def, size_t t, double corner[3][2]);
+/* As weft__twice_area, in space. */
+double weft__space_twice_area(const weft_mesh_def *def, size_t t, double *longest);
+/* The part of a triangle's fabric that has directions, 0 to 1. */
+double weft__woven_part(const weft_mesh_def *def, size_t t);
+/* Faults of the members about it; of warps that are normal to all triangles. */
+void weft__rests_check(weft__work *at);
+void weft__warps_check(weft__work *at);
+/* Writes at->key and at->view of vertices there. */
+void weft__space_keys(weft__work *at);
+/* Fabrics besides those of the definition; frames and fabrics of *at->out. */
+size_t weft__space_fabrics(const weft_mesh_def *def);
+void weft__space_fill(weft__work *at);
+
+/* The key of x along the curve, on a square from `low` with this side. */
+uint64_t weft__curve_key(const double x[2], const double low[2], double side);
 
 /* What messages call a vertex. */
 static inline size_t weft__name_of(const weft__work *at, size_t vertex)
@@ -63,7 +84,44 @@ static inline const weft_cloth_def *weft__grid_with(const weft_mesh_def *def, si
 /* mesh.c: where a vertex starts. */
 void weft__def_start(const weft_mesh_def *def, size_t vertex, double x[3]);
 
-/* The vertex and the place of corner k of triangle t. */
+/* How the cloth of a vertex rests; NULL: in the plane. */
+static inline const weft_rest *weft__rest_in_space(const weft_mesh_def *def, size_t i)
+{
+    const weft_rest *of
+        = def->rests != NULL ? &def->rests[weft__part_at(def, i)] : NULL;
+    return of != NULL && of->shape == WEFT_REST_START ? of : NULL;
+}
+
+static inline bool weft__any_in_space(const weft_mesh_def *def)
+{
+    const size_t parts = def->part_count > 0 ? def->part_count : 1;
+    bool any = false;
+    for (size_t k = 0; def->rests != NULL && k < parts; ++k) {
+        any = any || def->rests[k].shape == WEFT_REST_START;
+    }
+    return any;
+}
+
+/* Whether a mesh has triangles in the plane. */
+static inline bool weft__any_in_plane(const weft_mesh_def *def)
+{
+    const size_t parts = def->part_count > 0 ? def->part_count : 1;
+    bool any = def->rests == NULL;
+    for (size_t k = 0; def->rests != NULL && k < parts; ++k) {
+        const bool grid = def->grids != NULL && def->grids[k] != NULL;
+        any = any || (!grid && def->rests[k].shape == WEFT_REST_PLANE);
+    }
+    return any;
+}
+
+/* [m] Where a vertex rests in space. */
+static inline const double *weft__space_of(const weft_mesh_def *def, size_t i)
+{
+    return (def->space != NULL ? def->space : def->start) + 3 * i;
+}
+
+/* The vertex and the place of corner k of triangle t. In space, a vertex is its place.
+ */
 static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_t k)
 {
     return def->corners[3 * t + k];
@@ -71,6 +129,8 @@ static inline uint32_t weft__vertex_at(const weft_mesh_def *def, size_t t, size_
 
 static inline uint32_t weft__place_at(const weft_mesh_def *def, size_t t, size_t k)
 {
-    return def->corner_uv != NULL ? def->corner_uv[3 * t + k]
-                                  : weft__vertex_at(def, t, k);
+    const uint32_t vertex = weft__vertex_at(def, t, k);
+    return def->corner_uv != NULL && weft__rest_in_space(def, vertex) == NULL
+               ? def->corner_uv[3 * t + k]
+               : vertex;
 }

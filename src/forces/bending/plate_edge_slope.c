@@ -7,6 +7,7 @@
 
 #include "base/grow.h"
 #include "base/plane.h"
+#include "forces/bending/develop.h"
 
 enum {
     TERMS = 6,                /* 1, a, b, a^2/2, b^2/2, a b */
@@ -40,7 +41,9 @@ typedef struct search {
     size_t fitted;      /* points of the best, 0: none */
     double gain;        /* |c| / |S^(-1/2) n| of the best */
     double middle[2], normal[2];
-    double root[3]; /* S^(-1/2): uu, uv, vv */
+    double root[3];         /* S^(-1/2): uu, uv, vv */
+    weft__develop unfolded; /* of edges that rest in space */
+    bool in_space;          /* the edge is one of these */
 } search;
 
 static bool live(const search *s, uint32_t triangle)
@@ -120,6 +123,10 @@ static void edge_slope_take(search *s, uint32_t place, size_t e, uint32_t *to,
 
 static void offset(const search *s, uint32_t place, double y[2])
 {
+    if (s->in_space) {
+        (void)weft__developed(&s->unfolded, place, y);
+        return;
+    }
     y[0] = s->mesh->rest[place][0] - s->middle[0];
     y[1] = s->mesh->rest[place][1] - s->middle[1];
 }
@@ -153,6 +160,34 @@ static void whiten(const search *s, const double y[2], double out[2])
     out[1] = s->root[1] * y[0] + s->root[2] * y[1];
 }
 
+/* Drops points that the unfolding has not reached; returns how many are left. */
+static size_t keep_developed(const search *s, uint32_t *points, size_t count)
+{
+    size_t kept = 0;
+    double y[2];
+    for (size_t k = 0; k < count; ++k) {
+        if (weft__developed(&s->unfolded, points[k], y)) {
+            points[kept++] = points[k];
+        }
+    }
+    return kept;
+}
+
+/* Unfolds until all of the pool have places, or nothing is left to unfold. */
+static void reach_pool(search *s)
+{
+    bool all = false, more = true;
+    while (!all && more) {
+        double y[2];
+        all = true;
+        for (size_t k = 0; all && k < s->waiting; ++k) {
+            all = weft__developed(&s->unfolded, s->pool[k], y);
+        }
+        more = all || weft__develop_more(&s->unfolded);
+    }
+    s->waiting = keep_developed(s, s->pool, s->waiting);
+}
+
 static void patch(search *s, size_t e)
 {
     const weft__edge *edge = &s->mesh->edge_list[e];
@@ -166,6 +201,14 @@ static void patch(search *s, size_t e)
         }
     }
     qsort(s->points, s->count, sizeof *s->points, weft__ascending);
+    s->in_space = weft__in_space(s->mesh, edge->triangle[0]);
+    if (s->in_space) {
+        weft__develop_begin(&s->unfolded, e);
+        s->count = keep_developed(s, s->points, s->count);
+        s->normal[0] = 0.0, s->normal[1] = -1.0;
+        edge_slope_measure(s);
+        return;
+    }
     const double *a = s->mesh->rest[edge->place[0]], *b = s->mesh->rest[edge->place[1]];
     const double t[2] = { b[0] - a[0], b[1] - a[1] };
     const double length = sqrt(t[0] * t[0] + t[1] * t[1]);
@@ -190,6 +233,9 @@ static void edge_slope_gather(search *s, size_t e)
             }
         }
         begin = end;
+    }
+    if (s->in_space) {
+        reach_pool(s);
     }
     for (size_t k = 0; k < s->waiting; ++k) {
         double y[2], hat[2];
@@ -360,6 +406,25 @@ typedef struct faces {
     double share[4]; /* [1/m] */
 } faces;
 
+/* A corner of a triangle of the edge, as it lies in the plane. */
+static const double *laid_corner(const search *s, uint32_t triangle, size_t k)
+{
+    return s->in_space ? s->unfolded.corner[triangle][k]
+                       : s->mesh->rest[s->mesh->place[triangle][k]];
+}
+
+/* -1 where its corners run clockwise there. */
+static double laid_turn(const search *s, uint32_t triangle)
+{
+    return s->in_space
+                   && weft__plane_turn(laid_corner(s, triangle, 0),
+                                       laid_corner(s, triangle, 1),
+                                       laid_corner(s, triangle, 2))
+                          < 0.0
+               ? -1.0
+               : 1.0;
+}
+
 /* Of the held triangles alone, or of all. */
 static faces faces_of(const search *s, const weft__edge *edge, bool held)
 {
@@ -373,11 +438,12 @@ static faces faces_of(const search *s, const weft__edge *edge, bool held)
         const uint32_t triangle = edge->triangle[k / 3];
         if (taken[k / 3]) {
             const uint32_t *place = s->mesh->place[triangle];
-            const double *a = s->mesh->rest[place[(k + 1) % 3]];
-            const double *b = s->mesh->rest[place[(k + 2) % 3]];
+            const double *a = laid_corner(s, triangle, (k + 1) % 3);
+            const double *b = laid_corner(s, triangle, (k + 2) % 3);
             const double part = taken[1 - k / 3] ? 0.5 : 1.0;
             const double along
-                = s->normal[0] * (a[1] - b[1]) + s->normal[1] * (b[0] - a[0]);
+                = laid_turn(s, triangle)
+                  * (s->normal[0] * (a[1] - b[1]) + s->normal[1] * (b[0] - a[0]));
             size_t at = 0;
             while (at < mean.count && mean.place[at] != place[k % 3]) {
                 ++at;
@@ -445,6 +511,16 @@ static bool edge_slope_fit(search *s, size_t e)
     return edge_slope_store(s, s->points, s->best, s->fitted);
 }
 
+/* [m^2] of its length. */
+static double edge_square(const search *s, size_t e)
+{
+    const uint32_t *ends = s->mesh->edge_list[e].place;
+    const double *a = s->mesh->rest[ends[0]], *b = s->mesh->rest[ends[1]];
+    const double t[2] = { b[0] - a[0], b[1] - a[1] };
+    return s->in_space ? s->unfolded.length[e] * s->unfolded.length[e]
+                       : t[0] * t[0] + t[1] * t[1];
+}
+
 /* L^2 / sqrt(12) times the second derivative along an edge, by the points of the best
  * fit of its slope; nothing of an edge of a held triangle, or without a good fit. */
 static bool curve(search *s, size_t e)
@@ -464,10 +540,9 @@ static bool curve(search *s, size_t e)
     if (!(s->gain <= BAD) || s->count > WEFT__CURVE_PARTS || !isfinite(fit(s, d))) {
         return true;
     }
-    const double *a = s->mesh->rest[edge->place[0]], *b = s->mesh->rest[edge->place[1]];
-    const double t[2] = { b[0] - a[0], b[1] - a[1] };
+    const double square = edge_square(s, e);
     for (size_t k = 0; k < s->count; ++k) {
-        s->fit[k] *= (t[0] * t[0] + t[1] * t[1]) / sqrt(12.0);
+        s->fit[k] *= square / sqrt(12.0);
     }
     return edge_slope_store(s, s->points, s->fit, s->count);
 }
@@ -489,7 +564,9 @@ bool weft__edge_slopes_create(weft__edge_slopes *out, const weft__triangles *of,
     search s = { .mesh = of, .held = held, .memory = memory, .out = out };
     *out = (weft__edge_slopes){ .first = weft__zeroed(memory, of->edges + 1,
                                                       sizeof *out->first) };
-    bool made = out->first != NULL && edge_slope_reserve(&s);
+    bool made = out->first != NULL && edge_slope_reserve(&s)
+                && (of->in_space == NULL
+                    || weft__develop_create(&s.unfolded, of, held, memory));
     if (made) {
         edge_slope_join(&s);
     }
@@ -503,6 +580,7 @@ bool weft__edge_slopes_create(weft__edge_slopes *out, const weft__triangles *of,
         }
         out->first[e + 1] = out->count;
     }
+    weft__develop_free(&s.unfolded);
     WEFT__FREE_ALL(memory, s.first, s.lists, s.work);
     return made;
 }

@@ -59,6 +59,9 @@ static double plate_matrix_sign_of(const weft__triangles *mesh, uint32_t triangl
                                    size_t e)
 {
     const uint32_t *edges = mesh->edge[triangle];
+    if (weft__in_space(mesh, triangle)) { /* the first one lies above */
+        return mesh->edge_list[e].triangle[0] == triangle ? 1.0 : -1.0;
+    }
     const size_t k = edges[0] == e ? 0 : edges[1] == e ? 1 : 2;
     return mesh->place[triangle][(k + 1) % 3] == mesh->edge_list[e].place[0] ? 1.0
                                                                              : -1.0;
@@ -75,8 +78,9 @@ static size_t plate_matrix_add_edge(stencils *of, size_t begin, uint32_t triangl
     const weft__edge *edge = &mesh->edge_list[e];
     const uint32_t p = mesh->place[triangle][(k + 1) % 3],
                    q = mesh->place[triangle][(k + 2) % 3];
-    const double d[2]
-        = { mesh->rest[q][0] - mesh->rest[p][0], mesh->rest[q][1] - mesh->rest[p][1] };
+    const double *from = weft__rest_at(mesh, triangle, (k + 1) % 3),
+                 *to = weft__rest_at(mesh, triangle, (k + 2) % 3);
+    const double d[2] = { to[0] - from[0], to[1] - from[1] };
     const double length = sqrt(d[0] * d[0] + d[1] * d[1]), area = mesh->area[triangle];
     const double t[2] = { d[0] / length, d[1] / length }, n[2] = { t[1], -t[0] };
     const double along[3] = { t[0] * n[0], t[1] * n[1], t[0] * n[1] + t[1] * n[0] };
@@ -129,6 +133,41 @@ static size_t orthonormal(double columns[3][3], size_t count)
     return rank;
 }
 
+/* v becomes root v: D^(1/2) with D12, which is symmetric. */
+static void multiply_root(const double root[4], double v[3])
+{
+    const double first = root[0] * v[0] + root[2] * v[1];
+    v[1] = root[2] * v[0] + root[1] * v[1];
+    v[0] = first;
+    v[2] *= root[3];
+}
+
+/* As stiffen, of a fabric with D12: the root of its first two rows is that of a 2 x 2
+ * matrix, (D + sqrt(det) I) / sqrt(tr + 2 sqrt(det)). */
+static void stiffen_coupled(stencils *of, size_t begin, const weft_fabric *fabric,
+                            double coupling, double part, double m[3][3], size_t rims)
+{
+    const double a = fabric->bend[1], b = fabric->bend[0];
+    const double det = sqrt(fmax(0.0, a * b - coupling * coupling));
+    const double scale = 1.0 / sqrt(a + b + 2.0 * det);
+    const double root[4] = { (a + det) * scale, (b + det) * scale, coupling * scale,
+                             sqrt(fabric->twist / 2.0) };
+    for (size_t i = 0; i < rims; ++i) {
+        multiply_root(root, m[i]);
+    }
+    const size_t rank = orthonormal(m, rims);
+    for (size_t j = begin; j < of->count; ++j) {
+        double *r = of->r[j];
+        multiply_root(root, r);
+        for (size_t i = 0; i < rank; ++i) {
+            plate_matrix_subtract(r, m[i]);
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            r[k] = rank < 3 ? r[k] * part : 0.0;
+        }
+    }
+}
+
 /* The energy's minimum over the free slopes of rims: r = sqrt(A) (I - Q Q^T) D^(1/2) H,
  * Q an orthonormal basis of the columns of D^(1/2) M. */
 static void stiffen(stencils *of, size_t begin, size_t triangle, double m[3][3],
@@ -138,6 +177,11 @@ static void stiffen(stencils *of, size_t begin, size_t triangle, double m[3][3],
     const double d[3]
         = { sqrt(fabric->bend[1]), sqrt(fabric->bend[0]), sqrt(fabric->twist / 2.0) };
     const double part = sqrt(of->mesh->area[triangle]);
+    const double coupling = of->mesh->more[of->mesh->fabric[triangle]].bend_coupling;
+    if (coupling != 0.0) {
+        stiffen_coupled(of, begin, fabric, coupling, part, m, rims);
+        return;
+    }
     for (size_t i = 0; i < rims; ++i) {
         for (size_t k = 0; k < 3; ++k) {
             m[i][k] *= d[k];

@@ -156,7 +156,8 @@ static weft_spring membrane_strain_of(const weft__membrane *own,
 {
     weft__sides3 now;
     weft__membrane_sides(own->mesh, tri->corner, y, &now);
-    const double square = CONSTANT(tri->of, WEFT__SQUARE + i);
+    const double square
+        = CONSTANT(tri->of, WEFT__SQUARE + i) - weft__arc_bow(own, tri->number, i);
     const uint32_t a = tri->corner[(i + 1) % 3], b = tri->corner[(i + 2) % 3];
     return (weft_spring){ .family = WEFT_STRETCH,
                           .p = a < b ? a : b,

@@ -91,6 +91,7 @@ typedef struct weft__arc {
     weft__edge_slopes rows; /* h of each edge */
     size_t *begin;          /* of each particle, and their number: */
     weft__arc_part *part;
+    double *bow;        /* [m^2] |h|^2 of each edge at rest in space; NULL: all 0 */
     double *weight_sum; /* of an edge: the sum of |share| weight */
     size_t *block;      /* the first group of each block, and their number: */
     weft__arc_group *group;
@@ -251,11 +252,19 @@ static inline double weft__geometric(const weft__rest *of, const double s[3], si
 /* ---- membrane_arc.c -----------------------------------------------------------------
  */
 
-/* membrane_arc_init.c. False: no memory; free it in either case. */
-bool weft__arc_create(weft__membrane *own, weft__stop *stop,
-                      const weft_allocator *memory);
+/* membrane_arc_init.c: the rows of h and what they are at rest, then the other tables.
+ * False: no memory; free it in either case. */
+bool weft__arc_measure(weft__membrane *own, weft__stop *stop,
+                       const weft_allocator *memory);
+bool weft__arc_create(weft__membrane *own, const weft_allocator *memory);
 void weft__arc_free(weft__arc *of, const weft_allocator *memory);
 size_t weft__arc_bytes(const weft__membrane *own);
+
+/* [m^2] |h|^2 at rest of edge i of triangle t. */
+static inline double weft__arc_bow(const weft__membrane *own, size_t t, size_t i)
+{
+    return own->arc.bow != NULL ? own->arc.bow[own->mesh->triangles->edge[t][i]] : 0.0;
+}
 
 /* |h|^2 of an edge [m^2], and its rate [m^2/s]; 0 of chords. */
 void weft__arc_square(const weft__membrane *own, const double *y, size_t edge,

@@ -92,7 +92,8 @@ static void add_pull(const weft__membrane *own, const weft__state *at, size_t t,
         bow of;
         bow_of(own, at, edge[i], &of);
         const weft__bent b = change ? membrane_arc_change_of(&of) : bent_of(&of);
-        const double rest = change ? 0.0 : CONSTANT(c, WEFT__SQUARE + i);
+        const double rest
+            = change ? 0.0 : CONSTANT(c, WEFT__SQUARE + i) + weft__arc_bow(own, t, i);
         z[i] = b.arc + lag * b.arc_rate;
         q[i] = ((b.chord - rest) + lag * b.chord_rate) + z[i];
     }

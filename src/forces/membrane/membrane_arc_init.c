@@ -129,7 +129,9 @@ static bool take_edges(arc_maker *by, const weft__arc_group *from,
     }
     weft__membrane_constants(by->of, tri->triangle, c);
     memcpy(tri->stiff, c + WEFT__STIFF, sizeof tri->stiff);
-    memcpy(tri->square, c + WEFT__SQUARE, sizeof tri->square);
+    for (size_t k = 0; k < 3; ++k) {
+        tri->square[k] = c[WEFT__SQUARE + k] + weft__arc_bow(by->own, tri->triangle, k);
+    }
     tri->lag = c[WEFT__LAG];
     return made;
 }
@@ -231,32 +233,65 @@ static bool membrane_arc_init_weight_sums(arc_maker *by)
     return arc->weight_sum != NULL;
 }
 
-bool weft__arc_create(weft__membrane *own, weft__stop *stop,
-                      const weft_allocator *memory)
+/* |h|^2 of each edge at rest, where that lies in space. */
+static bool measure_bows(weft__membrane *own, const weft_allocator *memory)
+{
+    const weft__triangles *of = own->mesh->triangles;
+    const size_t n = own->mesh->particles;
+    double *x = weft__alloc(memory, n, 3 * sizeof *x), h[3];
+    own->arc.bow = weft__zeroed(memory, of->edges, sizeof *own->arc.bow);
+    const bool made = x != NULL && own->arc.bow != NULL;
+    for (size_t j = 0; made && j < 3 * n; ++j) {
+        x[j % 3 * n + j / 3] = of->space[j];
+    }
+    for (size_t e = 0; made && e < of->edges; ++e) {
+        if (weft__in_space(of, of->edge_list[e].triangle[0])) {
+            weft__arc_row(own, x, e, h);
+            own->arc.bow[e] = weft__dot(h, h);
+        }
+    }
+    weft__free(memory, x);
+    return made;
+}
+
+bool weft__arc_measure(weft__membrane *own, weft__stop *stop,
+                       const weft_allocator *memory)
+{
+    const weft__triangles *of = own->mesh->triangles;
+    if (!of->arc) {
+        return true;
+    }
+    bool *held = weft__held_triangles(of, own->mesh->pin, memory);
+    const bool made
+        = held != NULL
+          && weft__edge_slopes_create(&own->arc.rows, of, held, true, stop, memory)
+          && (of->in_space == NULL || measure_bows(own, memory));
+    weft__free(memory, held);
+    return made;
+}
+
+bool weft__arc_create(weft__membrane *own, const weft_allocator *memory)
 {
     const weft__triangles *of = own->mesh->triangles;
     arc_maker by = { .own = own, .of = of, .memory = memory };
     if (!of->arc) {
         return true;
     }
-    bool *held = weft__held_triangles(of, own->mesh->pin, memory);
     by.edge = weft__zeroed(memory, of->edges, sizeof *by.edge);
     by.triangle = weft__zeroed(memory, of->count, sizeof *by.triangle);
     by.near = weft__zeroed(memory, own->mesh->particles, sizeof *by.near);
-    const bool made
-        = held != NULL && by.edge != NULL && by.triangle != NULL && by.near != NULL
-          && weft__edge_slopes_create(&own->arc.rows, of, held, true, stop, memory)
-          && list_parts(&by) && membrane_arc_init_weight_sums(&by)
-          && membrane_arc_init_make_groups(&by);
-    WEFT__FREE_ALL(memory, held, by.edge, by.triangle, by.near);
+    const bool made = by.edge != NULL && by.triangle != NULL && by.near != NULL
+                      && list_parts(&by) && membrane_arc_init_weight_sums(&by)
+                      && membrane_arc_init_make_groups(&by);
+    WEFT__FREE_ALL(memory, by.edge, by.triangle, by.near);
     return made;
 }
 
 void weft__arc_free(weft__arc *of, const weft_allocator *memory)
 {
     weft__edge_slopes_free(&of->rows, memory);
-    WEFT__FREE_ALL(memory, of->begin, of->part, of->weight_sum, of->block, of->group,
-                   of->near, of->edge, of->triangle, of->row, of->share);
+    WEFT__FREE_ALL(memory, of->begin, of->part, of->bow, of->weight_sum, of->block,
+                   of->group, of->near, of->edge, of->triangle, of->row, of->share);
 }
 
 size_t weft__arc_bytes(const weft__membrane *own)
@@ -270,6 +305,7 @@ size_t weft__arc_bytes(const weft__membrane *own)
            + own->mesh->particles * sizeof *of->begin
            + own->mesh->triangles->edges
                  * (sizeof *of->weight_sum + sizeof *of->rows.first)
+           + (of->bow != NULL ? own->mesh->triangles->edges * sizeof *of->bow : 0)
            + of->nears * sizeof *of->near + of->edges * sizeof *of->edge
            + of->triangles * sizeof *of->triangle
            + of->rows_near * (sizeof *of->row + sizeof *of->share)

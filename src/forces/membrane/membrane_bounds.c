@@ -22,8 +22,8 @@ weft__rest weft__rest_of(const weft__triangles *of, size_t t)
 {
     weft__rest out = { .fabric = &of->fabrics[of->fabric[t]], .area = of->area[t] };
     for (size_t a = 0; a < 3; ++a) {
-        const double *from = of->rest[of->place[t][(a + 1) % 3]];
-        const double *to = of->rest[of->place[t][(a + 2) % 3]];
+        const double *from = weft__rest_at(of, t, (a + 1) % 3);
+        const double *to = weft__rest_at(of, t, (a + 2) % 3);
         out.grad[a][0] = (from[1] - to[1]) / (2.0 * out.area);
         out.grad[a][1] = (to[0] - from[0]) / (2.0 * out.area);
     }
@@ -87,7 +87,8 @@ void weft__load_of(const weft__membrane *own, size_t t, const weft__rest *of,
     }
     memcpy(chord, e, sizeof chord);
     for (size_t j = 0; j < 9; ++j) {
-        e[j % 3] += out->arc[j / 3] * part[j / 3][j % 3];
+        const double arc = out->arc[j / 3] - weft__arc_bow(own, t, j / 3);
+        e[j % 3] += arc * part[j / 3][j % 3];
     }
     weft__membrane_stress(of->fabric, e, stress);
     (void)above(stress, 1.0, out->taut);
@@ -215,6 +216,8 @@ static bound_parts arc_parts(const weft__membrane *own, const weft__state *at, s
     } else {
         any_load(tri, t, rest, &now);
         now.arc[k] = MOST_TURN * MOST_TURN / 12.0 * CONSTANT(now.of, WEFT__SQUARE + k);
+        const double bow = weft__arc_bow(own, t, k);
+        now.arc[k] += bow > 0.0 ? bow + 2.0 * sqrt(bow * now.arc[k]) : 0.0;
     }
     for (size_t j = 0; j < 3; ++j) {
         row += fabs(CONSTANT(now.of, WEFT__STIFF + plane[k][j]));

@@ -134,6 +134,9 @@ static bool make_constants(maker *by)
         if (t != WEFT__NONE) {
             double constants[WEFT__CONSTANTS];
             weft__membrane_constants(by->of, t, constants);
+            for (size_t k = 0; k < 3; ++k) {
+                constants[WEFT__SQUARE + k] += weft__arc_bow(own, t, k);
+            }
             for (size_t k = 0; k < WEFT__CONSTANTS; ++k) {
                 own->batches[g].of[k][lane] = constants[k];
             }
@@ -171,7 +174,6 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
 {
     weft__membrane *of = own;
     const weft__triangles *triangles = of->mesh->triangles;
-    (void)def;
     if (triangles == NULL || triangles->count == 0) {
         return true;
     }
@@ -181,8 +183,9 @@ bool weft__membrane_init(void *own, const weft_cloth_def *def,
     by.taken = weft__zeroed(memory, n, sizeof *by.taken);
     by.list = weft__alloc(memory, triangles->count, sizeof *by.list);
     by.next = weft__alloc(memory, triangles->count, sizeof *by.next);
-    const bool made = membrane_init_make(&by) && weft__membrane_weigh(of, memory)
-                      && weft__arc_create(of, def->stop_ctx, memory)
+    const bool made = weft__arc_measure(of, def->stop_ctx, memory)
+                      && membrane_init_make(&by) && weft__membrane_weigh(of, memory)
+                      && weft__arc_create(of, memory)
                       && weft__membrane_list_couplings(of, memory);
     WEFT__FREE_ALL(memory, by.near, by.taken, by.list, by.next);
     return made;

@@ -171,8 +171,8 @@ void weft__membrane_shape(const weft__triangles *of, size_t t, double shape[3][3
     const double per = 1.0 / (16.0 * of->area[t] * of->area[t]);
     double e[3][2];
     for (size_t i = 0; i < 3; ++i) {
-        const double *from = of->rest[of->place[t][(i + 1) % 3]];
-        const double *to = of->rest[of->place[t][(i + 2) % 3]];
+        const double *from = weft__rest_at(of, t, (i + 1) % 3);
+        const double *to = weft__rest_at(of, t, (i + 2) % 3);
         e[i][0] = to[0] - from[0], e[i][1] = to[1] - from[1];
     }
     for (size_t i = 0; i < 3; ++i) {
@@ -185,8 +185,8 @@ void weft__membrane_shape(const weft__triangles *of, size_t t, double shape[3][3
 
 static double membrane_loops_rest_square(const weft__triangles *of, size_t t, size_t i)
 {
-    const double *from = of->rest[of->place[t][(i + 1) % 3]];
-    const double *to = of->rest[of->place[t][(i + 2) % 3]];
+    const double *from = weft__rest_at(of, t, (i + 1) % 3);
+    const double *to = weft__rest_at(of, t, (i + 2) % 3);
     const double u = to[0] - from[0], v = to[1] - from[1];
     return u * u + v * v;
 }
@@ -211,7 +211,7 @@ void weft__membrane_shaped(const weft__triangles *of, size_t t,
     }
     to[WEFT__LEAST] = 0.36 * 16.0 * area * area;
     to[WEFT__LAG] = 2.0 * fabric->damping[0];
-    to[WEFT__GUARD] = area * (fabric->stretch[0] + fabric->stretch[1]) / 8.0;
+    to[WEFT__GUARD] = area * of->more[of->fabric[t]].barrier / 8.0;
 }
 
 void weft__membrane_constants(const weft__triangles *of, size_t t,

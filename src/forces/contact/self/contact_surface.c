@@ -38,8 +38,8 @@ void weft__surface_draft_mesh(weft__surface_draft *to, const weft__triangles *of
     }
     for (size_t j = 0; j < 3 * of->count; ++j) {
         const size_t t = j / 3, k = j % 3;
-        const double *a = of->rest[of->place[t][(k + 1) % 3]],
-                     *b = of->rest[of->place[t][(k + 2) % 3]];
+        const double *a = weft__rest_at(of, t, (k + 1) % 3),
+                     *b = weft__rest_at(of, t, (k + 2) % 3);
         double *density = &to->density[of->corner[t][k]];
         to->corner[t][k] = of->corner[t][k];
         to->side[t][k] = weft__squared(a, b);

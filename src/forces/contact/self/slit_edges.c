@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* slit_edges.c -- pairs of primitives of one piece that are nearer than two thicknesses
  * in its flat rest shape. At a slit, where two slit edges lie on each other, they never
- * act; elsewhere they are a notch that is too narrow for the thickness. */
+ * act; elsewhere they are a notch that is too narrow for the thickness. Where the rest
+ * shape lies in space, pairs that are as near there never act if a path of at most two
+ * edges joins them; others are layers, which act. */
 #include <stdlib.h>
 
 #include "base/grow.h"
@@ -112,9 +114,63 @@ static bool both_at_slit(const weft__contact_surface *surface, const weft__pair 
     return at[0] && at[1];
 }
 
-/* What was found, as slit edges or as the notch. */
-static void sort_out(const slit_search *of, weft__contact_surface *surface)
+/* Whether an edge joins two particles. */
+static bool has_edge(const weft__triangles *of, uint32_t p, uint32_t q)
 {
+    bool any = false;
+    for (size_t j = of->around_first[p]; !any && j < of->around_first[p + 1]; ++j) {
+        const uint32_t *c = of->corner[of->around[j]];
+        any = c[0] == q || c[1] == q || c[2] == q;
+    }
+    return any;
+}
+
+/* Whether a path of at most two edges does. */
+static bool has_path(const weft__triangles *of, uint32_t p, uint32_t q)
+{
+    bool any = has_edge(of, p, q);
+    for (size_t j = of->around_first[p]; !any && j < of->around_first[p + 1]; ++j) {
+        for (size_t k = 0; !any && k < 3; ++k) {
+            any = has_edge(of, of->corner[of->around[j]][k], q);
+        }
+    }
+    return any;
+}
+
+/* Whether one joins a particle of either side of a pair. */
+static bool is_joined(const weft__triangles *of, const weft__pair *pair)
+{
+    const size_t all = weft__pair_particles(pair);
+    const size_t first = pair->kind == WEFT__EDGES ? 2 : 1;
+    bool any = false;
+    for (size_t k = 0; !any && k < first * (all - first); ++k) {
+        any = has_path(of, pair->particle[k % first], pair->particle[first + k / first]);
+    }
+    return any;
+}
+
+/* The pairs that rest in space, as slit edges if a path joins them; leaves the others.
+ */
+static void sort_out_space(slit_search *of, weft__contact_surface *surface)
+{
+    const weft__triangles *mesh = of->of;
+    size_t left = 0;
+    for (size_t i = 0; mesh->in_space != NULL && i < of->count; ++i) {
+        const weft__pair *pair = &of->at[i].pair;
+        const uint32_t at = mesh->around[mesh->around_first[pair->particle[0]]];
+        if (!weft__in_space(mesh, at)) {
+            of->at[left++] = of->at[i];
+        } else if (is_joined(mesh, pair)) {
+            weft__pair_key(pair, surface->slit_pairs[surface->slit_pair_count++]);
+        }
+    }
+    of->count = mesh->in_space != NULL ? left : of->count;
+}
+
+/* What was found, as slit edges or as the notch. */
+static void sort_out(slit_search *of, weft__contact_surface *surface)
+{
+    sort_out_space(of, surface);
     for (size_t i = 0; i < of->count; ++i) {
         const weft__pair *pair = &of->at[i].pair;
         for (size_t k = 0; k < weft__pair_particles(pair); ++k) {
@@ -135,6 +191,25 @@ static void sort_out(const slit_search *of, weft__contact_surface *surface)
           by_key);
 }
 
+/* Places that rest in space, below all planes. */
+static void lay_out_space(const weft__triangles *of, double range, double *y)
+{
+    const size_t n = of->places;
+    double high = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+        high = fmax(high, of->space[3 * of->particle[i] + 2]);
+    }
+    for (size_t j = 0; j < 3 * of->count; ++j) {
+        if (of->in_space[j / 3]) {
+            const uint32_t place = of->place[j / 3][j % 3];
+            const double *x = &of->space[3 * of->particle[place]];
+            y[place] = x[0];
+            y[n + place] = x[1];
+            y[2 * n + place] = x[2] - high - 2.0 * range;
+        }
+    }
+}
+
 /* Places, each piece in a plane of its own. */
 static void lay_out(const weft__triangles *of, double range, double *y)
 {
@@ -145,6 +220,9 @@ static void lay_out(const weft__triangles *of, double range, double *y)
         y[place] = of->rest[place][0];
         y[n + place] = of->rest[place][1];
         y[2 * n + place] = 2.0 * range * (double)of->piece[t];
+    }
+    if (of->in_space != NULL) {
+        lay_out_space(of, range, y);
     }
 }
 
