@@ -320,6 +320,10 @@ static const weft__key turn_keys[] = {
       .meaning = "counterclockwise, seen from the end of the axis" },
 };
 
+/* In the order of weft_rest_shape, and of weft_rest_angle. */
+static const char *const rest_names[] = { "plane", "start", NULL };
+static const char *const angle_names[] = { "flat", "start", NULL };
+
 static const weft__key mesh_keys[] = {
     { "file", WEFT__TEXT, .required = true, AT(weft__mesh_file, file),
       .meaning = "an OBJ file beside the scene: v start positions, vt the rest shape "
@@ -336,6 +340,13 @@ static const weft__key mesh_keys[] = {
       .meaning = "added to the start positions after the turn" },
     { "turn", WEFT__MAPPING, CHECKED(turn), .absent = "none", AT(weft__mesh_file, turn),
       .meaning = "of the start positions" },
+    { "rest", WEFT__CHOICE, .names = rest_names, .fallback = "plane",
+      AT(weft__mesh_file, rest.shape), .meaning = "the rest shape: vt, or v in space" },
+    { "angle", WEFT__CHOICE, .names = angle_names, .first = WEFT_ANGLE_FLAT,
+      .absent = "flat; with rest: start, start", AT(weft__mesh_file, rest.angle),
+      .meaning = "the shape without bending" },
+    { "warp", WEFT__VECTOR, .absent = "none", AT(weft__mesh_file, rest.warp),
+      .meaning = "rest: start only: its direction in the file" },
 };
 
 static const weft__key disc_keys[] = {

@@ -81,9 +81,10 @@ static bool splits_at_1(const weft__obj *obj, const weft__obj_face *face)
         return obj->like->corners[3 * t] == obj->vertex_of[v[1]];
     }
     for (size_t k = 0; k < 4; ++k) {
-        const double *at = obj->body ? obj->vertex[v[k]] : obj->place[face->place[k]];
-        const double of_body = obj->body ? at[2] : 0.0;
-        memcpy(x[k], (double[]){ at[0], at[1], of_body }, sizeof x[k]);
+        const bool flat = !obj->body && !obj->in_space;
+        const double *at = flat ? obj->place[face->place[k]] : obj->vertex[v[k]];
+        const double height = flat ? 0.0 : at[2];
+        memcpy(x[k], (double[]){ at[0], at[1], height }, sizeof x[k]);
     }
     const bool in_02 = run_alike(x[0], x[1], x[2], x[3]);
     const bool in_13 = run_alike(x[1], x[2], x[3], x[0]);
@@ -174,7 +175,7 @@ static void add_face(obj_builder *self, size_t index)
     const weft__obj_face *face = &self->obj->face[index];
     const size_t corners = face->vertex[3] == WEFT__NONE ? 3 : 4;
     uint32_t place[4] = { 0 };
-    for (size_t k = 0; k < corners && !self->obj->body; ++k) {
+    for (size_t k = 0; k < corners && self->obj->places > 0; ++k) {
         place[k] = find_place(self, face, k);
     }
     if (corners == 3) {
@@ -266,6 +267,9 @@ static bool obj_make_room(obj_builder *self)
     obj->corner = weft__report_take(report, most, 3 * sizeof *obj->corner);
     obj->corner_place = weft__report_take(report, most, 3 * sizeof *obj->corner_place);
     obj->face_of = weft__report_take(report, most, sizeof *obj->face_of);
+    if (obj->in_space) {
+        obj->space = weft__report_take(report, n, 3 * sizeof *obj->space);
+    }
     return !report->no_memory;
 }
 
@@ -277,7 +281,7 @@ static void fetch_ahead(const obj_builder *self, size_t f)
     for (size_t k = 0; k < 3; ++k) {
         __builtin_prefetch(&self->first[later->vertex[k]], 1);
         __builtin_prefetch(&obj->vertex_of[later->vertex[k]]);
-        __builtin_prefetch(obj->body ? NULL : &obj->place[later->place[k]]);
+        __builtin_prefetch(obj->places == 0 ? NULL : &obj->place[later->place[k]]);
     }
 }
 
@@ -286,17 +290,21 @@ void weft__obj_show(weft__obj *obj)
     obj->def.start = obj->start;
     obj->def.file_index = obj->name;
     obj->def.rest = obj->rest;
+    obj->def.space = obj->space;
     obj->def.corners = obj->corner;
-    obj->def.corner_uv = obj->corner_place;
+    obj->def.corner_uv = obj->in_space ? NULL : obj->corner_place;
     obj->def.fabric_of = obj->fabric_of;
 }
 
 /* whole: no face is left out. */
 static bool build(weft__obj *obj, bool whole)
 {
+    static const weft_rest in_space
+        = { .shape = WEFT_REST_START, .angle = WEFT_ANGLE_FLAT };
     obj_builder self = { .obj = obj };
     const size_t before = obj->report->mistakes;
     obj->def = weft_mesh_def_default();
+    obj->def.rests = obj->in_space ? &in_space : NULL;
     if (obj_make_room(&self)) {
         memset(self.first, 0xff, obj->vertices * sizeof *self.first);
         take_vertices(obj, whole);
@@ -318,12 +326,13 @@ static void check_faces(weft__obj *obj)
 {
     const weft_fabric any = { .density = 1.0 };
     size_t good = 0;
-    for (size_t f = 0; obj->places > 0 && f < obj->faces; ++f) {
+    const bool placed = obj->places > 0;
+    for (size_t f = 0; (placed || obj->in_space) && f < obj->faces; ++f) {
         const weft__obj_face *face = &obj->face[f];
         bool finite = true;
         for (size_t k = 0; k < 4 && face->vertex[k] != WEFT__NONE; ++k) {
             finite = finite && isfinite(obj->vertex[face->vertex[k]][0])
-                     && isfinite(obj->place[face->place[k]][0]);
+                     && (!placed || isfinite(obj->place[face->place[k]][0]));
         }
         obj->face[good] = *face;
         good += finite;
@@ -345,7 +354,7 @@ bool weft__obj_read(weft__obj *obj)
         check_faces(obj);
     }
     return read && (!obj->welds || weft__obj_weld(obj))
-           && (obj->body || obj->places > 0 || weft__obj_lay_flat(obj))
+           && (obj->body || obj->in_space || obj->places > 0 || weft__obj_lay_flat(obj))
            && build(obj, true);
 }
 
@@ -404,6 +413,9 @@ void weft__obj_move(weft__obj *obj, double unit, const double axis[3], double an
     const double length = weft__length(axis);
     const double k[] = { axis[0] / length, axis[1] / length, axis[2] / length };
     double sine, cosine;
+    for (size_t j = 0; obj->space != NULL && j < 3 * obj->def.vertices; ++j) {
+        obj->space[j] = unit * obj->start[j];
+    }
     weft_sincos_turns(angle / 360.0, 1.0, &sine, &cosine);
     for (size_t i = 0; i < obj->def.vertices; ++i) {
         move_point(&obj->start[3 * i], unit, k, sine, cosine, at);
@@ -494,9 +506,11 @@ void weft__obj_forget(weft__obj *obj)
         obj->name = NULL;
     }
     *obj = (weft__obj){ .file.text = obj->kept ? obj->file.text : NULL,
+                        .in_space = obj->in_space,
                         .def = obj->def,
                         .start = obj->start,
                         .rest = obj->rest,
+                        .space = obj->space,
                         .corner = obj->corner,
                         .corner_place = obj->corner_place,
                         .fabric_of = obj->fabric_of,
@@ -510,8 +524,8 @@ void weft__obj_forget(weft__obj *obj)
 void weft__obj_close(weft__obj *obj, const weft_allocator *memory)
 {
     weft__obj_forget(obj);
-    WEFT__FREE_ALL(memory, obj->start, obj->rest, obj->corner, obj->corner_place,
-                   obj->fabric_of, obj->name, obj->loose_name, obj->loose_start,
-                   obj->file.text);
+    WEFT__FREE_ALL(memory, obj->start, obj->rest, obj->space, obj->corner,
+                   obj->corner_place, obj->fabric_of, obj->name, obj->loose_name,
+                   obj->loose_start, obj->file.text);
     *obj = (weft__obj){ .def = { 0 } };
 }

@@ -37,7 +37,8 @@ typedef struct weft__obj {
     weft__report *report;
     weft__mark at;         /* where the scene names the file */
     weft__named_file file; /* its text is read already, or loaded */
-    bool body; /* no cloth: v and f alone are read, and it has no rest shape */
+    bool body;     /* no cloth: v and f alone are read, and it has no rest shape */
+    bool in_space; /* the rest shape is v, and vt is not read */
     const weft_body
         *like;  /* whose quadrilaterals are divided alike; NULL: by lengths */
     bool welds; /* vertices at most `weld` apart, in the file's unit, are one */
@@ -60,7 +61,7 @@ typedef struct weft__obj {
     uint32_t (*parent)[2];        /* vertices beside those that came then */
     /* as long as the definition that points to it */
     weft_mesh_def def;
-    double *start, *rest;
+    double *start, *rest, *space;
     uint32_t *corner, *corner_place, *fabric_of;
     size_t *name;   /* number in the file of each vertex; freed if there is no other */
     size_t welded;  /* vertices that became another one */

@@ -170,7 +170,7 @@ static bool read_corner(cursor *self, size_t length, uint32_t *vertex, uint32_t 
     if (!read_index(self, "v", &p, end, self->vertices, obj->vertices, vertex)) {
         return false;
     }
-    if (obj->body) {
+    if (obj->body || obj->in_space) {
         return true;
     }
     p += p < end;
@@ -308,6 +308,9 @@ static void obj_parse_read_vertex(cursor *self)
 static void read_texture(cursor *self)
 {
     weft__obj *obj = self->obj;
+    if (obj->in_space) {
+        return;
+    }
     obj->place_byte[self->places] = byte_of(self, self->word);
     double *u = obj->place[self->places++];
     u[0] = read_reals(self, "u v", 2, u) ? u[0] : (double)NAN;
@@ -417,7 +420,7 @@ static bool obj_parse_make_room(weft__obj *obj)
         ++count[next_statement(&self)];
     }
     obj->vertices = count[V];
-    obj->places = obj->body ? 0 : count[VT];
+    obj->places = obj->body || obj->in_space ? 0 : count[VT];
     obj->face_room = count[F] + 1;
     obj->vertex = weft__report_take(obj->report, count[V], sizeof *obj->vertex);
     obj->vertex_byte
@@ -502,7 +505,7 @@ bool weft__obj_parse(weft__obj *obj)
                 "no face of this body has an area");
     } else if (obj->report->mistakes == before && obj->faces == 0) {
         MISTAKE(&self, obj->file.text, "the file has no faces (lines 'f %s')",
-                obj->body ? "1 2 3" : "1/1 2/2 3/3");
+                obj->body || obj->in_space ? "1 2 3" : "1/1 2/2 3/3");
     }
     return obj->report->mistakes == before && !obj->report->no_memory;
 }

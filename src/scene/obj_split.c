@@ -78,6 +78,8 @@ static bool obj_split_make_room(weft__obj *obj, const split *at)
     return weft__resized(memory, &obj->start, n, 3 * sizeof *obj->start)
            && weft__resized(memory, &obj->name, n, sizeof *obj->name)
            && weft__resized(memory, &obj->parent, n - obj->coarse, sizeof *obj->parent)
+           && (obj->space == NULL
+               || weft__resized(memory, &obj->space, n, 3 * sizeof *obj->space))
            && weft__resized(memory, &obj->rest, p, 2 * sizeof *obj->rest)
            && weft__resized(memory, &obj->place_of, p, sizeof *obj->place_of)
            && weft__resized(memory, &obj->corner, t, 12 * sizeof *obj->corner)
@@ -91,6 +93,9 @@ static void apply_split(weft__obj *obj, const split *at)
     weft_mesh_def *def = &obj->def;
     const uint32_t(*ends)[2] = (const uint32_t(*)[2])at->vertex_ends;
     add_middles(obj->start, 3, def->vertices, at->vertices, ends);
+    if (obj->space != NULL) {
+        add_middles(obj->space, 3, def->vertices, at->vertices, ends);
+    }
     add_middles(obj->rest, 2, def->uv_count, at->places,
                 (const uint32_t(*)[2])at->place_ends);
     memcpy(&obj->parent[def->vertices - obj->coarse], ends,
@@ -103,7 +108,9 @@ static void apply_split(weft__obj *obj, const split *at)
         obj->place_of[def->uv_count + i] = obj->place_of[at->place_ends[i][0]];
     }
     split_corners(obj->corner, def->triangles, at->vertex, def->vertices);
-    split_corners(obj->corner_place, def->triangles, at->place, def->uv_count);
+    if (!obj->in_space) {
+        split_corners(obj->corner_place, def->triangles, at->place, def->uv_count);
+    }
     for (size_t t = 4 * def->triangles; t-- > 0;) {
         obj->face_of[t] = obj->face_of[t / 4];
     }
@@ -126,7 +133,9 @@ static void split_once(weft__obj *obj)
             .place_ends = weft__report_take(report, sides, sizeof *at.place_ends) };
     if (!report->no_memory) {
         at.vertices = number_sides(obj, obj->corner, at.vertex, at.vertex_ends);
-        at.places = number_sides(obj, obj->corner_place, at.place, at.place_ends);
+        at.places = obj->in_space
+                        ? 0
+                        : number_sides(obj, obj->corner_place, at.place, at.place_ends);
         report->no_memory = report->no_memory || !obj_split_make_room(obj, &at);
     }
     if (!report->no_memory) {

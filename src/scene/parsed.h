@@ -41,6 +41,7 @@ typedef struct weft__mesh_file {
     double weld;  /* [m], if the key is there */
     double at[3]; /* [m] */
     weft__turn turn;
+    weft_rest rest;
 } weft__mesh_file;
 
 /* An item of contact.shapes; a mesh has a file. */

@@ -163,8 +163,13 @@ static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabr
     weft_mesh_def *def = &to->def;
     memcpy(to->start + 3 * def->vertices, from->start,
            3 * from->vertices * sizeof *to->start);
-    memcpy(to->rest + 2 * def->uv_count, from->rest,
-           2 * from->uv_count * sizeof *to->rest);
+    memcpy(to->space + 3 * def->vertices,
+           from->space != NULL ? from->space : from->start,
+           3 * from->vertices * sizeof *to->space);
+    if (from->uv_count > 0) {
+        memcpy(to->rest + 2 * def->uv_count, from->rest,
+               2 * from->uv_count * sizeof *to->rest);
+    }
     for (size_t i = 0; i < from->vertices; ++i) {
         to->name[def->vertices + i]
             = from->file_index != NULL ? from->file_index[i] : i;
@@ -172,7 +177,8 @@ static void add_mesh(weft__obj *to, const weft_mesh_def *from, weft_fabric *fabr
     for (size_t j = 0; j < 3 * from->triangles; ++j) {
         const size_t at = 3 * def->triangles + j;
         to->corner[at] = from->corners[j] + (uint32_t)def->vertices;
-        to->corner_place[at] = from->corner_uv[j] + (uint32_t)def->uv_count;
+        to->corner_place[at] = (from->corner_uv != NULL ? from->corner_uv[j] : 0)
+                               + (uint32_t)def->uv_count;
         to->fabric_of[at / 3]
             = (uint32_t)def->fabric_count
               + (from->fabric_of != NULL ? from->fabric_of[j / 3] : 0);
@@ -207,6 +213,7 @@ static bool scene_cloths_make_room(weft__reader *reader, const weft__node *node,
         return false;
     }
     obj->start = weft__report_take(report, vertices, 3 * sizeof *obj->start);
+    obj->space = weft__report_take(report, vertices, 3 * sizeof *obj->space);
     obj->name = weft__report_take(report, vertices, sizeof *obj->name);
     obj->rest = weft__report_take(report, places, 2 * sizeof *obj->rest);
     obj->corner = weft__report_take(report, triangles, 3 * sizeof *obj->corner);
@@ -228,8 +235,10 @@ static void join(weft__reader *reader, const weft__node *node)
     weft_cloth_part *parts;
     const weft_cloth_def **grids
         = weft__tree_take(reader->tree, scene->part_count, sizeof *grids);
+    weft_rest *rests = weft__tree_take(reader->tree, scene->part_count, sizeof *rests);
     const weft_scene *mesh = first_mesh(scene);
-    if (!scene_cloths_make_room(reader, node, &fabrics, &parts) || grids == NULL) {
+    if (!scene_cloths_make_room(reader, node, &fabrics, &parts) || grids == NULL
+        || rests == NULL) {
         return;
     }
     obj->def = weft_mesh_def_default();
@@ -243,6 +252,7 @@ static void join(weft__reader *reader, const weft__node *node)
         memcpy(parts[i].velocity, part->cloth.velocity, sizeof parts[i].velocity);
         add_held(reader, &part->cloth, obj->def.vertices);
         grids[i] = part->cloth.mesh == NULL ? &part->cloth : NULL;
+        rests[i] = part->mesh_file.rest;
         if (part->cloth.mesh != NULL) {
             add_mesh(obj, part->cloth.mesh, fabrics);
             continue;
@@ -257,6 +267,7 @@ static void join(weft__reader *reader, const weft__node *node)
     }
     weft__obj_show(obj);
     obj->def.fabrics = fabrics;
+    obj->def.rests = rests;
     obj->def.parts = parts;
     obj->def.part_count = scene->part_count;
     scene->cloth.mesh = &obj->def;

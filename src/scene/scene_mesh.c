@@ -69,12 +69,35 @@ static void note_file(weft__reader *reader, const weft__obj *obj)
     }
 }
 
+/* The keys about the rest shape. */
+static void check_rest(weft__reader *reader, const weft__match *match,
+                       const weft_rest *rest)
+{
+    const weft__node *warp = weft__value_in(match, "warp");
+    const bool read = warp != NULL && !weft__found_in(match, "warp")->wrong;
+    if (read && rest->shape == WEFT_REST_PLANE) {
+        ERROR_AT(reader, weft__key_in(match, "warp"),
+                 "warp needs rest: start; in the plane the warp lies along v");
+    } else if (read && !weft__positive(weft__length(rest->warp))) {
+        ERROR_AT(reader, warp, "warp is [%g, %g, %g], which is no direction",
+                 rest->warp[0], rest->warp[1], rest->warp[2]);
+    }
+    if (reader->def->refine > 1 && rest->shape == WEFT_REST_START
+        && rest->angle == WEFT_ANGLE_FLAT) {
+        ERROR_AT(reader, weft__key_in(match, "angle"),
+                 "a mesh with rest: start and angle: flat is not refined: the "
+                 "triangles that it is divided into lie on its own, and their folds "
+                 "stay; give finer files");
+    }
+}
+
 void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base)
 {
     const weft__mesh_file *from = base;
     weft_scene *scene = reader->scene;
     const size_t before = reader->report->mistakes;
     scene->meshed = true;
+    check_rest(reader, match, &from->rest);
     char *path = match->wrong || from->file == NULL
                      ? NULL
                      : weft__mesh_path(reader, from->file, NULL);
@@ -83,11 +106,13 @@ void weft__check_mesh(weft__reader *reader, const weft__match *match, void *base
     }
     scene->obj = (weft__obj){ .report = reader->report,
                               .at = weft__value_in(match, "file")->at,
+                              .in_space = from->rest.shape == WEFT_REST_START,
                               .file.path = path,
                               .welds = weft__key_in(match, "weld") != NULL,
                               .weld = from->weld / from->unit };
     if (weft__obj_load(&scene->obj, path) && reader->report->mistakes == before) {
         note_file(reader, &scene->obj);
+        scene->obj.def.rests = &from->rest;
         weft__obj_move(&scene->obj, from->unit, from->turn.axis, from->turn.angle,
                        from->at);
         if (weft__obj_refine(&scene->obj, reader->def->refine)) {
@@ -217,6 +242,10 @@ void weft__check_mesh_cloth(weft__reader *reader, const weft__match *cloth)
         ERROR_AT(reader, cloth->map,
                  "%s lacks 'fabric', which a mesh of triangles is made of",
                  cloth->title);
+    }
+    if (scene->obj.in_space && weft__key_in(cloth, "seams") != NULL) {
+        ERROR_AT(reader, weft__key_in(cloth, "seams"),
+                 "rest: start has no panels: seams has nothing to act on");
     }
     if (scene->cloth.mesh == NULL || weft__key_in(cloth, "fabric") == NULL) {
         return;

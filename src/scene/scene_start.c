@@ -6,6 +6,7 @@
 
 #include "base/plane.h"
 #include "mesh/grid_def.h"
+#include "mesh/triangles_work.h"
 #include "scene/checks.h"
 
 /* Where a cloth may start against its rest shape. Right files lie between 0.90
@@ -202,12 +203,9 @@ static void warn_of_duplicates(weft__obj *obj)
 }
 
 /* [degrees] at corner k of a triangle at rest. */
-static double scene_start_angle_of(const weft_mesh_def *def, size_t t, size_t k)
+static double scene_start_angle_of(double corner[3][2], size_t k)
 {
-    const double *x[3];
-    for (size_t i = 0; i < 3; ++i) {
-        x[i] = &def->rest[2 * (size_t)def->corner_uv[3 * t + (k + i) % 3]];
-    }
+    const double *x[] = { corner[k], corner[(k + 1) % 3], corner[(k + 2) % 3] };
     const double u[] = { x[1][0] - x[0][0], x[1][1] - x[0][1] };
     const double v[] = { x[2][0] - x[0][0], x[2][1] - x[0][1] };
     return 57.29577951308232
@@ -220,9 +218,10 @@ static void warn_of_slivers(weft__obj *obj)
     size_t slivers = 0, first = 0;
     double least = 180.0;
     for (size_t t = 0; t < def->triangles; ++t) {
-        double angle = 180.0;
+        double angle = 180.0, corner[3][2];
+        weft__def_corners(def, t, corner);
         for (size_t k = 0; k < 3; ++k) {
-            angle = fmin(angle, scene_start_angle_of(def, t, k));
+            angle = fmin(angle, scene_start_angle_of(corner, k));
         }
         slivers += angle < SLIVER;
         if (angle < least) {
@@ -255,6 +254,80 @@ static bool is_far(const weft_stretch *of)
     return !(of->median >= LEAST_STRETCH && of->median <= MOST_STRETCH);
 }
 
+/* The first of the fabrics whose directions differ; NULL: all are alike in all. */
+static const weft_fabric *orthotropic(const weft_mesh_def *def)
+{
+    const weft_fabric *found = NULL;
+    for (size_t i = 0; found == NULL && i < def->fabric_count; ++i) {
+        const weft_fabric *of = &def->fabrics[i];
+        const double twist
+            = of->twist < 0.0 ? sqrt(of->bend[0] * of->bend[1]) : of->twist;
+        const double side = of->stretch[0] - of->coupling - 2.0 * of->shear;
+        const bool alike = of->stretch[0] == of->stretch[1]
+                           && fabs(side) <= 1e-9 * of->stretch[0]
+                           && of->bend[0] == of->bend[1]
+                           && fabs(of->bend[0] - twist) <= 1e-9 * of->bend[0];
+        found = alike ? NULL : of;
+    }
+    return found;
+}
+
+/* Of the mean over all directions of the parts 11, 22, 12, 66. */
+static double mean_stiffness(double a, double b, double coupling, double shear)
+{
+    return (3.0 * a + 3.0 * b + 2.0 * coupling + 4.0 * shear) / 8.0;
+}
+
+static void warn_of_warp(weft__reader *reader, const weft__node *mesh,
+                         const weft_rest_report *of)
+{
+    const weft_mesh_def *def = &reader->scene->obj.def;
+    const weft__node *warp = weft__value_of(mesh, "warp");
+    const weft_fabric *fabric = orthotropic(def);
+    if (warp == NULL && fabric != NULL) {
+        const double twist = fabric->twist < 0.0
+                                 ? sqrt(fabric->bend[0] * fabric->bend[1])
+                                 : fabric->twist;
+        const double shear = (fabric->stretch[0] + fabric->stretch[1]
+                              - 2.0 * fabric->coupling + 4.0 * fabric->shear)
+                             / 8.0;
+        WARNING_AT(
+            reader, mesh,
+            "no warp: the fabric is taken alike in all directions (stretch %.4g, "
+            "shear %.4g, bend %.4g)",
+            mean_stiffness(fabric->stretch[0], fabric->stretch[1], fabric->coupling,
+                           fabric->shear),
+            shear, mean_stiffness(fabric->bend[0], fabric->bend[1], 0.0, twist / 2.0));
+    } else if (warp != NULL && of->blended > 0) {
+        WARNING_AT(reader, warp,
+                   "warp is within 17 degrees of the normal of %zu of %zu triangles: "
+                   "blended there",
+                   of->blended, of->triangles);
+    }
+}
+
+static void warn_of_rest(weft__reader *reader, const weft__node *mesh)
+{
+    weft_cloth_def def = reader->scene->cloth;
+    const weft_rest *rest = &reader->scene->mesh_file.rest;
+    weft_rest_report of;
+    def.allocator = reader->report->memory;
+    if (weft_cloth_def_rest(&def, 0, &of, NULL) != WEFT_OK) {
+        reader->report->no_memory = true;
+        return;
+    }
+    if (of.triangles > 0) {
+        warn_of_warp(reader, mesh, &of);
+    }
+    if (of.sharp > 0 && rest->angle == WEFT_ANGLE_FLAT) {
+        WARNING_AT(reader, weft__value_of(mesh, "angle"),
+                   "angle: flat bends %zu edges open that start folded by more than 60 "
+                   "degrees, by %.3g at most: the finer the mesh, the more energy they "
+                   "have; angle: start keeps them",
+                   of.sharp, 57.29577951308232 * of.fold);
+    }
+}
+
 void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth)
 {
     const weft_scene *scene = reader->scene;
@@ -283,6 +356,9 @@ void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth)
                        "the cloth", size, scene->mesh_file.unit);
     warn_of_duplicates(obj);
     warn_of_slivers(obj);
+    if (obj->in_space) {
+        warn_of_rest(reader, mesh);
+    }
 }
 
 void weft__warn_of_grid(weft__reader *reader, const weft__match *cloth)

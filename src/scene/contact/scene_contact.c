@@ -144,21 +144,22 @@ double weft__longest_edge(const weft_cloth_def *def, bool start)
         return fmax(def->rows > 1 ? def->spacing[0] : 0.0,
                     def->cols > 1 ? def->spacing[1] : 0.0);
     }
-    const size_t dim = start ? 3 : 2;
-    const double *x = start ? mesh->start : mesh->rest;
-    const uint32_t *place
-        = start || mesh->corner_uv == NULL ? mesh->corners : mesh->corner_uv;
-    double most = 0.0, square = 0.0;
+    double most = 0.0, longest = 0.0, square = 0.0;
     for (size_t k = 0; mesh->grids != NULL && k < mesh->part_count; ++k) {
         most = fmax(most, mesh->grids[k] != NULL
                               ? weft__longest_edge(mesh->grids[k], start)
                               : 0.0);
     }
-    for (size_t j = 0; j < 3 * mesh->triangles; ++j) {
-        const double *a = x + dim * place[j];
-        const double *b = x + dim * place[j % 3 == 2 ? j - 2 : j + 1];
+    for (size_t t = 0; !start && t < mesh->triangles; ++t) {
+        (void)weft__twice_area(mesh, t, &longest);
+        most = fmax(most, longest);
+    }
+    for (size_t j = 0; start && j < 3 * mesh->triangles; ++j) {
+        const double *a = mesh->start + 3 * (size_t)mesh->corners[j];
+        const double *b
+            = mesh->start + 3 * (size_t)mesh->corners[j % 3 == 2 ? j - 2 : j + 1];
         double length = 0.0;
-        for (size_t k = 0; k < dim; ++k) {
+        for (size_t k = 0; k < 3; ++k) {
             length += (b[k] - a[k]) * (b[k] - a[k]);
         }
         square = fmax(square, length);
