@@ -114,6 +114,33 @@ static void print_pieces(const weft_cloth *cloth)
     print_item("pieces", "%s", text.text);
 }
 
+/* What a cloth is that rests in space. */
+static void print_space(const weft_cloth_def *def, size_t part)
+{
+    weft_rest_report of;
+    sentence text = { "" };
+    if (weft_cloth_def_rest(def, part, &of, NULL) != WEFT_OK || of.triangles == 0) {
+        return;
+    }
+    say(&text, "in space: %zu part%s", of.pieces, of.pieces == 1 ? "" : "s");
+    if (of.closed > 0) {
+        say(&text, ", %zu closed", of.closed);
+    }
+    if (of.one_sided > 0) {
+        say(&text, ", %zu one-sided", of.one_sided);
+    }
+    if (of.flipped > 0) {
+        say(&text, ", %zu faces turned over (no side is needed)", of.flipped);
+    }
+    print_item("rest shape", "%s", text.text);
+    print_item("", "sharpest fold %.3g degrees, along edge %zu-%zu",
+               of.fold * 180.0 / acos(-1.0), of.fold_at[0], of.fold_at[1]);
+    if (of.defect != 0.0) {
+        print_item("", "largest angle defect %.3g degrees, at vertex %zu",
+                   of.defect * 180.0 / acos(-1.0), of.defect_at);
+    }
+}
+
 static void print_peirce(const report *of, const char *first, const char *second)
 {
     if (of->length[0] > 0.0 || of->length[1] > 0.0) {
@@ -132,6 +159,9 @@ static double shorter(const double length[2])
 static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
 {
     print_pieces(cloth);
+    for (size_t k = 0; k == 0 || k < def->mesh->part_count; ++k) {
+        print_space(def, k);
+    }
     if (def->mesh->triangles > 0) {
         print_triangles(def->mesh);
     }

@@ -80,7 +80,9 @@ static uint64_t scene_hash(const weft_scene *scene)
         hash = weft__hash_reals(hash, mesh->rest, 2 * mesh->uv_count);
         for (size_t i = 0; i < 3 * mesh->triangles; ++i) {
             hash = weft__hash_word(hash, mesh->corners[i]);
-            hash = weft__hash_word(hash, mesh->corner_uv[i]);
+            if (mesh->corner_uv != NULL) {
+                hash = weft__hash_word(hash, mesh->corner_uv[i]);
+            }
         }
         for (size_t i = 0; mesh->file_index != NULL && i < mesh->vertices; ++i) {
             hash = weft__hash_word(hash, mesh->file_index[i]);

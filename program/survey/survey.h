@@ -105,15 +105,42 @@ static inline const char *cloth_of(const weft_mesh_def *mesh, size_t vertex)
 }
 
 typedef struct rest_triangle {
-    const double *corners[3];
+    double corners[3][2];
 } rest_triangle;
+
+/* In its own plane, of a triangle that rests in space. */
+static inline void lay_triangle(const weft_mesh_def *mesh, size_t t, double to[3][2])
+{
+    const double *from = mesh->space != NULL ? mesh->space : mesh->start;
+    double side[2][3], square = 0.0, dot = 0.0, other = 0.0;
+    for (size_t j = 0; j < 6; ++j) {
+        const size_t k = j / 3, m = j % 3;
+        side[k][m] = from[3 * (size_t)mesh->corners[3 * t + 1 + k] + m]
+                     - from[3 * (size_t)mesh->corners[3 * t] + m];
+    }
+    for (size_t m = 0; m < 3; ++m) {
+        square += side[0][m] * side[0][m];
+        dot += side[0][m] * side[1][m];
+        other += side[1][m] * side[1][m];
+    }
+    const double base = sqrt(square), along = dot / base;
+    to[0][0] = to[0][1] = to[1][1] = 0.0;
+    to[1][0] = base, to[2][0] = along;
+    to[2][1] = sqrt(fmax(0.0, other - along * along));
+}
 
 static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t)
 {
     const uint32_t *places = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
+    const size_t part = part_of(mesh, mesh->corners[3 * t]);
     rest_triangle at;
+    if (mesh->rests != NULL && mesh->rests[part].shape == WEFT_REST_START) {
+        lay_triangle(mesh, t, at.corners);
+        return at;
+    }
     for (size_t k = 0; k < 3; ++k) {
-        at.corners[k] = &mesh->rest[2 * (size_t)places[3 * t + k]];
+        const double *from = &mesh->rest[2 * (size_t)places[3 * t + k]];
+        at.corners[k][0] = from[0], at.corners[k][1] = from[1];
     }
     return at;
 }
