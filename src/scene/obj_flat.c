@@ -161,9 +161,9 @@ static bool lay_flat(weft__obj *obj, const bool *used)
         weft__report_error(
             obj->report, at,
             "the file has no vt lines, which give the rest shape in the plane, and v "
-            "is "
-            "not flat: it leaves its plane by %.3g of its extent of %.3g; unwrap the "
-            "mesh and export its UVs as lengths",
+            "is not flat: it leaves its plane by %.3g of its extent of %.3g; `rest: "
+            "start` takes the start as it is, or unwrap the mesh and export its UVs as "
+            "lengths",
             away, of.extent);
         return false;
     }
