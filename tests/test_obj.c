@@ -265,7 +265,8 @@ static const struct {
     { "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n",
       "shirt.obj:5:1: error: the file has no vt lines, which give the rest shape in "
       "the plane, and v is not flat: it leaves its plane by 0.433 of its extent of 1; "
-      "`rest: start` takes the start as it is, or unwrap the mesh and export its UVs as "
+      "`rest: start` takes the start as it is, or unwrap the mesh and export its UVs "
+      "as "
       "lengths\nf 1 2 3\n^\n" },
     { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\n",
       "shirt.obj:4:5: error: vt 1 is not there: the file has no vt\nf 1/1 2/2 3/3\n"

@@ -144,7 +144,8 @@ static bool is_joined(const weft__triangles *of, const weft__pair *pair)
     const size_t first = pair->kind == WEFT__EDGES ? 2 : 1;
     bool any = false;
     for (size_t k = 0; !any && k < first * (all - first); ++k) {
-        any = has_path(of, pair->particle[k % first], pair->particle[first + k / first]);
+        any = has_path(of, pair->particle[k % first],
+                       pair->particle[first + k / first]);
     }
     return any;
 }
