@@ -314,9 +314,6 @@ void start_print_stretch(const weft_cloth_def *def);
 struct yaml_out;
 void start_yaml(struct yaml_out *out, const weft_cloth_def *def);
 
-/* Prints the key frames of shapes that have some, beside the duration [s]. */
-void start_print_keys(const weft_cloth_def *def, double duration);
-
 /* ---- view.c ---- */
 
 /* Writes the page of one run or of two into `out` or a default place and prints

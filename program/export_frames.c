@@ -408,7 +408,7 @@ static int make_surface(export_job *job)
     }
     job->surface.doubles = frames == NULL || frames->doubles;
     if (job->scene != NULL && job->format->write != record_csv) {
-        job->shapes = weft_scene_cloth(job->scene)->contact.shape_count;
+        job->shapes = record_shape_count(weft_scene_cloth(job->scene));
     }
     weft_error err = { 0 };
     return !job->format->whole

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* start.c -- what check and run print of a scene's start: how far the cloth is
- * stretched there, and the key frames that were read. */
+ * stretched there. */
 #include <math.h>
 
 #include "program/record/yaml_out.h"
@@ -66,27 +66,4 @@ void start_yaml(yaml_out *out, const weft_cloth_def *def)
         }
     }
     yaml_out_write(out, "]");
-}
-
-void start_print_keys(const weft_cloth_def *def, double duration)
-{
-    bool first = true;
-    for (size_t k = 0; k < def->contact.shape_count; ++k) {
-        const weft_body *body = def->contact.shapes[k].body;
-        sentence text = { "" };
-        if (def->contact.shapes[k].kind != WEFT_MESH || body->keys < 2) {
-            continue;
-        }
-        const double span = (double)(body->keys - 1) / body->fps;
-        say(&text, "shapes[%zu]: %zu key frames, 0 to %.6g s, in a run of %.6g s", k,
-            body->keys, span, duration);
-        if (span > duration * (1.0 + 1e-9)) {
-            say(&text, "; %zu come after its end",
-                body->keys - 1 - (size_t)floor(duration * body->fps * (1.0 + 1e-9)));
-        } else if (span < duration * (1.0 - 1e-9)) {
-            say(&text, "; then it rests");
-        }
-        print_item(first ? "keys" : "", "%s", text.text);
-        first = false;
-    }
 }

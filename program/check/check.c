@@ -7,6 +7,7 @@
 #include "program/batch/batch.h"
 #include "program/check/check.h"
 #include "program/record/result.h"
+#include "program/reports.h"
 
 /* Those of this verb alone. */
 typedef struct check_options {
@@ -207,9 +208,11 @@ static void print_scene(const char *file, const weft_scene *scene,
     print_cloth(weft_scene_cloth(scene), cloth);
     print_notes(scene);
     start_print_stretch(weft_scene_cloth(scene));
-    fabric_print(scene, cloth);
-    contact_print(weft_scene_cloth(scene));
-    start_print_keys(weft_scene_cloth(scene), run->duration);
+    for (size_t i = 0; i < REPORT_SECTIONS; ++i) {
+        if (report_sections[i]->check != NULL) {
+            report_sections[i]->check(scene, cloth);
+        }
+    }
     if (limit->method != WEFT_LIMIT_NONE) {
         printf("  limit      %s, strain %g, %s, %zu sweeps at most\n",
                limit->method == WEFT_LIMIT_PROVOT ? "provot" : "bridson", limit->strain,
@@ -243,10 +246,22 @@ static void scene_yaml(yaml_out *out, const char *file, const weft_scene *scene,
     start_yaml(out, weft_scene_cloth(scene));
     record_cloths(out, cloth);
     notes_yaml(out, scene);
-    fabric_yaml(out, scene);
-    contact_yaml(out, weft_scene_cloth(scene));
+    for (size_t i = 0; i < REPORT_SECTIONS; ++i) {
+        if (report_sections[i]->check_yaml != NULL) {
+            report_sections[i]->check_yaml(out, scene);
+        }
+    }
     stability_yaml(out, scene, found);
     yaml_out_write(out, "}");
+}
+
+static void warn_of_sections(const char *file, const weft_cloth_def *def)
+{
+    for (size_t i = 0; i < REPORT_SECTIONS; ++i) {
+        if (report_sections[i]->warn != NULL) {
+            report_sections[i]->warn(file, def);
+        }
+    }
 }
 
 /* It may be on purpose. */
@@ -301,7 +316,7 @@ static int describe(const char *file, const weft_scene *scene, const arguments *
     }
     if (status == WEFT_OK) {
         warn_without_springs(file, scene, cloth);
-        keys_warn(file, weft_scene_cloth(scene));
+        warn_of_sections(file, weft_scene_cloth(scene));
         status = measure(scene, cloth, given, &of, &err);
     }
     if (status != WEFT_OK) {

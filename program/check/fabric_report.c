@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* fabric_report.c -- weft check: a fabric and its springs. */
+/* fabric_report.c -- weft check: the springs of a fabric, and the fabric of springs;
+ * nothing for a cloth without a fabric or bending rigidity. */
 #include <math.h>
 
-#include "program/check/check.h"
+#include "program/reports.h"
+#include "program/survey/survey.h"
+
+extern const report_section fabric_report;
 
 typedef struct report {
     weft_fabric fabric; /* of the springs, or of triangles */
@@ -193,7 +197,7 @@ static void print_mesh(const weft_cloth_def *def, const weft_cloth *cloth)
     }
 }
 
-void fabric_print(const weft_scene *scene, const weft_cloth *cloth)
+static void fabric_print(const weft_scene *scene, const weft_cloth *cloth)
 {
     const weft_cloth_def *def = weft_scene_cloth(scene);
     const weft_fabric *given = weft_scene_fabric(scene);
@@ -247,7 +251,7 @@ static void write_report(yaml_out *out, const report *of)
         of->length[0], of->length[1], yaml_bool(of->coarse[0] || of->coarse[1]));
 }
 
-void fabric_yaml(yaml_out *out, const weft_scene *scene)
+static void fabric_yaml(yaml_out *out, const weft_scene *scene)
 {
     const weft_cloth_def *def = weft_scene_cloth(scene);
     report of;
@@ -267,3 +271,6 @@ void fabric_yaml(yaml_out *out, const weft_scene *scene)
         write_report(out, &of);
     }
 }
+
+const report_section fabric_report
+    = { .check = fabric_print, .check_yaml = fabric_yaml };

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/bytes.h"
+#include "program/record/sections.h"
 
 static const unsigned char magic[WEFT__WORD] = "weftckpt";
 
@@ -70,7 +71,6 @@ void record_checkpoint_pack(const record_checkpoint *from, size_t state_size,
 static uint64_t scene_hash(const weft_scene *scene)
 {
     const weft_mesh_def *mesh = weft_scene_cloth(scene)->mesh;
-    const weft_contact_def *contact = &weft_scene_cloth(scene)->contact;
     uint64_t hash = WEFT__HASH_START;
     for (const char *c = weft_scene_text(scene); *c != '\0'; ++c) {
         hash = weft__hash_byte(hash, (unsigned char)*c);
@@ -88,14 +88,10 @@ static uint64_t scene_hash(const weft_scene *scene)
             hash = weft__hash_word(hash, mesh->file_index[i]);
         }
     }
-    for (size_t k = 0; k < contact->shape_count; ++k) {
-        const weft_body *body = contact->shapes[k].body;
-        const size_t vertices = body == NULL ? 0 : body->vertices * body->keys;
-        hash = weft__hash_reals(hash, body == NULL ? NULL : body->positions,
-                                3 * vertices);
-        for (size_t i = 0; body != NULL && i < 3 * body->triangles; ++i) {
-            hash = weft__hash_word(hash, body->corners[i]);
-        }
+    for (size_t i = 0; i < RECORD_SECTIONS; ++i) {
+        hash = record_sections[i]->hash != NULL
+                   ? record_sections[i]->hash(weft_scene_cloth(scene), hash)
+                   : hash;
     }
     return hash;
 }

@@ -9,6 +9,7 @@
 
 #include "base/bytes.h"
 #include "program/record/export/export.h"
+#include "program/record/sections.h"
 
 /* What a page may fetch by its own policy: nothing. */
 #define FETCHES "connect-src 'none'"
@@ -190,74 +191,16 @@ static void write_pinned(const player_page *self)
     free(marks);
 }
 
-static void write_numbers(FILE *stream, const char *name, const double *x, size_t count)
-{
-    fprintf(stream, ",\"%s\":%s", name, count > 1 ? "[" : "");
-    for (size_t k = 0; k < count; ++k) {
-        fprintf(stream, "%s%.17g", comma(k), x[k]);
-    }
-    fputs(count > 1 ? "]" : "", stream);
-}
-
-/* In single precision, as the page draws. */
-static void write_body(FILE *stream, const weft_body *body)
-{
-    fprintf(stream, ",\"fps\":%.17g,\"keys\":[", body->fps);
-    for (size_t i = 0; i < 3 * body->vertices * body->keys; ++i) {
-        const size_t in = i % (3 * body->vertices);
-        fprintf(stream, "%s%s%.7g", in == 0 ? comma(i) : "", in == 0 ? "[" : ",",
-                body->positions[i]);
-        fputs(in + 1 == 3 * body->vertices ? "]" : "", stream);
-    }
-    fputs("],\"corners\":[", stream);
-    for (size_t i = 0; i < 3 * body->triangles; ++i) {
-        fprintf(stream, "%s%" PRIu32, comma(i), body->corners[i]);
-    }
-    fputc(']', stream);
-}
-
-static void write_shape(FILE *stream, const weft_shape *shape)
-{
-    fprintf(stream, "{\"shape\":\"%s\"", weft_shape_name(shape->kind));
-    write_numbers(stream, "at", shape->at, 3);
-    write_numbers(stream, "to", shape->to, 3);
-    write_numbers(stream, "normal", shape->normal, 3);
-    write_numbers(stream, "radius", &shape->radius, 1);
-    write_numbers(stream, "half", shape->half, 3);
-    write_numbers(stream, "rounding", &shape->rounding, 1);
-    write_numbers(stream, "velocity", shape->velocity, 3);
-    write_numbers(stream, "amplitude", shape->amplitude, 3);
-    write_numbers(stream, "frequency", &shape->frequency, 1);
-    write_numbers(stream, "spin", shape->spin, 3);
-    const weft_turn *turn = &shape->turn;
-    if (turn->axis[0] != 0.0 || turn->axis[1] != 0.0 || turn->axis[2] != 0.0) {
-        fprintf(stream, ",\"turn\":{\"rate\":%.17g", turn->rate);
-        write_numbers(stream, "axis", turn->axis, 3);
-        write_numbers(stream, "about", isnan(turn->about[0]) ? shape->at : turn->about,
-                      3);
-        write_numbers(stream, "amplitude", &turn->amplitude, 1);
-        write_numbers(stream, "frequency", &turn->frequency, 1);
-        fputc('}', stream);
-    }
-    if (shape->body != NULL) {
-        write_body(stream, shape->body);
-    }
-    fputc('}', stream);
-}
-
-static void write_obstacles(FILE *stream, const char *directory)
+static void write_sections(FILE *stream, const char *directory)
 {
     weft_scene *scene = record_scene(directory);
-    const weft_contact_def none = { .shape_count = 0 };
-    const weft_contact_def *contact
-        = scene == NULL ? &none : &weft_scene_cloth(scene)->contact;
-    write_numbers(stream, "thickness", &contact->thickness, 1);
-    fprintf(stream, ",\"self\":%s,\"obstacles\":[", contact->self ? "true" : "false");
-    for (size_t k = 0; k < contact->shape_count; ++k) {
-        fputs(comma(k), stream);
-        write_shape(stream, &contact->shapes[k]);
+    for (size_t i = 0; i < RECORD_SECTIONS; ++i) {
+        if (record_sections[i]->page != NULL) {
+            record_sections[i]->page(stream,
+                                     scene != NULL ? weft_scene_cloth(scene) : NULL);
+        }
     }
-    fprintf(stream, "],\"relative\":%s",
+    fprintf(stream, ",\"relative\":%s",
             scene == NULL || weft_scene_sensitivities(scene)->relative ? "true"
                                                                        : "false");
     weft_scene_destroy(scene);
@@ -343,7 +286,7 @@ static void write_run(const player_page *self, const player_run *run)
         fprintf(stream, "%s%.0f", comma(i), run->frames->numbers[run->index[i]]);
     }
     fputc(']', stream);
-    write_obstacles(stream, run->directory);
+    write_sections(stream, run->directory);
     for (size_t f = 0; f < sizeof files / sizeof files[0]; ++f) {
         char name[32];
         (void)snprintf(name, sizeof name, "%s.yaml", files[f]);

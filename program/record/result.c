@@ -7,6 +7,7 @@
 
 #include "program/record/record.h"
 #include "program/record/result.h"
+#include "program/record/sections.h"
 #include "program/record/yaml_out.h"
 
 #if defined(__clang__)
@@ -100,20 +101,6 @@ static void write_limit_def(yaml_out *out, const weft_limit_def *limit)
                    limit->tolerance, limit->keep_velocity ? "keep" : "update");
 }
 
-static void write_contact_def(yaml_out *out, const weft_contact_def *contact)
-{
-    if (contact->shape_count > 0 || contact->self) {
-        yaml_out_write(out,
-                       "contact: { thickness: %g, stopping_speed: %g, exponent: %d, "
-                       "damping: %g, friction: %g, law: %s, slip: %g, self: %s, "
-                       "shapes: %zu }",
-                       contact->thickness, contact->stopping_speed, contact->exponent,
-                       contact->damping, contact->friction,
-                       contact->law == WEFT_FRICTION_SMOOTH ? "smooth" : "coulomb",
-                       contact->slip, yaml_bool(contact->self), contact->shape_count);
-    }
-}
-
 bool record_step_differs(const weft_scene *scene)
 {
     const double asked = weft_scene_step(scene);
@@ -143,7 +130,11 @@ weft_status record_manifest(const char *directory, const weft_scene *scene,
                    weft_cloth_springs(whole, WEFT_SHEAR),
                    weft_cloth_springs(whole, WEFT_BEND), weft_cloth_mass(whole));
     record_cloths(&out, whole);
-    write_contact_def(&out, &weft_scene_cloth(scene)->contact);
+    for (size_t i = 0; i < RECORD_SECTIONS; ++i) {
+        if (record_sections[i]->manifest != NULL) {
+            record_sections[i]->manifest(&out, weft_scene_cloth(scene));
+        }
+    }
     write_limit_def(&out, weft_scene_limit(scene));
     yaml_out_write(&out,
                    "run: { duration: %g, fps: %g, threads: %zu, checkpoint: %zu }, "
@@ -194,23 +185,6 @@ static void write_ledger(yaml_out *out, const record_result *result)
     }
 }
 
-static void write_contact(yaml_out *out, const weft_sim *sim, const weft_measures *all)
-{
-    const bool shapes = weft_cloth_shapes(weft_sim_cloth(sim)) > 0;
-    const bool self = weft_cloth_contact(weft_sim_cloth(sim)).self;
-    if (shapes || self) {
-        yaml_out_write(out, "contact: { energy: %g", all->energy.contact);
-        if (shapes) {
-            yaml_out_write(out, "min_gap: %g, touching: %zu", all->gap, all->touching);
-        }
-        if (self) {
-            yaml_out_write(out, "self_gap: %g, self_touching: %zu", all->self_gap,
-                           all->self_touching);
-        }
-        yaml_out_write(out, "vetoed: %" PRIu64 " }", weft_sim_vetoed(sim));
-    }
-}
-
 static void write_outcome(yaml_out *out, const record_result *result)
 {
     const weft_sim *sim = result->sim;
@@ -233,7 +207,11 @@ static void write_outcome(yaml_out *out, const record_result *result)
     yaml_out_write(out, "energy_start: %g, energy_end: %g", result->energy_start,
                    weft_energy_total(all.energy));
     write_ledger(out, result);
-    write_contact(out, sim, &all);
+    for (size_t i = 0; i < RECORD_SECTIONS; ++i) {
+        if (record_sections[i]->result != NULL) {
+            record_sections[i]->result(out, sim, &all);
+        }
+    }
     (void)snprintf(hash, sizeof hash, "%016" PRIx64, all.hash);
     yaml_out_write(
         out,

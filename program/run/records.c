@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "program/record/sections.h"
 #include "program/run/run.h"
 
 weft_status run_agree(const run *self, weft_status status, weft_error *err)
@@ -169,7 +170,7 @@ unsigned series_columns(const weft_scene *scene)
     const uint32_t flags = weft_scene_method_type(scene)->flags;
     return (weft_scene_record(scene)->ledger ? RECORD_LEDGER : 0u)
            | ((flags & WEFT_STEPPER_LINEAR) != 0 ? RECORD_SOLVER : 0u)
-           | (weft_scene_cloth(scene)->contact.self ? RECORD_SELF : 0u)
+           | record_section_columns(weft_scene_cloth(scene))
            | (weft_scene_run(scene)->interpolate ? RECORD_BETWEEN : 0u);
 }
 

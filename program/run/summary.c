@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "program/record/yaml_out.h"
+#include "program/reports.h"
 #include "program/survey/survey.h"
 
 void summary_step(run *self)
@@ -142,39 +143,6 @@ static void print_energy(const run *self)
                weft_energy_total(ledger.energy), balance.text);
 }
 
-/* "the smallest gap is 3.2 mm at the end" */
-static void say_gap(sentence *text, double gap)
-{
-    if (isfinite(gap)) {
-        say(text, " and the smallest gap is %.3g mm", 1e3 * gap);
-    }
-    say(text, " at the end; ");
-}
-
-/* Nothing without contact. */
-static void print_contact(const run *self)
-{
-    sentence text = { "" };
-    const weft_cloth *cloth = weft_sim_cloth(self->sim);
-    const size_t shapes = weft_cloth_shapes(cloth);
-    const bool has_self = weft_cloth_contact(cloth).self;
-    const weft_measures all = self->result.measures;
-    if (shapes > 0) {
-        say(&text, "%zu %s, %s particles touch", shapes,
-            shapes == 1 ? "shape" : "shapes", human_count(all.touching).text);
-        say_gap(&text, all.gap);
-    }
-    if (has_self) {
-        say(&text, "%s pairs of the cloth's own parts touch",
-            human_count(all.self_touching).text);
-        say_gap(&text, all.self_gap);
-    }
-    if (shapes > 0 || has_self) {
-        print_item("contact", "%s%s steps rolled back", text.text,
-                   human_count(weft_sim_vetoed(self->sim)).text);
-    }
-}
-
 static void print_limit(const run *self)
 {
     const weft_limit_stats stats = weft_sim_limit_stats(self->sim);
@@ -249,9 +217,11 @@ void summary_print(const run *self)
     start_print_stretch(weft_scene_cloth(self->scene));
     print_strain(self);
     print_energy(self);
-    print_contact(self);
-    start_print_keys(weft_scene_cloth(self->scene),
-                     weft_scene_run(self->scene)->duration);
+    for (size_t i = 0; i < REPORT_SECTIONS; ++i) {
+        if (report_sections[i]->summary != NULL) {
+            report_sections[i]->summary(self->scene, self->sim, &self->result.measures);
+        }
+    }
     print_limit(self);
     print_sensitivity(self);
     print_files(self);
@@ -314,33 +284,19 @@ static const char *advise_fixed(double h, double start, double now, double any,
     return out->text;
 }
 
-/* Looser tolerances help where contact does not hold the step. */
+/* Looser tolerances help where nothing else holds the step. */
 static const char *advise_adaptive(const weft_failure *failure, const weft_cloth *cloth,
                                    sentence *out)
 {
-    const double two = 2e3 * weft_cloth_contact(cloth).thickness;
-    if (!failure->held_by_contact) {
+    bool held = false;
+    for (size_t i = 0; i < REPORT_SECTIONS && !held; ++i) {
+        held = report_sections[i]->advise != NULL
+               && report_sections[i]->advise(failure, cloth, out);
+    }
+    if (!held) {
         say(out,
             "try looser tolerances, a smaller stepper.min_step or another method, and "
             "look at what drives the cloth there");
-    } else if (!failure->contact) {
-        say(out, "look at what presses the cloth on itself there: other tolerances do "
-                 "not help where contact holds the step");
-    } else if (failure->other_shape == failure->gap_shape) {
-        say(out,
-            "look at what presses the cloth on shapes[%zu] there: other tolerances do "
-            "not help where contact holds the step",
-            failure->gap_shape);
-    } else {
-        say(out,
-            "keep shapes[%zu] and shapes[%zu] two thicknesses (%.3g mm) apart where "
-            "cloth is between them, or stop the run before they meet: other tolerances "
-            "do not help where contact holds the step",
-            failure->gap_shape < failure->other_shape ? failure->gap_shape
-                                                      : failure->other_shape,
-            failure->gap_shape < failure->other_shape ? failure->other_shape
-                                                      : failure->gap_shape,
-            two);
     }
     return out->text;
 }

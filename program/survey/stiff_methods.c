@@ -9,6 +9,7 @@
  * takes. The steps of BDF follow the motion, whose time scales are those of the slowest
  * waves, n / omega, and of a fall by the width of the sheet, and the accuracy; each
  * costs as much as 50 to 100 evaluations. */
+#include "program/reports.h"
 #include "program/survey/survey.h"
 
 #include <math.h>
@@ -92,7 +93,7 @@ static double spacing_of(const weft_cloth_def *cloth)
 static void set_implicit(const survey *of, const weft_cloth_def *cloth,
                          const survey_method *least, stiff_gains *out)
 {
-    out->touches = cloth->contact.shape_count > 0 || cloth->contact.self;
+    out->touches = report_touches(cloth);
     out->implicit = out->touches ? ROS2_CONTACT : ROS2_FREE;
     out->least = least, out->against = cost(least);
     if (of->implicit.work > 0.0) {

@@ -64,6 +64,7 @@ enum { RECORD_SHAPE_ROWS = 25, RECORD_SHAPE_COLS = 49 };
 /* The surface of shape k at time t [s], a grid that is closed at its poles and its
  * seam; of a plane a square near the cloth; of a mesh its triangles. Its points are in
  * position[3 record_shape_points]. */
+size_t record_shape_count(const weft_cloth_def *cloth);
 size_t record_shape_points(const weft_cloth_def *cloth);
 record_surface record_shape_surface(const weft_cloth_def *cloth, size_t k, double t,
                                     double *position);

@@ -163,6 +163,11 @@ static record_surface plane_surface(solid *of, const weft_cloth_def *cloth,
     return (record_surface){ record_grid(2, 2), position, NULL, NULL, true };
 }
 
+size_t record_shape_count(const weft_cloth_def *cloth)
+{
+    return cloth->contact.shape_count;
+}
+
 size_t record_shape_points(const weft_cloth_def *cloth)
 {
     size_t most = RECORD_SHAPE_ROWS * RECORD_SHAPE_COLS;

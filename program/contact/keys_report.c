@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "program/check/check.h"
+#include "program/contact/contact_parts.h"
 
 /* How far a vertex leaves the range of its two keys, in any coordinate. */
 typedef struct overshoot {
@@ -95,5 +95,28 @@ void keys_warn(const char *file, const weft_cloth_def *def)
                        1e3 * def->contact.thickness);
         }
         free(room);
+    }
+}
+
+void keys_print(const weft_cloth_def *def, double duration)
+{
+    bool first = true;
+    for (size_t k = 0; k < def->contact.shape_count; ++k) {
+        const weft_body *body = def->contact.shapes[k].body;
+        sentence text = { "" };
+        if (def->contact.shapes[k].kind != WEFT_MESH || body->keys < 2) {
+            continue;
+        }
+        const double span = (double)(body->keys - 1) / body->fps;
+        say(&text, "shapes[%zu]: %zu key frames, 0 to %.6g s, in a run of %.6g s", k,
+            body->keys, span, duration);
+        if (span > duration * (1.0 + 1e-9)) {
+            say(&text, "; %zu come after its end",
+                body->keys - 1 - (size_t)floor(duration * body->fps * (1.0 + 1e-9)));
+        } else if (span < duration * (1.0 - 1e-9)) {
+            say(&text, "; then it rests");
+        }
+        print_item(first ? "keys" : "", "%s", text.text);
+        first = false;
     }
 }

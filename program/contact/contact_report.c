@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* contact_report.c -- weft check: contact. */
+/* contact_report.c -- what verbs print of contact: weft check, the shapes, and how
+ * stiff contact is at rest and after a fall onto each of them; weft run, what touches
+ * at the end, and what helps where contact holds the step. */
 #include <math.h>
 #include <stdlib.h>
 
-#include "program/check/check.h"
+#include "program/contact/contact_parts.h"
+
+extern const report_section contact_report;
 
 /* ---- the law of docs/theory/contact.md, by z = gap / thickness ------------------ */
 
@@ -158,7 +162,7 @@ static void print_self(const weft_contact_def *law)
                sqrt(2.0 * pairs) * omega(law, z));
 }
 
-void contact_print(const weft_cloth_def *def)
+static void contact_print(const weft_cloth_def *def)
 {
     const weft_contact_def *law = &def->contact;
     const double z = rest_of(def);
@@ -181,8 +185,17 @@ void contact_print(const weft_cloth_def *def)
     }
 }
 
-void contact_yaml(yaml_out *out, const weft_cloth_def *def)
+static void contact_check(const weft_scene *scene, const weft_cloth *cloth)
 {
+    const weft_cloth_def *def = weft_scene_cloth(scene);
+    (void)cloth;
+    contact_print(def);
+    keys_print(def, weft_scene_run(scene)->duration);
+}
+
+static void contact_yaml(yaml_out *out, const weft_scene *scene)
+{
+    const weft_cloth_def *def = weft_scene_cloth(scene);
     const weft_contact_def *law = &def->contact;
     const double z = rest_of(def);
     if (law->shape_count == 0 && !law->self) {
@@ -206,3 +219,80 @@ void contact_yaml(yaml_out *out, const weft_cloth_def *def)
     }
     yaml_out_write(out, "] }");
 }
+
+/* ---- runs ----------------------------------------------------------------------- */
+
+/* "the smallest gap is 3.2 mm at the end" */
+static void say_gap(sentence *text, double gap)
+{
+    if (isfinite(gap)) {
+        say(text, " and the smallest gap is %.3g mm", 1e3 * gap);
+    }
+    say(text, " at the end; ");
+}
+
+/* Nothing without contact. */
+static void contact_summary(const weft_scene *scene, const weft_sim *sim,
+                            const weft_measures *all)
+{
+    sentence text = { "" };
+    const weft_cloth *cloth = weft_sim_cloth(sim);
+    const size_t shapes = weft_cloth_shapes(cloth);
+    const bool has_self = weft_cloth_contact(cloth).self;
+    if (shapes > 0) {
+        say(&text, "%zu %s, %s particles touch", shapes,
+            shapes == 1 ? "shape" : "shapes", human_count(all->touching).text);
+        say_gap(&text, all->gap);
+    }
+    if (has_self) {
+        say(&text, "%s pairs of the cloth's own parts touch",
+            human_count(all->self_touching).text);
+        say_gap(&text, all->self_gap);
+    }
+    if (shapes > 0 || has_self) {
+        print_item("contact", "%s%s steps rolled back", text.text,
+                   human_count(weft_sim_vetoed(sim)).text);
+    }
+    keys_print(weft_scene_cloth(scene), weft_scene_run(scene)->duration);
+}
+
+static bool contact_advise(const weft_failure *failure, const weft_cloth *cloth,
+                           sentence *out)
+{
+    const double two = 2e3 * weft_cloth_contact(cloth).thickness;
+    if (!failure->held_by_contact) {
+        return false;
+    }
+    if (!failure->contact) {
+        say(out, "look at what presses the cloth on itself there: other tolerances do "
+                 "not help where contact holds the step");
+    } else if (failure->other_shape == failure->gap_shape) {
+        say(out,
+            "look at what presses the cloth on shapes[%zu] there: other tolerances do "
+            "not help where contact holds the step",
+            failure->gap_shape);
+    } else {
+        say(out,
+            "keep shapes[%zu] and shapes[%zu] two thicknesses (%.3g mm) apart where "
+            "cloth is between them, or stop the run before they meet: other tolerances "
+            "do not help where contact holds the step",
+            failure->gap_shape < failure->other_shape ? failure->gap_shape
+                                                      : failure->other_shape,
+            failure->gap_shape < failure->other_shape ? failure->other_shape
+                                                      : failure->gap_shape,
+            two);
+    }
+    return true;
+}
+
+static bool contact_touches(const weft_cloth_def *def)
+{
+    return def->contact.shape_count > 0 || def->contact.self;
+}
+
+const report_section contact_report = { .check = contact_check,
+                                        .check_yaml = contact_yaml,
+                                        .warn = keys_warn,
+                                        .summary = contact_summary,
+                                        .advise = contact_advise,
+                                        .touches = contact_touches };
