@@ -252,9 +252,9 @@ INLINE void seek_fast_join(joint *to, seek_patch a, seek_patch b)
 {
     const uint32_t r = a.r < b.r ? a.r : b.r, c = a.c < b.c ? a.c : b.c;
     const bool beside = a.r + b.r - 2 * r < 2 && a.c + b.c - 2 * c < 2;
-    to->first = 4 * (a.r - r) + a.c - c;
+    to->first = beside ? 4 * (a.r - r) + a.c - c : 0;
     to->points = *(const eight_mask_anywhere *)points_of
-                     << (int32_t)(4 * (b.r - r) + b.c - c)
+                     << (beside ? (int32_t)(4 * (b.r - r) + b.c - c) : 0)
                  & -(int32_t)beside;
 }
 
