@@ -566,6 +566,18 @@ START_TEST(every_face_of_a_cloth_with_many_corners_is_named)
 }
 END_TEST
 
+/* The other faces are checked in the start shape. */
+START_TEST(a_face_with_many_corners_is_the_one_fault_of_a_mesh_in_space)
+{
+    put("cloth.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 .5\nv 2 0 .1\nv 2.5 .5 .1\n"
+                     "v 2 1 .2\nf 1 2 3 4\nf 2 5 6 7 3\n");
+    refused("cloth: {mesh: {file: cloth.obj, rest: start, angle: flat}, " FABRIC "}",
+            "");
+    ck_assert_uint_eq(found.errors, 1);
+    stands(0, "a face of 5 corners", "cloth.obj", 9, "f 2 5 6 7 3");
+}
+END_TEST
+
 START_TEST(a_cloth_without_vt_that_is_not_flat_is_told_a_way_out)
 {
     put("cloth.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 .3\nf 1 2 3\nf 1 3 4\n");
@@ -709,6 +721,7 @@ TEST_SUITE(mesh_files)
                    triangles_of_a_body_without_area_are_left_out_with_their_vertices);
     tcase_add_test(files, a_triangle_that_is_flat_at_one_key_is_left_out_at_all);
     tcase_add_test(files, every_face_of_a_cloth_with_many_corners_is_named);
+    tcase_add_test(files, a_face_with_many_corners_is_the_one_fault_of_a_mesh_in_space);
     tcase_add_test(files, a_cloth_without_vt_that_is_not_flat_is_told_a_way_out);
     tcase_add_test(files, a_triangle_that_is_written_twice_is_not_called_flipped);
     tcase_add_test(files, a_moebius_band_is_not_called_flipped);

@@ -246,6 +246,9 @@ static void take_vertices(weft__obj *obj, bool whole)
         obj->vertex_of[v] = (uint32_t)i;
         obj->name[i] = v;
         memcpy(&obj->start[3 * i], obj->vertex[v], sizeof *obj->vertex);
+        if (obj->in_space) {
+            memcpy(&obj->space[3 * i], obj->vertex[v], sizeof *obj->vertex);
+        }
     }
     if (unused > 0 && whole) {
         warn_of_unused(obj, first, unused);
