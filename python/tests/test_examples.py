@@ -104,6 +104,53 @@ def test_the_mannequin_is_that_of_the_scenes(in_a_tree, capsys, monkeypatch):
     assert all(a.read_text() == b.read_text() for a, b in zip(made, shipped))
 
 
+FLEXCOMP = """<mujoco><worldbody><flexcomp name="towel" type="grid" count="5 4 1" spacing=".1 .1 .1" pos="0 0 1" euler="0 0 30"
+radius=".001" mass=".1" dim="2"><edge equality="true"/></flexcomp></worldbody></mujoco>"""
+
+
+def test_a_flexcomp_of_mujoco_becomes_a_cloth(in_a_tree):
+    pytest.importorskip("mujoco")
+    recipe = runpy.run_path(str(TREE / "examples" / "from_mujoco.py"), run_name="recipe")
+    (in_a_tree / "towel.xml").write_text(FLEXCOMP)
+    scene = recipe["scene_of"]("towel.xml", "towel")
+    mesh = scene["cloth"]["mesh"]
+    assert mesh.start.shape == (20, 3) and len(mesh.triangles) == 24 and mesh.largest_stretch == pytest.approx(1.0)
+    assert abs(mesh.start.mean(axis=0) - [0, 0, 1]).max() < 1e-12 and scene["forces"]["gravity"] == [0, 0, -9.81]
+    sim = weft.load(scene)
+    sim.advance(0.1)
+    assert sim.positions[:, 2].min() < 0.97
+
+
+USD = """#usda 1.0
+( metersPerUnit = 0.01
+  upAxis = "Z" )
+def Xform "world" {
+    double3 xformOp:translate = (0, 0, 50)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Mesh "cloth" {
+        int[] faceVertexCounts = [4, 3]
+        int[] faceVertexIndices = [0, 1, 2, 3, 1, 4, 2]
+        point3f[] points = [(0, 0, 0), (10, 0, 0), (10, 10, 0), (0, 10, 0), (20, 0, 0)]
+        texCoord2f[] primvars:st = [(0, 0), (.1, 0), (.1, .1), (0, .1), (.5, 0), (.6, 0), (.5, .1)] ( interpolation = "faceVarying" )
+    }
+}
+"""
+
+
+def test_a_mesh_of_usd_becomes_a_cloth(in_a_tree):
+    pytest.importorskip("pxr")
+    recipe = runpy.run_path(str(TREE / "examples" / "from_usd.py"), run_name="recipe")
+    (in_a_tree / "cloth.usda").write_text(USD)
+    mesh = recipe["mesh_of"]("cloth.usda", "/world/cloth")
+    assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3], [1, 4, 2]]
+    assert abs(mesh.start - [[0, 0, .5], [.1, 0, .5], [.1, .1, .5], [0, .1, .5], [.2, 0, .5]]).max() < 1e-7
+    assert abs(mesh.rest - mesh.start[:, :2]).max() < 1e-7
+    sewn = recipe["mesh_of"]("cloth.usda", st=1.0)
+    assert len(sewn.rest) == 7 and sewn.largest_stretch == pytest.approx(1.0, abs=1e-6)
+    with pytest.raises(ValueError, match="has no mesh /none"):
+        recipe["mesh_of"]("cloth.usda", "/none")
+
+
 UNDER_VALGRIND = """
 import gc, warnings, weft
 from weft._weft import ffi, lib

@@ -330,7 +330,7 @@ def test_flat_points_of_meshio_may_have_two_coordinates():
 
 
 def test_what_is_no_mesh_is_refused():
-    with pytest.raises(TypeError, match="a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a object"):
+    with pytest.raises(TypeError, match="a weft.Mesh, a trimesh.Trimesh or Scene, or a meshio.Mesh, not a object"):
         weft.load(hung(object()))
 
 
@@ -457,11 +457,84 @@ def test_a_mesh_of_arrays_is_checked_where_it_is_and_not_at_the_origin(at, tmp_p
     assert "/tmp" not in str(caught.value)
 
 
-def test_a_scene_of_trimesh_is_refused_with_the_way_to_one_mesh():
-    scene = SimpleNamespace(geometry={}, vertices=UV, faces=TRIANGLES)
-    for given in (hung(scene), over_body(scene)):
-        with pytest.raises(TypeError, match=r"trimesh.Scene; trimesh.load\(file, force='mesh'\)"):
-            weft.load(given)
+def test_the_meshes_of_a_scene_of_trimesh_are_one_mesh_where_their_transforms_put_them(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    uv, triangles = square(4)
+    visual = trimesh.visual.TextureVisuals(uv=uv)
+    panel = trimesh.Trimesh(bent(uv), triangles, visual=visual, process=False)
+    size, scene = uv.max(), trimesh.Scene()
+    scene.add_geometry(panel, node_name="front")
+    scene.add_geometry(panel, node_name="the back", transform=trimesh.transformations.translation_matrix([size, 0, 0]))
+    mesh = Mesh.of(scene)
+    assert len(mesh.triangles) == 2 * len(triangles) and len(mesh.start) == 32 - 4  # sewn along a side
+    assert set(mesh.groups) == {"front", "the_back"} and len(mesh.groups["the_back"]) == 16
+    assert np.abs(mesh.start[mesh.groups["the_back"]].max(axis=0)[0] - 2 * size) < 1e-15
+    assert mesh.largest_stretch == pytest.approx(Mesh.of(panel).largest_stretch)
+    weft.load(hung(scene, pins=[{"group": "front"}]))
+    body = trimesh.Scene([trimesh.creation.box((0.04, 0.04, 0.04))])
+    body.apply_translation([0, 0.01, 0])
+    assert weft.load(over_body(body)).measure().hash == weft.load(over_body(
+        trimesh.creation.box((0.04, 0.04, 0.04)).apply_translation([0, 0.01, 0]))).measure().hash
+    with pytest.raises(ValueError, match="no mesh"):
+        Mesh.of(trimesh.Scene())
+    scene.add_geometry(trimesh.Trimesh(bent(uv), triangles, process=False))
+    with pytest.raises(ValueError, match="some meshes of the trimesh.Scene have u v, and others have none"):
+        Mesh.of(scene)
+    with pytest.raises(TypeError, match="is a PointCloud, not a mesh"):
+        Mesh.of(trimesh.Scene([trimesh.PointCloud(UV)]))
+
+
+def test_welded_vertices_are_those_of_all_pairs_and_of_a_file(tmp_path):
+    rng = np.random.default_rng(3)
+    x = rng.random((300, 3)).round(3)
+    x[::7] = x[1::7][:43]
+    for distance in (0.0, 1e-3, 0.04, 0.08, 0.12, 0.2, 1e-300):
+        wanted = np.arange(300)
+        near = np.linalg.norm(x[:, None] - x, axis=2) <= distance * (1 + 1e-9)
+        for _ in range(300):
+            wanted = np.where(near, wanted, 300).min(axis=1)
+        assert (weft.mesh._lowest(x, distance) == wanted).all()
+    rest, start, sewn, places = two_panels()
+    apart = np.empty((18, 3))
+    apart[places] = start[sewn]
+    mesh = Mesh(rest, apart, places, groups={"ends": [0, 17]}, fabrics={"hem": [1]})
+    welded = mesh.weld()
+    assert len(welded.start) == 15 and (welded.start[welded.triangles] == start[sewn]).all()
+    assert (welded.rest[welded.corner_uv] == rest[places]).all() and welded.fabric_names == ["hem"]
+    mesh.write(tmp_path / "apart.obj")
+    scene = hung(welded, pins=[{"vertices": [0]}])
+    file = {**scene, "cloth": {**scene["cloth"], "mesh": {"file": str(tmp_path / "apart.obj"), "weld": 0}}}
+    assert hashes(weft.load(scene)) == hashes(weft.load(file))
+    with pytest.raises(ValueError, match="makes one vertex of two corners of triangle 0, the first of"):
+        mesh.weld(10.0)
+    with pytest.raises(ValueError, match="distance is a number >= 0"):
+        mesh.weld(-1)
+
+
+def test_a_flat_file_is_the_mesh_of_its_arrays(tmp_path):
+    uv, triangles = square(4)
+    turn = np.linalg.qr(np.random.default_rng(5).standard_normal((3, 3)))[0]
+    mesh = SimpleNamespace(vertices=np.vstack((np.c_[uv, np.full(16, 0.7)] @ turn.T, [[9, 9, 9]])), faces=triangles)
+    with pytest.warns(weft.SceneWarning, match="vertex 16 is in no triangle"):
+        given = Mesh.of(mesh)
+    (tmp_path / "flat.obj").write_text("".join("v %r %r %r\n" % tuple(v) for v in mesh.vertices[:16].tolist())
+                                       + "".join("f %d %d %d\n" % tuple(f) for f in triangles + 1), encoding="utf-8")
+    ours = weft.load(hung(given, pins=[{"vertices": [0]}]))
+    theirs = weft.load({**hung(given), "cloth": {**hung(given)["cloth"], "mesh": {"file": str(tmp_path / "flat.obj")},
+                                                 "pins": [{"vertices": [0]}]}})
+    ours.advance(0.01), theirs.advance(0.01)
+    assert np.abs(ours.positions - theirs.positions).max() < 1e-9
+
+
+def test_files_of_materials_and_tables_are_found_from_the_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "m.json").write_text('{"density": 0.2, "stretching": [[50, 5, 60, 20]%s], "bending": [%s]}' % (
+        ", [50, 5, 60, 20]" * 5, ", ".join(["[4e-5, 4e-5, 4e-5, 4e-5, 4e-5]"] * 3)), encoding="utf-8")
+    (tmp_path / "up.csv").write_text("t,x,y,z\n0,0,0,0\n1,0,0,1\n", encoding="utf-8")
+    scene = hung(sheet(), pins=[{"vertices": [0], "path": "up.csv"}])
+    scene["cloth"]["fabric"] = {"arcsim": "m.json"}
+    made = hashes(weft.load(scene))
+    assert list(weft.run(scene, "run").series["hash"]) == made
 
 
 def test_files_of_a_dict_are_found_from_the_working_directory_by_all_doors(tmp_path, monkeypatch):

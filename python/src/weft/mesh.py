@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Iterable, Mapping
-from typing import Any, Optional
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from weft.library import (ArgumentError, ArgumentIndexError, ArgumentTypeError, 
 
 Indices = np.ndarray[Any, np.dtype[np.uint32]]
 
-ONE_MESH = "trimesh.load(file, force='mesh') gives one mesh of all its geometry"
 _FLAT = 1e-3  # of its extent: a surface that leaves its plane by less is flat,
 _ROUNDED = 1e-6  # and by less than this without a warning
 
@@ -274,14 +273,58 @@ class Mesh(Fixed):
                 file.write("g %s\n" % group)
                 _rows(file, "p %d\n", vertices[:, None] + 1)
 
+    def weld(self, distance: float = 0.0) -> Mesh:
+        """Makes one of vertices that start near each other, as `cloth.mesh.weld` does of a file's.
+
+        Their rest shapes stay: where those differ, the mesh is sewn. The lowest vertex keeps its place; the others are gone,
+        and later ones are renumbered. Groups have the vertices that became theirs.
+
+        Parameters
+        ----------
+        distance : float
+            [m] Vertices at most so far apart are one, and chains of such; 0: those that start at the same point.
+
+        Returns
+        -------
+        Mesh
+            The mesh.
+
+        Raises
+        ------
+        ArgumentError
+            Two corners of a triangle become one, or the distance is no number >= 0.
+
+        Examples
+        --------
+        >>> apart = weft.Mesh([[0, 0], [1, 0], [0, 1], [3, 0], [3, 1], [4, 0]], [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0],
+        ...                   [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [3, 5, 4]])
+        >>> apart.weld().triangles.tolist()
+        [[0, 1, 2], [1, 3, 2]]
+        """
+        if not (isinstance(distance, (int, float, np.number)) and 0.0 <= distance < np.inf):
+            raise ArgumentError("distance is a number >= 0 [m], not %r" % (distance,))
+        lowest = _lowest(self.start, float(distance))
+        kept = np.flatnonzero(lowest == np.arange(len(lowest)))
+        number = np.zeros(len(lowest), dtype=np.intp)
+        number[kept] = np.arange(len(kept))
+        number = number[lowest]
+        triangles = number[self.triangles]
+        bad = np.flatnonzero((triangles == np.roll(triangles, 1, axis=1)).any(axis=1))
+        if len(bad) > 0:
+            raise ArgumentError("a weld of %g m makes one vertex of two corners of triangle %d%s"
+                                % (distance, bad[0], _first_of(len(bad))))
+        return Mesh(self.rest, self.start[kept], triangles, corner_uv=self.corner_uv,
+                    fabrics={name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)},
+                    groups={name: np.unique(number[of]) for name, of in self.groups.items()})
+
     @staticmethod
     def of(value: Any) -> Mesh:
         """Makes a mesh of what has the attributes of one: by from_trimesh() or from_meshio(); a Mesh is returned itself.
 
         Parameters
         ----------
-        value : Mesh, trimesh.Trimesh or meshio.Mesh
-            Any of them.
+        value : Mesh, trimesh.Trimesh, trimesh.Scene or meshio.Mesh
+            Any of them. The meshes of a Scene become one, each where its transform puts it; their names are groups.
 
         Returns
         -------
@@ -291,17 +334,17 @@ class Mesh(Fixed):
         Raises
         ------
         ArgumentTypeError
-            It is something else, such as a trimesh.Scene.
+            It is something else.
         """
         if isinstance(value, Mesh):
             return value
         if hasattr(value, "geometry"):
-            raise ArgumentTypeError("a mesh is not a trimesh.Scene; %s" % ONE_MESH)
+            return Mesh.from_trimesh(joined(value))
         if hasattr(value, "vertices") and hasattr(value, "faces"):
             return Mesh.from_trimesh(value)
         if hasattr(value, "points") and hasattr(value, "cells"):
             return Mesh.from_meshio(value)
-        raise ArgumentTypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or a meshio.Mesh, not a %s" % type(value).__name__)
+        raise ArgumentTypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or Scene, or a meshio.Mesh, not a %s" % type(value).__name__)
 
     @staticmethod
     def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
@@ -326,12 +369,12 @@ class Mesh(Fixed):
             There is neither u v nor a plane.
         """
         start, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
-        uv = getattr(getattr(mesh, "visual", None), "uv", None)
+        uv, groups = getattr(getattr(mesh, "visual", None), "uv", None), mesh.groups if isinstance(mesh, _Joined) else {}
         if uv is None:
-            return _used(flat_coordinates(start), start, triangles, {}, {})
+            return _used(_flat(start, triangles), start, triangles, {}, groups)
         if np.shape(uv) != (len(start), 2):
             raise ArgumentError("visual.uv has the shape %s, not (%d, 2)" % (np.shape(uv), len(start)))
-        return _used(uv, start, triangles, {}, {}, sew)
+        return _used(uv, start, triangles, {}, groups, sew)
 
     @staticmethod
     def from_meshio(mesh: Any, *, rest: Optional[str] = None) -> Mesh:
@@ -368,10 +411,64 @@ class Mesh(Fixed):
         elif rest not in data:
             raise MissingKeyError("the mesh has no point_data %r; it has %s" % (rest, ", ".join(map(repr, data)) or "none"))
         triangles, fabrics, groups = _cells_of(mesh)
-        uv = flat_coordinates(start) if rest is None else np.asarray(data[rest])
+        uv = _flat(start, triangles) if rest is None else np.asarray(data[rest])
         if rest is not None and (uv.ndim != 2 or len(uv) != len(start) or uv.shape[1] < 2):
             raise ArgumentError("point_data[%r] has the shape %s, not (%d, 2)" % (rest, uv.shape, len(start)))
         return _used(uv[:, :2], start, triangles, fabrics, groups)
+
+
+# ---- vertices that are one ------------------------------------------------------------
+
+def _pairs_of_cells(cells: Array) -> Iterable[Indices]:
+    """(n, 2) rows of cells, of which two vertices may be within the diagonal of one; cells are in lexical order."""
+    axes = [np.unique(cells[:, k]) for k in range(3)]
+    ranks = [np.searchsorted(axis, cells[:, k]) for k, axis in enumerate(axes)]
+    key = (ranks[0] * len(axes[1]) + ranks[1]) * len(axes[2]) + ranks[2]
+    steps = np.array(np.meshgrid(*[range(-2, 3)] * 3, indexing="ij")).reshape(3, -1).T[63:]  # one of two opposite ones
+    for step in steps:
+        there, beside = np.ones(len(cells), dtype=np.bool_), np.zeros(len(cells), dtype=np.intp)
+        for k, axis in enumerate(axes):
+            rank = np.minimum(np.searchsorted(axis, cells[:, k] + step[k]), len(axis) - 1)
+            there &= axis[rank] == cells[:, k] + step[k]
+            beside = beside * len(axis) + rank
+        at = np.minimum(np.searchsorted(key, beside), len(key) - 1)
+        there &= key[at] == beside
+        yield np.stack((np.flatnonzero(there), at[there]), axis=1).astype(np.uint32)
+
+
+def _joined_lowest(count: int, one: Any, other: Any) -> Any:
+    """The lowest of the vertices that pairs join, of each vertex."""
+    lowest = np.arange(count)
+    while True:
+        before = lowest
+        least = np.minimum(lowest[one], lowest[other])
+        lowest = lowest.copy()
+        for end in (lowest[one], lowest[other], one, other):
+            np.minimum.at(lowest, end, least)
+        lowest = lowest[lowest]
+        if (lowest == before).all():
+            return lowest
+
+
+def _lowest(x: Array, distance: float) -> Any:
+    """Of each vertex, the lowest that it is one with. Vertices in one cell are near, and few cells are beside it."""
+    low = x.min(axis=0)
+    exact = distance <= 1e-12 * float((x - low).max())  # coordinates resolve no more
+    cell = x if exact else np.floor((x - low) / (distance / np.sqrt(3.0)))
+    cells, first, of = np.unique(cell, axis=0, return_index=True, return_inverse=True)
+    of = of.ravel()
+    one, other = [np.arange(len(x))], [first[of]]
+    order = np.argsort(of, kind="stable")
+    ends = np.searchsorted(of[order], np.arange(len(cells) + 1))
+    for pairs in () if exact else _pairs_of_cells(cells):
+        near = np.linalg.norm(x[first[pairs[:, 0]]] - x[first[pairs[:, 1]]], axis=1) <= distance * (1.0 + 1e-9)
+        several = np.diff(ends)[pairs].max(axis=1) > 1 if len(pairs) > 0 else near
+        for i in np.flatnonzero(several & ~near):
+            a, b = (order[ends[k]:ends[k + 1]] for k in pairs[i])
+            near[i] = (np.linalg.norm(x[a, None] - x[b], axis=2) <= distance * (1.0 + 1e-9)).any()
+        one.append(first[pairs[near, 0]])
+        other.append(first[pairs[near, 1]])
+    return _joined_lowest(len(x), np.concatenate(one), np.concatenate(other))
 
 
 def _again(rest: Any, start: Any, triangles: Any, corner_uv: Any, fabrics: Any, groups: Any) -> Mesh:
@@ -428,7 +525,7 @@ def flat_coordinates(points: Any) -> Array:
                          "its extent of %.3g" % (away, extent))
     if away > _ROUNDED * extent:
         warnings.warn("the mesh has no u v and leaves its plane by %.3g of its extent of %.3g: its rest shape is the plane"
-                      % (away, extent), SceneWarning, stacklevel=4)
+                      % (away, extent), SceneWarning, stacklevel=5)
     normal = np.where(np.abs(normal) < 1e-9, 0.0, normal)  # an axis stays one
     up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) <= np.sqrt(0.5) else np.array([0.0, 0.0, 1.0])
     along = up - normal * (up @ normal) / (normal @ normal)
@@ -436,6 +533,51 @@ def flat_coordinates(points: Any) -> Array:
     across = np.cross(along, normal / np.linalg.norm(normal))
     plane: Array = x @ np.stack((across * np.sign(across[np.abs(across).argmax()]), along), axis=1)
     return plane
+
+
+def _flat(start: Any, triangles: Any) -> Array:
+    """flat_coordinates of the vertices that triangles have; 0 of others."""
+    points = _numbers(start, "points", 3)
+    used = np.unique(_corners(triangles, "triangles", None, len(points), "vertices"))
+    plane = np.zeros((len(points), 2))
+    plane[used] = flat_coordinates(points[used])
+    return plane
+
+
+class _Joined(NamedTuple):
+    """The meshes of a trimesh.Scene as one: what a Trimesh has of use here, and its groups."""
+
+    vertices: Array
+    faces: Any
+    visual: Any
+    groups: dict[str, Any]
+
+
+class _Visual(NamedTuple):
+    uv: Any
+
+
+def joined(scene: Any) -> _Joined:
+    """A trimesh.Scene as one mesh, each of its meshes where its transform puts it. Their names are groups. trimesh's own
+    concatenation packs textures, and so changes UV coordinates."""
+    vertices, faces, uvs, groups, count = [], [], [], {}, 0
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not hasattr(mesh, "faces"):
+            raise ArgumentTypeError("'%s' of the trimesh.Scene is a %s, not a mesh of triangles" % (name, type(mesh).__name__))
+        x, turn = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(transform, dtype=np.float64)
+        vertices.append(x if (turn == np.eye(4)).all() else x @ turn[:3, :3].T + turn[:3, 3])
+        faces.append(np.asarray(mesh.faces) + count)
+        uvs.append(getattr(getattr(mesh, "visual", None), "uv", None))
+        groups[as_word(str(node))] = np.arange(count, count + len(x))
+        count += len(x)
+    if not vertices:
+        raise ArgumentError("the trimesh.Scene has no mesh")
+    bare = [uv is None for uv in uvs]
+    if any(bare) and not all(bare):
+        raise ArgumentError("some meshes of the trimesh.Scene have u v, and others have none")
+    return _Joined(np.concatenate(vertices), np.concatenate(faces), _Visual(None if bare[0] else np.concatenate(uvs)), groups)
 
 
 def _cells_of(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:

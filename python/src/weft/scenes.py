@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
 from weft.library import ArgumentError, ArgumentTypeError, NotFoundError, PathLike, chars, settings, yaml_text
-from weft.mesh import ONE_MESH, Mesh, _array, _corners, _members, _numbers
+from weft.mesh import Mesh, _array, _corners, _members, _numbers, joined
 
 Scene = Union[PathLike, Mapping[str, Any]]
 Change = Callable[[Any, str], Any]
+
+_TABLES = ("path", "table", "rows")  # keys whose value may be a CSV file
 
 
 # ---- meshes and bodies ------------------------------------------------------------------
@@ -52,8 +54,7 @@ def _body(value: Any) -> Any:
     """The path of a body's file, or copies of its arrays: (vertices, triangles), of key frames (keys, n, 3)."""
     if isinstance(value, (str, os.PathLike)):
         return os.path.abspath(value)
-    if hasattr(value, "geometry"):
-        raise ArgumentTypeError("the file of a body is a trimesh.Scene; %s" % ONE_MESH)
+    value = joined(value)[:2] if hasattr(value, "geometry") else value
     pair = value if isinstance(value, (tuple, list)) else (getattr(value, "vertices", None), getattr(value, "faces", None))
     if len(pair) != 2 or pair[0] is None or pair[1] is None:
         raise ArgumentTypeError("the file of a body is a path, a trimesh.Trimesh or (vertices, triangles), not %.100r" % (value,))
@@ -92,9 +93,20 @@ def _own_cloth(cloth: Mapping[str, Any], _suffix: str) -> dict[str, Any]:
     return {**found, "mesh": mesh}
 
 
+def _whole(value: Any, key: str = "") -> Any:
+    """With the files of materials and of tables of times by their whole paths."""
+    if isinstance(value, Mapping):
+        return {name: _whole(of, str(name)) for name, of in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_whole(of) for of in value] if any(isinstance(of, Mapping) for of in value) else value
+    file = isinstance(value, (str, os.PathLike)) and (key == "arcsim" or (key in _TABLES and str(value).endswith(".csv")))
+    return os.path.abspath(value) if file else value
+
+
 def own(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """The scene with copies of its arrays, and the files of its meshes and bodies by their whole paths."""
-    return _each_cloth(_each_body(scene, lambda body, suffix: _body(body)), _own_cloth)
+    """The scene with copies of its arrays, and the files that it names by their whole paths."""
+    found: dict[str, Any] = _whole(_each_cloth(_each_body(scene, lambda body, suffix: _body(body)), _own_cloth))
+    return found
 
 
 def written(scene: Mapping[str, Any], folder: PathLike, stem: str, whole: bool = False) -> dict[str, Any]:
