@@ -234,10 +234,9 @@ weft_status weft__parameter_derivative_init(weft__parameter_derivative *of,
         of->others = of->others || (force != NULL && force->law.add != NULL);
     }
     for (size_t k = 1; k < WEFT__FORCES; ++k) {
-        const weft__force_checks *checks = &weft__table[k].force->checks;
         of->whole = of->whole
-                    || (of->differs[k] && checks->pairs != NULL
-                        && checks->pairs(weft__own(more, k)));
+                    || (of->differs[k] && weft__table[k].force->checks.pairs != NULL
+                        && weft__cloth_pairs(more));
     }
     return WEFT_OK;
 }

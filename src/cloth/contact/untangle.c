@@ -195,8 +195,8 @@ static void find_parts(tangle *of)
         of->points[i] = 0;
     }
     for (size_t i = 0; i < own->points; ++i) {
-        weft__items edges;
-        weft__items_of(own, i, 2, &edges);
+        weft__incident edges;
+        weft__incident_of(own, i, 2, &edges);
         for (size_t e = 0; e < edges.count; ++e) {
             const uint32_t a = untangle_part_of(of->part, edges.at[2 * e]);
             const uint32_t b = untangle_part_of(of->part, edges.at[2 * e + 1]);
@@ -563,7 +563,9 @@ weft_status weft__relax_start(const weft_cloth *cloth, double *y,
     }
     const weft__search pins
         = { .where = "contact.untangle cannot move the cloth out: " };
-    TRY(weft__bodies_pins_error(&cloth->bodies, 0.0, y, &pins, err));
+    TRY(weft__bodies_force.present(&cloth->bodies)
+            ? weft__bodies_pins_error(&cloth->bodies, 0.0, y, &pins, err)
+            : WEFT_OK);
     weft_status status
         = untangle_create(&of, cloth, y) ? WEFT_OK : untangle_no_memory(err);
     of.stop = *stop, of.log = *log;

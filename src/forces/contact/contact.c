@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "base/hash.h"
 #include "base/memory.h"
 #include "forces/contact/contact_law.h"
 #include "forces/contact/mesh_shape.h"
@@ -315,47 +314,14 @@ static void contact_leave_out(void *own)
     ((weft__contact *)own)->shape_count = 0;
 }
 
-/* Between layers, too. */
-static bool contact_slows(const weft_cloth_def *def)
+static bool contact_asked(const weft_cloth_def *def)
 {
-    return def->contact.shape_count > 0 || def->contact.self;
+    return def->contact.shape_count > 0;
 }
 
 static void contact_piece(const void *own, double t, weft__piece_bounds *to)
 {
     weft__shapes_bounds(own, t, to);
-}
-
-static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
-{
-    const weft_shape *def = &shape->def;
-    hash = weft__hash_word(hash, (uint64_t)def->kind);
-    hash = weft__hash_reals(hash, def->at, 3);
-    hash = weft__hash_reals(hash, shape->axis, 3);
-    hash = weft__hash_real(hash, shape->length);
-    hash = weft__hash_reals(hash, def->half, def->kind == WEFT_BOX ? 3 : 0);
-    hash = weft__hash_real(hash, shape->radius);
-    hash = weft__hash_reals(hash, shape->spin, 3);
-    hash = weft__hash_real(hash, shape->friction);
-    if ((def->kind == WEFT_BOX || def->kind == WEFT_MESH)
-        && weft__length(def->orientation) > 0.0) {
-        hash = weft__hash_reals(hash, def->orientation, 4);
-    }
-    hash = def->body == NULL ? hash : weft__body_hash(def->body, hash);
-    return weft__rigid_hash(&shape->motion, hash);
-}
-
-/* Nothing without contact. The law is hashed once, after self-contact. */
-static uint64_t contact_hash_of(const void *own, uint64_t hash)
-{
-    const weft__contact *of = own;
-    for (size_t k = 0; k < of->shape_count; ++k) {
-        hash = hash_shape(hash, &of->shapes[k]);
-    }
-    if (of->law.self) {
-        hash = weft__hash_real(weft__hash_word(hash, 1), of->law.friction);
-    }
-    return of->shape_count > 0 || of->law.self ? weft__law_hash(&of->law, hash) : hash;
 }
 
 static bool contact_present(const void *own)
@@ -365,30 +331,14 @@ static bool contact_present(const void *own)
 
 /* ---- its checks of steps --------------------------------------------------------- */
 
-static bool contact_asked(const weft_cloth_def *def)
-{
-    return def->contact.shape_count > 0;
-}
-
-static bool contact_wanted(const void *own)
-{
-    const weft__contact *of = own;
-    return of->shape_count > 0 || of->law.self;
-}
-
 static double contact_reach(const void *own)
 {
     return ((const weft__contact *)own)->law.thickness;
 }
 
-static bool contact_gathers(const void *own)
-{
-    return ((const weft__contact *)own)->law.self;
-}
-
 static bool contact_pairs(const void *own)
 {
-    return contact_gathers(own) || weft__shapes_vertices(own) > 0;
+    return weft__shapes_vertices(own) > 0;
 }
 
 const weft__force weft__contact_force
@@ -397,14 +347,14 @@ const weft__force weft__contact_force
         .tables.array = &shapes_array,
         .tables.check = weft__contact_def_check,
         .tables.init = contact_init,
-        .tables.hash = contact_hash_of,
+        .tables.hash = weft__contact_own_hash,
         .tables.choose = contact_choose,
         .tables.copy = contact_copy,
         .tables.free = free_shapes,
         .tables.leave_out = contact_leave_out,
         .tables.bytes = contact_bytes,
         .tables.alike = contact_alike,
-        .tables.slows = contact_slows,
+        .tables.slows = contact_asked,
         .grids.define = contact_define,
         .changes.words = weft__contact_words,
         .changes.put = weft__contact_put,
@@ -423,9 +373,8 @@ const weft__force weft__contact_force
         .bounds.multiply = weft__contact_multiply,
         .couplings.blocks = weft__contact_blocks,
         .checks.asked = contact_asked,
-        .checks.wanted = contact_wanted,
+        .checks.wanted = contact_present,
         .checks.reach = contact_reach,
-        .checks.gathers = contact_gathers,
         .checks.pairs = contact_pairs,
         .checks.clear = weft__contact_clear,
         .checks.first = weft__contact_first,

@@ -240,12 +240,13 @@ weft_status weft__shape_make(const weft__contact *own, const weft_shape *def,
                              double since, size_t index, weft__shape *out,
                              weft_error *err);
 
-/* Of all numbers of a definition with shapes or self-contact. */
+/* Of all numbers of a definition with shapes. */
 void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to);
 
 /* Of the law alone, which shapes that are added obey; after it a hash goes on. */
 uint64_t weft__law_hash(const weft_contact_def *law, uint64_t hash);
 uint64_t weft__contact_hash(const weft__contact *own);
+uint64_t weft__contact_own_hash(const void *own, uint64_t hash); /* of all */
 
 /* contact_steps.c: for weft__force_checks. */
 bool weft__contact_clear(const void *own, const weft__path *path, size_t first,

@@ -227,7 +227,7 @@ static void check_shapes(const weft_cloth_def *def, const weft__faults *to)
 void weft__contact_def_check(const weft_cloth_def *def, const weft__faults *to)
 {
     (void)weft__numbers_check(&weft__untangle, 1, def, to, "contact: ");
-    if (def->contact.shape_count > 0 || def->contact.self) {
+    if (def->contact.shape_count > 0) {
         weft__contact_check(&def->contact, to);
         check_shapes(def, to);
     }
@@ -263,4 +263,36 @@ uint64_t weft__contact_hash(const weft__contact *own)
 {
     return weft__law_hash(&own->law,
                           weft__hash_real(WEFT__HASH_START, own->law.friction));
+}
+
+static uint64_t hash_shape(uint64_t hash, const weft__shape *shape)
+{
+    const weft_shape *def = &shape->def;
+    hash = weft__hash_word(hash, (uint64_t)def->kind);
+    hash = weft__hash_reals(hash, def->at, 3);
+    hash = weft__hash_reals(hash, shape->axis, 3);
+    hash = weft__hash_real(hash, shape->length);
+    hash = weft__hash_reals(hash, def->half, def->kind == WEFT_BOX ? 3 : 0);
+    hash = weft__hash_real(hash, shape->radius);
+    hash = weft__hash_reals(hash, shape->spin, 3);
+    hash = weft__hash_real(hash, shape->friction);
+    if ((def->kind == WEFT_BOX || def->kind == WEFT_MESH)
+        && weft__length(def->orientation) > 0.0) {
+        hash = weft__hash_reals(hash, def->orientation, 4);
+    }
+    hash = def->body == NULL ? hash : weft__body_hash(def->body, hash);
+    return weft__rigid_hash(&shape->motion, hash);
+}
+
+/* Nothing without contact. The law is hashed once, after self-contact. */
+uint64_t weft__contact_own_hash(const void *own, uint64_t hash)
+{
+    const weft__contact *of = own;
+    for (size_t k = 0; k < of->shape_count; ++k) {
+        hash = hash_shape(hash, &of->shapes[k]);
+    }
+    if (of->law.self) {
+        hash = weft__hash_real(weft__hash_word(hash, 1), of->law.friction);
+    }
+    return of->shape_count > 0 || of->law.self ? weft__law_hash(&of->law, hash) : hash;
 }

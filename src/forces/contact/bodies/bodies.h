@@ -8,7 +8,7 @@
 #include "base/thread_pool.h"
 #include "forces/contact/closing.h"
 #include "forces/contact/mesh_shape.h"
-#include "forces/contact/self/self.h"
+#include "forces/contact/self/crossing.h"
 
 typedef struct weft__bodies {
     weft__self pairs; /* of all points; law.self: whether there are bodies */
@@ -68,9 +68,7 @@ weft_status weft__bodies_error(const void *own, double t, const double *y,
 weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
                                     const weft__search *of, weft_error *err);
 
-/* A weft__name_fn; ctx: a weft__bodies. */
-void weft__bodies_name(const void *ctx, const weft_primitive *of, char *text,
-                       size_t size);
+weft__name_fn weft__bodies_name; /* ctx: a weft__bodies */
 
 /* For weft__force. */
 void weft__bodies_range_stiffness(const void *own, void *space, const weft__state *at,

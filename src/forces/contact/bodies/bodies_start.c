@@ -8,7 +8,6 @@
 #include "base/memory.h"
 #include "base/plane.h"
 #include "forces/contact/bodies/bodies.h"
-#include "forces/contact/self/crossing.h"
 #include "mesh/surface.h"
 
 /* "edge (3, 4)-(3, 5)", or "shapes[1]". */
@@ -194,9 +193,6 @@ weft_status weft__bodies_error(const void *own, double t, const double *y,
                                const weft__search *of, weft_error *err)
 {
     const weft__bodies *bodies = own;
-    if (!bodies->pairs.law.self) {
-        return WEFT_OK;
-    }
     double *all = weft__bodies_spread(bodies, &(weft__state){ .t = t, .y = y });
     weft_status status
         = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")
@@ -229,9 +225,6 @@ static void label_pins(const weft__mesh *mesh, const weft__contact_surface *surf
 weft_status weft__bodies_pins_error(const weft__bodies *own, double t, const double *y,
                                     const weft__search *of, weft_error *err)
 {
-    if (!own->pairs.law.self) {
-        return WEFT_OK;
-    }
     double *all = weft__bodies_spread(own, &(weft__state){ .t = t, .y = y });
     weft_status status
         = all == NULL ? weft_error_set(err, WEFT_NO_MEMORY, "no memory for a state")

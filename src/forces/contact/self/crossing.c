@@ -119,10 +119,10 @@ static void crossing_meet(counting *of, const element *edge, const element *othe
     }
 }
 
-void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *to)
+void weft__incident_of(const weft__self *own, size_t i, size_t size, weft__incident *to)
 {
     const weft__contact_surface *surface = own->surface;
-    *to = (weft__items){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
+    *to = (weft__incident){ .size = size, .key = size == 2 ? 3 * i : 2 * i };
     if (surface != NULL) {
         const uint32_t *first
             = size == 2 ? surface->edge_first : surface->triangle_first;
@@ -145,12 +145,12 @@ static void compare_nodes(counting *of, size_t i, size_t j)
     const weft__self *own = of->tree->own;
     const bool chain
         = own->surface == NULL && (own->mesh->rows == 1 || own->mesh->cols == 1);
-    weft__items edges, others;
+    weft__incident edges, others;
     if (chain && i >= j) {
         return;
     }
-    weft__items_of(own, i, 2, &edges);
-    weft__items_of(own, j, chain ? 2 : 3, &others);
+    weft__incident_of(own, i, 2, &edges);
+    weft__incident_of(own, j, chain ? 2 : 3, &others);
     for (size_t k = 0; k < edges.count * others.count; ++k) {
         const size_t e = k / others.count, o = k % others.count;
         const element edge = element_of(of, edges.key + e, 2, edges.at + 2 * e);
@@ -166,8 +166,8 @@ static void compare_nodes(counting *of, size_t i, size_t j)
 /* Edges of node i without length, as two particles. */
 static void keep_points(counting *of, size_t i)
 {
-    weft__items edges;
-    weft__items_of(of->tree->own, i, 2, &edges);
+    weft__incident edges;
+    weft__incident_of(of->tree->own, i, 2, &edges);
     for (size_t e = 0; e < edges.count; ++e) {
         const element a = element_of(of, edges.key + e, 1, edges.at + 2 * e);
         const element b = element_of(of, 0, 1, edges.at + 2 * e + 1);

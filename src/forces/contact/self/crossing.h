@@ -26,12 +26,13 @@ weft__crossings weft__crossings_of(const weft__quadtree *tree, const weft__searc
 
 /* What an own has of a kind at node i: edges of 2 points, or triangles of 3; their keys
  * follow each other. */
-typedef struct weft__items {
+typedef struct weft__incident {
     size_t count, size, key;
     const uint32_t *at;
     uint32_t room[9];
-} weft__items;
-void weft__items_of(const weft__self *own, size_t i, size_t size, weft__items *to);
+} weft__incident;
+void weft__incident_of(const weft__self *own, size_t i, size_t size,
+                       weft__incident *to);
 
 /* If a cloth with contact.self passes through itself in a state: WEFT_INVALID, with
  * `where` before "edge (3, 4)-(3, 5) passes through cell (9, 2); 12 such pairs; pins

@@ -244,7 +244,8 @@ WEFT_FORMS(weft__range_fn, range);
 
 struct weft__self {
     const weft__mesh *mesh;
-    weft_contact_def law;           /* law.self: whether there is any */
+    weft_contact_def law; /* law.self: whether there is any */
+    bool asked;           /* by the definition: a band has it in its whole cloth */
     weft__contact_surface *surface; /* NULL: a grid by itself */
     size_t points;
     bool shared;  /* the surface is another's */

@@ -9,12 +9,27 @@
 
 /* ---- its part of a cloth --------------------------------------------------------- */
 
+/* Without shapes the law is no other force's. */
+static void self_check(const weft_cloth_def *def, const weft__faults *to)
+{
+    if (def->contact.self && def->contact.shape_count == 0) {
+        weft__contact_check(&def->contact, to);
+    }
+    weft__self_check(def, to);
+}
+
+static bool self_asked(const weft_cloth_def *def)
+{
+    return def->contact.self;
+}
+
 static bool self_init(void *own, const weft_cloth_def *def,
                       const weft_allocator *memory)
 {
     weft__self *of = own;
     of->law = def->contact;
-    of->law.self = def->contact.self && !weft__is_band(def);
+    of->asked = def->contact.self;
+    of->law.self = of->asked && !weft__is_band(def);
     of->max_friction = def->contact.friction;
     of->points = of->mesh->particles;
     return !of->law.self || of->mesh->triangles == NULL || weft__self_cover(of, memory);
@@ -88,6 +103,11 @@ static void self_space_destroy(void *space)
     weft__self_list_destroy(space);
 }
 
+static bool self_wanted(const void *own)
+{
+    return ((const weft__self *)own)->asked;
+}
+
 static bool self_clear_pairs(const void *own, void *space, const weft__path *path,
                              weft__penetration *out)
 {
@@ -133,7 +153,8 @@ static void self_leave_out(void *own)
 
 const weft__force weft__self_force
     = { .name = "self",
-        .tables.check = weft__self_check,
+        .tables.check = self_check,
+        .tables.slows = self_asked,
         .tables.init = self_init,
         .tables.choose = weft__self_choose,
         .tables.copy = weft__self_copy,
@@ -144,6 +165,9 @@ const weft__force weft__self_force
         .bounds.range_stiffness = weft__self_range_stiffness,
         .space = { self_space_create, self_space_grow, self_space_destroy },
         .whole.add_part = self_add_part,
+        .checks.wanted = self_wanted,
+        .checks.gathers = self_wanted,
+        .checks.pairs = self_wanted,
         .checks.clear_pairs = self_clear_pairs,
         .checks.forget = self_forget,
         .checks.hold_pairs = self_hold_pairs,
