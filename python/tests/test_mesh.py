@@ -76,6 +76,55 @@ def test_arrays_and_the_file_that_is_written_make_the_same_bits(tmp_path):
     assert run.positions.shape == (3, 25, 3)
 
 
+def dome(**more):
+    """A square that bulges, at rest where it starts."""
+    uv, triangles = square(5)
+    return Mesh("start", np.c_[uv, 4 * (uv ** 2).sum(axis=1)], triangles,
+                **{"groups": {"top": np.arange(5)}, "angle": "flat", "warp": [0, 1, 0], **more})
+
+
+def test_a_mesh_in_space_and_its_file_make_the_same_bits(tmp_path):
+    mesh = dome(fabrics={"hem": [0, 3, 7]})
+    scene = hung(mesh, fabrics={"hem": {**DENIM, "density": 1.0}})
+    mesh.write(tmp_path / "dome.obj")
+    assert "vt" not in (tmp_path / "dome.obj").read_text()
+    file = {"file": str(tmp_path / "dome.obj"), "rest": "start", "angle": "flat", "warp": [0, 1, 0]}
+    made = hashes(weft.load(scene))
+    assert made == hashes(weft.load({**scene, "cloth": {**scene["cloth"], "mesh": file}})) and len(set(made)) == 3
+    assert list(weft.run(scene, tmp_path / "run").series["hash"]) == made
+    again = pickle.loads(pickle.dumps(mesh))
+    assert again.keys == mesh.keys and made == hashes(weft.load({**scene, "cloth": {**scene["cloth"], "mesh": again}}))
+    assert mesh.largest_stretch == 1.0 and 30 < mesh.smallest_angle <= 45
+
+
+def test_what_is_neither_flat_nor_has_uv_can_rest_where_it_starts():
+    mesh = dome()
+    trimesh = SimpleNamespace(vertices=mesh.start, faces=mesh.triangles)
+    with pytest.raises(weft.ArgumentError, match="rest='start' takes the start as it is"):
+        Mesh.of(trimesh)
+    of = Mesh.of(trimesh, rest="start", angle="flat")
+    assert of.keys == {"rest": "start", "angle": "flat"} and (of.start == mesh.start).all()
+    meshio = SimpleNamespace(points=mesh.start, cells=[SimpleNamespace(type="triangle", data=mesh.triangles)])
+    assert Mesh.of(meshio, rest="start").keys == {"rest": "start"}
+    sheet_of_uv = Mesh.of(sheet(), rest="start", warp=[1, 0, 0])
+    assert sheet_of_uv.keys == {"rest": "start", "warp": [1.0, 0.0, 0.0]} and sheet_of_uv.groups["top"].tolist() == [0, 1, 2, 3, 4]
+    assert Mesh.of(sheet(), angle="start").keys == {"angle": "start"}
+
+
+@pytest.mark.parametrize("wrong, said", [
+    ({"rest": "plane"}, "as a word it is 'start'"), ({"angle": "bent"}, "angle is 'flat' or 'start'"),
+    ({"warp": [0, 0, 0]}, "not a direction"), ({"warp": [1, 0]}, r"warp has the shape"),
+    ({"corner_uv": [[0, 1, 2]]}, "with corner_uv"), ({"start": None}, "with no start")])
+def test_a_wrong_rest_shape_is_refused(wrong, said):
+    with pytest.raises(weft.ArgumentError, match=said):
+        Mesh(**{"rest": "start", "start": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], **wrong})
+
+
+def test_a_warp_goes_with_a_rest_shape_in_space():
+    with pytest.raises(weft.ArgumentError, match="it goes with rest='start'"):
+        sheet(warp=[0, 1, 0])
+
+
 def test_a_batch_takes_arrays_and_keeps_them_with_each_run(tmp_path):
     scene = {**hung(sheet()), "sweep": {"cloth.fabric.density": [0.3, 0.5]}}
     table = weft.batch(scene, tmp_path / "batch")

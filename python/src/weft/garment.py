@@ -377,9 +377,9 @@ def relaxed(mesh: Mesh, rounds: int) -> Array:
     from scipy.sparse import coo_matrix, identity
     from scipy.sparse.linalg import splu
     x: Array = mesh.start.copy()
-    corner, rest = mesh.triangles.astype(np.intp), mesh.rest[mesh.corner_uv]
-    if rounds < 1:
+    if rounds < 1 or "rest" in mesh.keys:
         return x
+    corner, rest = mesh.triangles.astype(np.intp), mesh.rest[mesh.corner_uv]
     sides = np.stack((rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]), axis=2)
     flat = np.flatnonzero(np.linalg.det(sides) == 0.0)
     if len(flat) > 0:

@@ -112,17 +112,34 @@ def _places_of(corners: Array, triangles: Indices) -> tuple[Array, Indices]:
     return np.concatenate((one[~several], uv[rows[new]])), places.astype(np.uint32).reshape(-1, 3)
 
 
+def _keys_of(in_space: bool, angle: Optional[str], warp: Any) -> dict[str, Any]:
+    """What `cloth.mesh` says of a mesh beside its file."""
+    keys: dict[str, Any] = {"rest": "start"} if in_space else {}
+    if angle not in (None, "flat", "start"):
+        raise ArgumentError("angle is 'flat' or 'start', not %r" % (angle,))
+    if warp is not None and not in_space:
+        raise ArgumentError("warp is given, but the warp of a rest shape in the plane is v: it goes with rest='start'")
+    if angle is not None:
+        keys["angle"] = angle
+    if warp is not None:
+        direction = _numbers([_array(warp, "warp")], "warp", 3)[0]
+        if not direction.any():
+            raise ArgumentError("warp is [0, 0, 0], not a direction")
+        keys["warp"] = direction.tolist()
+    return keys
+
+
 class Mesh(Fixed):
-    """Triangles of fabric: where their vertices start, and the flat rest shape.
+    """Triangles of fabric: where their vertices start, and their rest shape in the plane or in space.
 
     It stands in a scene, a dict, as `cloth.mesh`, for load(), Batch, run() and all others. Its arrays are copies, and
     read-only. Triangles that share vertices but not their UV coordinates are sewn there.
 
     Parameters
     ----------
-    rest : array, shape (N, 2), (T, 3, 2) or (P, 2)
+    rest : array, shape (N, 2), (T, 3, 2) or (P, 2), or "start"
         [m] u (along the weft), v (along the warp) of the vertices, of the corners of the triangles, or of P points to
-        which `corner_uv` refers.
+        which `corner_uv` refers; "start": the start shape in space is the rest shape.
     start : array, shape (N, 3), or None
         [m] at t = 0; None: u, v, 0.
     triangles : array, shape (T, 3)
@@ -135,6 +152,11 @@ class Mesh(Fixed):
         {NAME: vertices}, indices or flags, for pins and loads.
     places : array, optional
         Deprecated: `corner_uv`.
+    angle : str, optional
+        "flat": the cloth wants to be flat; "start": it is free of bending in the start shape. None: "start" with
+        rest="start", else "flat".
+    warp : array, shape (3,), optional
+        With rest="start": the direction of the warp, projected into each triangle; None: alike in all directions.
 
     Raises
     ------
@@ -150,16 +172,24 @@ class Mesh(Fixed):
     """
 
     __slots__ = {"start": "(N, 3) [m], positions at t = 0.", "triangles": "(T, 3), vertices.",
-                 "rest": "(P, 2) [m], UV coordinates.", "corner_uv": "(T, 3), the row of rest of each corner.",
+                 "rest": "(P, 2) [m], UV coordinates; (0, 2) in space.",
+                 "corner_uv": "(T, 3), the row of rest of each corner; (0, 3) in space.",
+                 "keys": "What `cloth.mesh` has beside the file: rest, angle, warp.",
                  "fabric_names": "Names of fabrics.", "fabric_of": "(T,), the fabric k - 1 of fabric_names, or 0 without a name.",
                  "groups": "Vertices by names."}
 
     def __init__(self, rest: Any, start: Any, triangles: Any, *, corner_uv: Any = None, fabrics: Any = None,
-                 groups: Optional[Mapping[str, Any]] = None, places: Any = None) -> None:
+                 groups: Optional[Mapping[str, Any]] = None, places: Any = None, angle: Optional[str] = None,
+                 warp: Any = None) -> None:
         if places is not None:
             deprecated("Mesh(places=)", "corner_uv=")
             corner_uv = places
-        rest = _array(rest, "rest")
+        in_space = isinstance(rest, str)
+        if in_space and (rest != "start" or corner_uv is not None or start is None):
+            raise ArgumentError("rest is %r with %s: as a word it is 'start', with a start and without corner_uv"
+                                % (rest, "no start" if start is None else "a start" if corner_uv is None else "corner_uv"))
+        self.keys: dict[str, Any] = _keys_of(in_space, angle, warp)
+        rest = _array(np.zeros((0, 2)) if in_space else rest, "rest")
         shape = rest.shape
         uv = _numbers(rest.reshape(-1, 2) if len(shape) == 3 and shape[1:] == (3, 2) else rest, "rest", 2)
         if start is None:
@@ -173,7 +203,9 @@ class Mesh(Fixed):
             raise ArgumentError("a mesh has a triangle or more, not 0")
         self.rest: Array
         self.corner_uv: Indices
-        if len(shape) == 3:
+        if in_space:
+            self.rest, self.corner_uv = uv, np.zeros((0, 3), dtype=np.uint32)
+        elif len(shape) == 3:
             if corner_uv is not None:
                 raise ArgumentError("rest has values per corner, and corner_uv is given, too")
             if shape[0] != len(self.triangles):
@@ -222,22 +254,27 @@ class Mesh(Fixed):
         return "<weft.Mesh: %d vertices, %d triangles>" % (len(self.start), len(self.triangles))
 
     def __reduce__(self) -> Any:
-        return _again, (self.rest, self.start, self.triangles, self.corner_uv,
-                        {name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)}, self.groups)
+        return _again, (self.rest, self.start, self.triangles, self.corner_uv, self._fabric_flags(), self.groups, self.keys)
+
+    def _fabric_flags(self) -> dict[str, Any]:
+        return {name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)}
 
     places = renamed("places", "corner_uv")
 
     @property
     def smallest_angle(self) -> float:
         """[degrees], of all triangles at rest."""
-        x = self.rest[self.corner_uv]
+        x = self.start[self.triangles] if "rest" in self.keys else self.rest[self.corner_uv]
         a, b = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
-        cross = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+        cross = np.sqrt(np.maximum((a * a).sum(axis=2) * (b * b).sum(axis=2) - (a * b).sum(axis=2) ** 2, 0.0)) \
+            if "rest" in self.keys else np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
         return float(np.degrees(np.arctan2(cross, (a * b).sum(axis=2)).min()))
 
     @property
     def largest_stretch(self) -> float:
         """Of all triangles at the start, in any direction; 1: none is stretched; inf: one has no area at rest."""
+        if "rest" in self.keys:
+            return 1.0
         x, rest = (of[:, 1:] - of[:, :1] for of in (self.start[self.triangles], self.rest[self.corner_uv]))
         area = rest[:, 0, 0] * rest[:, 1, 1] - rest[:, 0, 1] * rest[:, 1, 0]
         if (area == 0.0).any():
@@ -262,13 +299,15 @@ class Mesh(Fixed):
         with open(path, "w", encoding="utf-8", newline="\n") as file:
             _rows(file, "v %r %r %r\n", self.start)
             _rows(file, "vt %r %r\n", self.rest)
-            faces = np.stack((self.triangles, self.corner_uv), axis=2).reshape(-1, 6).astype(np.intp) + 1
+            face, corners = ("f %d %d %d\n", (self.triangles,)) if "rest" in self.keys else \
+                ("f %d/%d %d/%d %d/%d\n", (self.triangles, self.corner_uv))
+            faces = np.stack(corners, axis=2).reshape(len(self.triangles), -1).astype(np.intp) + 1
             ends = np.flatnonzero(np.diff(self.fabric_of)) + 1
             for first, end in zip([0, *ends.tolist()], [*ends.tolist(), len(faces)]):
                 name = self.fabric_of[first]
                 if first > 0 or name > 0:
                     file.write("usemtl %s\n" % (self.fabric_names[name - 1] if name > 0 else ""))
-                _rows(file, "f %d/%d %d/%d %d/%d\n", faces[first:end])
+                _rows(file, face, faces[first:end])
             for group, vertices in self.groups.items():
                 file.write("g %s\n" % group)
                 _rows(file, "p %d\n", vertices[:, None] + 1)
@@ -313,18 +352,21 @@ class Mesh(Fixed):
         if len(bad) > 0:
             raise ArgumentError("a weld of %g m makes one vertex of two corners of triangle %d%s"
                                 % (distance, bad[0], _first_of(len(bad))))
-        return Mesh(self.rest, self.start[kept], triangles, corner_uv=self.corner_uv,
-                    fabrics={name: self.fabric_of == k + 1 for k, name in enumerate(self.fabric_names)},
-                    groups={name: np.unique(number[of]) for name, of in self.groups.items()})
+        return _again(self.rest, self.start[kept], triangles, self.corner_uv, self._fabric_flags(),
+                      {name: np.unique(number[of]) for name, of in self.groups.items()}, self.keys)
 
     @staticmethod
-    def of(value: Any) -> Mesh:
+    def of(value: Any, *, rest: Optional[str] = None, angle: Optional[str] = None, warp: Any = None) -> Mesh:
         """Makes a mesh of what has the attributes of one: by from_trimesh() or from_meshio(); a Mesh is returned itself.
 
         Parameters
         ----------
         value : Mesh, trimesh.Trimesh, trimesh.Scene or meshio.Mesh
             Any of them. The meshes of a Scene become one, each where its transform puts it; their names are groups.
+        rest : str, optional
+            "start": the start shape in space is the rest shape, and u v are not read.
+        angle, warp
+            As of weft.Mesh.
 
         Returns
         -------
@@ -336,18 +378,30 @@ class Mesh(Fixed):
         ArgumentTypeError
             It is something else.
         """
+        if rest not in (None, "start"):
+            raise ArgumentError("rest is 'start' or None, not %r" % (rest,))
+        mesh = Mesh._of(value, rest)
+        if angle is None and warp is None:
+            return mesh
+        keys = {key: of for key, of in (("angle", angle), ("warp", warp)) if of is not None}
+        return _again(mesh.rest, mesh.start, mesh.triangles, mesh.corner_uv, mesh._fabric_flags(), mesh.groups,
+                      {**mesh.keys, **keys})
+
+    @staticmethod
+    def _of(value: Any, rest: Optional[str]) -> Mesh:
         if isinstance(value, Mesh):
-            return value
+            return value if rest is None or "rest" in value.keys else _again(
+                value.rest, value.start, value.triangles, None, value._fabric_flags(), value.groups, {"rest": rest})
         if hasattr(value, "geometry"):
-            return Mesh.from_trimesh(joined(value))
+            return Mesh.from_trimesh(joined(value), rest=rest)
         if hasattr(value, "vertices") and hasattr(value, "faces"):
-            return Mesh.from_trimesh(value)
+            return Mesh.from_trimesh(value, rest=rest)
         if hasattr(value, "points") and hasattr(value, "cells"):
-            return Mesh.from_meshio(value)
+            return Mesh.from_meshio(value, rest=rest)
         raise ArgumentTypeError("a mesh is a weft.Mesh, a trimesh.Trimesh or Scene, or a meshio.Mesh, not a %s" % type(value).__name__)
 
     @staticmethod
-    def from_trimesh(mesh: Any, *, sew: bool = True) -> Mesh:
+    def from_trimesh(mesh: Any, *, sew: bool = True, rest: Optional[str] = None) -> Mesh:
         """Makes a mesh of a trimesh.Trimesh, or of what has `vertices`, `faces` and perhaps `visual.uv`.
 
         Parameters
@@ -357,6 +411,8 @@ class Mesh(Fixed):
             (flat_coordinates).
         sew : bool
             Vertices that start at the same point and have different u v become one, as trimesh divides those of a seam.
+        rest : str, optional
+            "start": the start shape in space is the rest shape, and u v are not read.
 
         Returns
         -------
@@ -370,6 +426,8 @@ class Mesh(Fixed):
         """
         start, triangles = np.asarray(mesh.vertices), np.asarray(mesh.faces)
         uv, groups = getattr(getattr(mesh, "visual", None), "uv", None), mesh.groups if isinstance(mesh, _Joined) else {}
+        if rest is not None:
+            return _used(rest, start, triangles, {}, groups, sew and uv is not None)
         if uv is None:
             return _used(_flat(start, triangles), start, triangles, {}, groups)
         if np.shape(uv) != (len(start), 2):
@@ -389,7 +447,7 @@ class Mesh(Fixed):
             The mesh.
         rest : str, optional
             The rest shape [m] is point_data[rest]; by default "rest", "uv" or "obj:vt" if there is one, else the mesh
-            itself, if it is flat (flat_coordinates).
+            itself, if it is flat (flat_coordinates). "start": the start shape in space.
 
         Returns
         -------
@@ -408,9 +466,11 @@ class Mesh(Fixed):
         data = getattr(mesh, "point_data", {})
         if rest is None:
             rest = next((name for name in ("rest", "uv", "obj:vt") if name in data), None)
-        elif rest not in data:
+        elif rest != "start" and rest not in data:
             raise MissingKeyError("the mesh has no point_data %r; it has %s" % (rest, ", ".join(map(repr, data)) or "none"))
         triangles, fabrics, groups = _cells_of(mesh)
+        if rest == "start":
+            return _used(rest, start, triangles, fabrics, groups)
         uv = _flat(start, triangles) if rest is None else np.asarray(data[rest])
         if rest is not None and (uv.ndim != 2 or len(uv) != len(start) or uv.shape[1] < 2):
             raise ArgumentError("point_data[%r] has the shape %s, not (%d, 2)" % (rest, uv.shape, len(start)))
@@ -471,8 +531,10 @@ def _lowest(x: Array, distance: float) -> Any:
     return _joined_lowest(len(x), np.concatenate(one), np.concatenate(other))
 
 
-def _again(rest: Any, start: Any, triangles: Any, corner_uv: Any, fabrics: Any, groups: Any) -> Mesh:
-    return Mesh(rest, start, triangles, corner_uv=corner_uv, fabrics=fabrics, groups=groups)
+def _again(rest: Any, start: Any, triangles: Any, corner_uv: Any, fabrics: Any, groups: Any,
+           keys: Mapping[str, Any] = {}) -> Mesh:
+    return Mesh(**{"rest": rest, "corner_uv": None if "rest" in keys else corner_uv, **keys}, start=start,
+                triangles=triangles, fabrics=fabrics, groups=groups)
 
 
 def _rows(file: Any, line: str, rows: Any) -> None:
@@ -522,7 +584,7 @@ def flat_coordinates(points: Any) -> Array:
     away, extent = float(np.abs(moved @ normal).max()), float(np.ptp(moved, axis=0).max())
     if not away <= _FLAT * extent:
         raise ArgumentError("the mesh has no rest shape: it has no u v, and is not flat: it leaves its plane by %.3g of "
-                         "its extent of %.3g" % (away, extent))
+                         "its extent of %.3g; rest='start' takes the start as it is" % (away, extent))
     if away > _ROUNDED * extent:
         warnings.warn("the mesh has no u v and leaves its plane by %.3g of its extent of %.3g: its rest shape is the plane"
                       % (away, extent), SceneWarning, stacklevel=5)
@@ -628,5 +690,7 @@ def _used(uv: Any, start: Any, triangles: Any, fabrics: Any, groups: Mapping[str
         first, vertex_of = first[order], rank[vertex_of.ravel()]
     corner_uv = number[corners]
     members = {name: _integers(of, "group '%s'" % name, len(start), "vertices") for name, of in groups.items()}
-    return Mesh(np.asarray(uv)[kept], start[kept][first], vertex_of[corner_uv], corner_uv=corner_uv, fabrics=fabrics,
+    in_space = isinstance(uv, str)
+    return Mesh(uv if in_space else np.asarray(uv)[kept], start[kept][first], vertex_of[corner_uv],
+                corner_uv=None if in_space else corner_uv, fabrics=fabrics,
                 groups={name: vertex_of[number[of[flag[of]]]] for name, of in members.items()})

@@ -121,7 +121,7 @@ def written(scene: Mapping[str, Any], folder: PathLike, stem: str, whole: bool =
         if not isinstance(cloth["mesh"], Mesh):
             return cloth
         cloth["mesh"].write(before + stem + suffix)
-        return {**cloth, "mesh": {"file": name(before + stem + suffix)}}
+        return {**cloth, "mesh": {"file": name(before + stem + suffix), **cloth["mesh"].keys}}
 
     def body(of: Any, suffix: str) -> Any:
         return of if isinstance(of, str) else name(_write_body(of, before + stem + suffix))
