@@ -3,6 +3,7 @@
  * first one starts a sum. */
 #pragma once
 
+#include "forces/bending/angles.h"
 #include "forces/bending/bending.h"
 #include "forces/bending/plate.h"
 #include "forces/body/body.h"
@@ -15,7 +16,10 @@
 
 #define WEFT_FORCES(X)                                                                 \
     X(springs)                                                                         \
-    X(bending) X(membrane) X(plate) X(body) X(wind) X(contact) X(self) X(bodies)
+    X(bending)                                                                         \
+    X(membrane) X(plate) X(angles) X(body) X(wind) X(contact) X(self) X(bodies)
 
 /* Forces that read the own of another one. */
-#define WEFT_FORCE_LINKS(cloth) (cloth)->bodies.contact = &(cloth)->contact;
+#define WEFT_FORCE_LINKS(cloth)                                                        \
+    (cloth)->angles.plate = &(cloth)->plate;                                           \
+    (cloth)->bodies.contact = &(cloth)->contact;

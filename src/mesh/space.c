@@ -186,10 +186,21 @@ static void set_frame(weft__work *at, size_t t, size_t from, size_t low, size_t 
     }
 }
 
+/* Which triangles are free of bending where they start. */
+static void set_angles(weft__work *at)
+{
+    weft__triangles *out = at->out;
+    for (size_t t = 0; out->angled != NULL && t < out->count; ++t) {
+        const size_t part = weft__part_at(at->def, out->vertex[out->corner[t][0]]);
+        out->angled[t] = weft__starts_bent(&at->def->rests[part]);
+    }
+}
+
 void weft__space_fill(weft__work *at)
 {
     weft__triangles *out = at->out;
     size_t next = 2 * out->fabric_count;
+    set_angles(at);
     if (out->frame == NULL) {
         return;
     }
@@ -303,10 +314,6 @@ static void check_rest_of(weft__work *at, size_t part)
     } else if (warp && of->shape == WEFT_REST_PLANE) {
         weft__mesh_fault(at, WEFT__MESH_DEF, 0,
                          "warp needs rest: start; in the plane the warp lies along v");
-    } else if (of->angle == WEFT_ANGLE_START
-               || (of->shape == WEFT_REST_START && of->angle == WEFT_ANGLE_DEFAULT)) {
-        weft__mesh_fault(at, WEFT__MESH_DEF, 0,
-                         "angle: start is not there yet; write angle: flat");
     }
 }
 

@@ -562,6 +562,9 @@ static void triangles_allocate(weft__work *at)
     ARRAYS(TAKE)
     of->name
         = at->def->file_index != NULL ? weft__work_take(at, n, sizeof *of->name) : NULL;
+    if (weft__any_starts_bent(at->def)) {
+        of->angled = weft__work_take(at, t, sizeof *of->angled);
+    }
     if (weft__any_in_space(at->def)) {
         at->view = weft__work_take(at, 2 * n, sizeof *at->view);
         of->space = weft__work_take(at, 3 * n, sizeof *of->space);
@@ -650,7 +653,8 @@ void weft__triangles_destroy(weft__triangles *of, const weft_allocator *memory)
     if (of != NULL) {
 #define FREE(array, number) weft__free(memory, of->array);
         ARRAYS(FREE)
-        WEFT__FREE_ALL(memory, of->name, of->space, of->in_space, of->frame, of);
+        WEFT__FREE_ALL(memory, of->name, of->space, of->in_space, of->angled, of->frame,
+                       of);
     }
 }
 

@@ -63,6 +63,8 @@ typedef struct weft__triangles {
     double *space;         /* [m] x y z of each particle at rest in space; NULL:
                               none is */
     bool *in_space;        /* of triangles; NULL: none is */
+    bool *angled;          /* of triangles that are free of bending where they
+                              start; NULL: none is */
     double (*frame)[3][2]; /* [m] corners of each of them in its own plane, where
                               the second axis is that of the warp; NULL: none */
     weft_seam seams;

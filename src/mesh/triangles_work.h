@@ -92,6 +92,23 @@ static inline const weft_rest *weft__rest_in_space(const weft_mesh_def *def, siz
     return of != NULL && of->shape == WEFT_REST_START ? of : NULL;
 }
 
+/* Whether a cloth is free of bending where it starts. */
+static inline bool weft__starts_bent(const weft_rest *of)
+{
+    return of->angle == WEFT_ANGLE_START
+           || (of->angle == WEFT_ANGLE_DEFAULT && of->shape == WEFT_REST_START);
+}
+
+static inline bool weft__any_starts_bent(const weft_mesh_def *def)
+{
+    const size_t parts = def->part_count > 0 ? def->part_count : 1;
+    bool any = false;
+    for (size_t k = 0; def->rests != NULL && k < parts; ++k) {
+        any = any || weft__starts_bent(&def->rests[k]);
+    }
+    return any;
+}
+
 static inline bool weft__any_in_space(const weft_mesh_def *def)
 {
     const size_t parts = def->part_count > 0 ? def->part_count : 1;

@@ -328,6 +328,41 @@ static void warn_of_rest(weft__reader *reader, const weft__node *mesh)
     }
 }
 
+/* Sides of triangles whose length at the start is not that at rest, within 1 %. */
+static size_t count_strained(const weft_mesh_def *def)
+{
+    size_t strained = 0;
+    for (size_t t = 0; t < def->triangles; ++t) {
+        double corner[3][2];
+        weft__def_corners(def, t, corner);
+        for (size_t k = 0; k < 3; ++k) {
+            const double *a = &def->start[3 * (size_t)def->corners[3 * t + k]];
+            const double *b
+                = &def->start[3 * (size_t)def->corners[3 * t + (k + 1) % 3]];
+            const double d[] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+            const double rest = sqrt(weft__squared(corner[k], corner[(k + 1) % 3]));
+            strained += fabs(weft__length(d) / rest - 1.0) > 0.01;
+        }
+    }
+    return strained;
+}
+
+static void warn_of_strain(weft__reader *reader, const weft__node *mesh)
+{
+    const weft_rest *rest = &reader->scene->mesh_file.rest;
+    const weft_mesh_def *def = &reader->scene->obj.def;
+    const bool kept = rest->shape == WEFT_REST_PLANE && rest->angle == WEFT_ANGLE_START;
+    const size_t strained = kept ? count_strained(def) : 0;
+    if (strained > 0) {
+        WARNING_AT(
+            reader, weft__value_of(mesh, "angle"),
+            "angle: start, but %zu of %zu sides of triangles start more than 1 %% "
+            "longer or shorter than at rest: the angles are of a shape that the "
+            "cloth does not keep",
+            strained, 3 * def->triangles);
+    }
+}
+
 void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth)
 {
     const weft_scene *scene = reader->scene;
@@ -356,6 +391,7 @@ void weft__warn_of_mesh(weft__reader *reader, const weft__match *cloth)
                        "the cloth", size, scene->mesh_file.unit);
     warn_of_duplicates(obj);
     warn_of_slivers(obj);
+    warn_of_strain(reader, mesh);
     if (obj->in_space) {
         warn_of_rest(reader, mesh);
     }

@@ -16,6 +16,38 @@
  * with itself, of entry 0, fill them up. */
 enum { WEFT__PLATE_ROWS = 4, WEFT__PLATE_RECORD = 4 };
 
+/* Of triangles that are free of bending where they start: one row each, the sum of k_j
+ * r_j over the rows r of its energy there and their values k_j along its normal
+ * (forces/bending/angles.h). Then their rows r have no part in its plane. */
+typedef struct weft__plate_rest {
+    size_t count;
+    uint32_t *triangle;
+    size_t *first; /* entries of each, and their number: */
+    uint32_t *particle;
+    double *weight; /* [N/m] */
+    double *square; /* [N m] sum of k_j^2 */
+} weft__plate_rest;
+
+/* plate_rest.c: those rows as they grow. The stencil of a triangle are its particles, r
+ * of each in the three rows of its energy, and where its corners are among them. */
+typedef struct weft__rest_rows {
+    weft__plate_rest *to;
+    size_t room[5];
+} weft__rest_rows;
+
+typedef struct weft__rest_stencil {
+    uint32_t triangle;
+    size_t count;
+    const uint32_t *particle;
+    double (*r)[3];       /* [sqrt(N/m)] */
+    const size_t *corner; /* 3 */
+} weft__rest_stencil;
+
+/* Takes from the rows of a triangle what they have in its plane where it starts, and
+ * keeps what they have along its normal. False: no memory. */
+bool weft__rest_rows_take(weft__rest_rows *rows, const weft__triangles *mesh,
+                          const weft__rest_stencil *of, const weft_allocator *memory);
+
 typedef struct weft__plate_matrix {
     size_t particles;
     size_t *first;      /* pair of each group of rows, and their number */
@@ -26,6 +58,7 @@ typedef struct weft__plate_matrix {
     double *damping;    /* [N s/m] as `entry`, where they differ; else tau of each */
     size_t *halo_first; /* the first of each block's halo, and their number */
     uint32_t *halo;     /* particles beyond a block that its rows have as columns */
+    weft__plate_rest rest;
 } weft__plate_matrix;
 
 /* `pin` is not 0 of pinned particles. All NULL where no triangle resists bending.

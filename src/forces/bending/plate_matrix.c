@@ -21,7 +21,8 @@ typedef struct stencils {
     uint32_t *particle;
     double (*r)[3]; /* [sqrt(N/m)] */
     size_t count, room, r_room;
-    size_t *begin;      /* of each particle, and their number: */
+    weft__rest_rows rest; /* of triangles that start with angles */
+    size_t *begin;        /* of each particle, and their number: */
     size_t *item;       /* those of `particle` that are it, in the order of triangles */
     uint32_t *triangle; /* of each item */
 } stencils;
@@ -220,6 +221,16 @@ static bool plate_matrix_reserve(stencils *of, size_t triangle)
                             sizeof *of->r);
 }
 
+static bool rest_at_start(stencils *of, size_t begin, uint32_t triangle)
+{
+    const uint32_t *corner = of->mesh->corner[triangle];
+    const size_t at[3]
+        = { of->slot[corner[0]] - 1, of->slot[corner[1]] - 1, of->slot[corner[2]] - 1 };
+    const weft__rest_stencil rows
+        = { triangle, of->count - begin, of->particle + begin, of->r + begin, at };
+    return weft__rest_rows_take(&of->rest, of->mesh, &rows, of->memory);
+}
+
 static bool stencil(stencils *of, uint32_t triangle)
 {
     const size_t begin = of->count;
@@ -232,10 +243,12 @@ static bool stencil(stencils *of, uint32_t triangle)
         rims += plate_matrix_add_edge(of, begin, triangle, k, m[rims]);
     }
     stiffen(of, begin, triangle, m, rims);
+    const bool made = of->mesh->angled == NULL || !of->mesh->angled[triangle]
+                      || rest_at_start(of, begin, triangle);
     for (size_t j = begin; j < of->count; ++j) {
         of->slot[of->particle[j]] = 0;
     }
-    return true;
+    return made;
 }
 
 static bool stencils_create(stencils *of, const uint32_t *pin, size_t particles)
@@ -493,7 +506,8 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
                                size_t particles, const uint32_t *pin, weft__stop *stop,
                                const weft_allocator *memory)
 {
-    stencils all = { .mesh = of, .memory = memory, .stop = stop };
+    stencils all
+        = { .mesh = of, .memory = memory, .stop = stop, .rest.to = &out->rest };
     growth grown = { .out = out };
     const size_t groups = (particles + WEFT__PLATE_ROWS - 1) / WEFT__PLATE_ROWS;
     const size_t blocks = (particles + WEFT__MESH_BLOCK - 1) / WEFT__MESH_BLOCK;
@@ -519,6 +533,7 @@ bool weft__plate_matrix_create(weft__plate_matrix *out, const weft__triangles *o
 void weft__plate_matrix_free(weft__plate_matrix *of, const weft_allocator *memory)
 {
     WEFT__FREE_ALL(memory, of->first, of->column, of->entry, of->damping,
-                   of->halo_first, of->halo);
+                   of->halo_first, of->halo, of->rest.triangle, of->rest.first,
+                   of->rest.particle, of->rest.weight, of->rest.square);
     *of = (weft__plate_matrix){ .particles = 0 };
 }
