@@ -16,7 +16,6 @@
         }                                                                              \
         return yes;                                                                    \
     }
-ASK(weft__cloth_checks, wanted)
 ASK(weft__cloth_gathers, gathers)
 ASK(weft__cloth_pairs, pairs)
 

@@ -51,10 +51,9 @@ void weft__limit_check(const weft_limit_def *def, const weft__faults *to);
 WEFT__NUMBERS(weft__fabric_numbers, density, stretch, shear, bend, twist, damping,
               coupling); /* fabric.c */
 
-/* cloth_checks.c: whether a force wants steps checked, needs the whole cloth in each
- * band, acts between any two particles, looks for passages; [m] the largest gap at
- * which one acts; what no band can have, or NULL. */
-bool weft__cloth_checks(const weft_cloth *cloth);
+/* cloth_checks.c: whether a force needs the whole cloth in each band, acts between any
+ * two particles, looks for passages; [m] the largest gap at which one acts; what no
+ * band can have, or NULL. */
 bool weft__cloth_gathers(const weft_cloth *cloth);
 bool weft__cloth_pairs(const weft_cloth *cloth);
 bool weft__cloth_passages(const weft_cloth *cloth);

@@ -61,6 +61,17 @@ static inline const weft__force *weft__force_at(const weft_cloth *of, size_t k)
     return force->present == NULL || force->present(weft__own(of, k)) ? force : NULL;
 }
 
+/* Whether a force wants steps checked. */
+static inline bool weft__cloth_checks(const weft_cloth *of)
+{
+    bool wanted = false;
+    for (size_t k = 0; k < WEFT__FORCES && !wanted; ++k) {
+        const weft__force_checks *checks = &weft__table[k].force->checks;
+        wanted = checks->wanted != NULL && checks->wanted(weft__own(of, k));
+    }
+    return wanted;
+}
+
 /* Calls `member` of each force of a cloth that has one, with own and the rest; what it
  * returns goes `into`, as in: failed |= */
 #define WEFT__FROM_EACH_FORCE(into, cloth, member, ...)                                \

@@ -9,6 +9,7 @@
 #include "mesh/surface.h"
 #include "sim/bands.h"
 #include "sim/simulation.h"
+#include "sim/spaces.h"
 
 /* Attempts among which the rejected steps are counted. */
 enum { ATTEMPTS = 1000 };
@@ -123,26 +124,12 @@ static void checked_step_watch_pace(weft_sim *sim, bool rejected, double t,
     sim->guard.stall.attempts = sim->guard.stall.rejected = 0;
 }
 
-/* What was too much for workspaces since the last step. */
-static weft_status grow_spaces(const weft_sim *sim, weft_error *why)
-{
-    weft_status status = WEFT_OK;
-    for (size_t k = 0; k < WEFT__FORCES && status == WEFT_OK; ++k) {
-        void *space = sim->forces.spaces[k];
-        if (space != NULL) {
-            status = weft_comm_agree(sim->def.comm,
-                                     weft__table[k].force->space.grow(space, why), why);
-        }
-    }
-    return status;
-}
-
 weft_status weft__sim_checked_step(weft_sim *sim, double t_end, weft_error *why)
 {
     const double t0 = sim->t, fixed = sim->config.fixed_step;
     const double least = fixed > 0.0 ? fixed * LEAST_PART : sim->config.min_step;
     char text[WEFT__PENETRATION_TEXT];
-    TRY(grow_spaces(sim, why));
+    TRY(weft_comm_agree(sim->def.comm, weft__spaces_grow(&sim->forces, why), why));
     memcpy(sim->guard.start, sim->y, weft__sim_dim(sim) * sizeof *sim->y);
     for (double end = t_end;;) {
         bool again;

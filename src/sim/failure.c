@@ -7,7 +7,7 @@
 #include "cloth/model.h"
 #include "mesh/surface.h"
 #include "sim/bands.h"
-#include "sim/simulation.h"
+#include "sim/holder.h"
 
 static void find_fastest(const weft_sim *sim, weft_failure *out)
 {

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "cloth/sums.h"
 #include "sim/bands.h"
+#include "sim/spaces.h"
 
 /* PARTICLES_PER_THREAD: their evaluation takes ten times as long as handing it to a
  * thread that is awake; with forces between any two of them, that of fewer. More
@@ -20,30 +21,6 @@ enum {
     PARTICLES_CACHED = 1 << 17,
     BLOCKS_PER_SPAN = 48
 };
-
-/* False: no memory. */
-static bool make_spaces(weft__forces *forces)
-{
-    bool made = true;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__force_at(forces->cloth, k);
-        if (force != NULL && force->space.create != NULL) {
-            forces->spaces[k] = force->space.create(
-                weft__own(forces->cloth, k), forces->pool, NULL, &forces->memory);
-            made = made && forces->spaces[k] != NULL;
-        }
-    }
-    return made;
-}
-
-bool weft__forces_spaced(const weft__forces *forces)
-{
-    bool spaced = false;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        spaced = spaced || forces->spaces[k] != NULL;
-    }
-    return spaced;
-}
 
 weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                                  const weft_allocator *given)
@@ -66,7 +43,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
                          .measures = measures,
                          .memory = memory,
                          .piece = (double)NAN };
-    if (!make_spaces(&out)
+    if (!weft__spaces_make(&out, cloth, NULL)
         || !weft__range_stiffness_create(cloth, &memory, &out.range_stiffness)) {
         weft__free(&memory, measures);
         out.measures = NULL;
@@ -76,11 +53,7 @@ weft__forces weft__forces_create(const weft_cloth *cloth, size_t threads,
 
 void weft__forces_destroy(weft__forces *forces)
 {
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        if (forces->spaces[k] != NULL) {
-            weft__table[k].force->space.destroy(forces->spaces[k]);
-        }
-    }
+    weft__spaces_destroy(forces);
     weft__pool_destroy(forces->pool);
     WEFT__FREE_ALL(&forces->memory, forces->range_stiffness, forces->measures,
                    forces->all, forces->exchange.parcels, forces->exchange.sent,
@@ -171,7 +144,7 @@ weft_measures weft__forces_measure(const weft__forces *forces, const weft__state
         weft__measures_add(&sum, &blocks[b]);
     }
     weft__bands_share(forces->comm, &sum, sizeof sum);
-    if (weft__forces_spaced(forces) && of != weft__block_worst) {
+    if (weft__spaces_any(forces) && of != weft__block_worst) {
         weft__gather_measure(forces, at, &sum);
     }
     return sum;

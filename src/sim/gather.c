@@ -6,6 +6,7 @@
 
 #include "base/finite.h"
 #include "base/memory.h"
+#include "sim/spaces.h"
 
 /* Own particles of band `rank`: the first of the whole, and their number. */
 static size_t own_of(const weft__forces *forces, size_t rank, size_t *first)
@@ -42,25 +43,6 @@ static bool gather_make_room(weft__gather *of, const weft__forces *forces)
     return true;
 }
 
-/* Workspaces of the whole cloth, which lists the pairs of the own particles if that is
- * enough. False: no memory. */
-static bool gather_make_spaces(weft__forces *forces)
-{
-    const weft__gather *of = &forces->exchange.gather;
-    const size_t own[2] = { of->first, of->first + of->own };
-    bool made = true;
-    for (size_t k = 0; k < WEFT__FORCES; ++k) {
-        const weft__force *force = weft__force_at(of->cloth, k);
-        if (force != NULL && force->space.create != NULL && forces->spaces[k] == NULL) {
-            forces->spaces[k]
-                = force->space.create(weft__own(of->cloth, k), forces->pool,
-                                      of->part ? own : NULL, &forces->memory);
-            made = made && forces->spaces[k] != NULL;
-        }
-    }
-    return made;
-}
-
 bool weft__gather_create(weft__forces *forces, bool all)
 {
     const weft_cloth *cloth = forces->cloth;
@@ -72,7 +54,9 @@ bool weft__gather_create(weft__forces *forces, bool all)
     of->own = own_of(forces, (size_t)forces->comm->rank, &of->first);
     of->here = weft__block(&cloth->mesh, cloth->mesh.band.above);
     of->part = cloth->whole != NULL && !all;
-    return gather_make_spaces(forces) && gather_make_room(of, forces);
+    const size_t own[2] = { of->first, of->first + of->own };
+    return weft__spaces_make(forces, of->cloth, of->part ? own : NULL)
+           && gather_make_room(of, forces);
 }
 
 /* ---- states ---------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 #include "base/log.h"
 #include "mesh/surface.h"
 #include "sim/bands.h"
-#include "sim/simulation.h"
+#include "sim/holder.h"
 
 /* Of a frame: what WEFT__PACE steps must advance. */
 #define LEAST_PART 1e-4

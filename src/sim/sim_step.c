@@ -91,7 +91,9 @@ static void sim_step_watch_pace(weft_sim *sim, double t_end)
     if (t_end != of->end) {
         of->frame = fmin(t_end - sim->t, LONGEST_FRAME);
         of->end = t_end;
-        weft__sim_look_ahead(sim);
+        if (weft__sim_checks(sim)) {
+            weft__sim_look_ahead(sim);
+        }
     }
     if (of->steps == WEFT__PACE) {
         weft__sim_look_back(sim);

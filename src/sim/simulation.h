@@ -9,6 +9,7 @@
 #include "sim/ledger.h"
 #include "sim/limit.h"
 #include "sim/sensitivity.h"
+#include "sim/step_check.h"
 #include "sim/wave.h"
 #include "weft/sim.h"
 
@@ -40,14 +41,6 @@ typedef struct weft__pace {
     unsigned steps;
     bool told, closed; /* of a run that hardly advances; of shapes that close */
 } weft__pace;
-
-/* What holds a step: if `near.found`, what is nearest. */
-typedef struct weft__holder {
-    char text[sizeof((weft_failure *)0)->held];
-    weft__penetration near; /* particle and shape as of a definition */
-    size_t other_shape;     /* the nearest but one */
-    double other_gap;       /* [m] of that; 0: it is not near */
-} weft__holder;
 
 struct weft_sim {
     weft_sim_def def; /* its log writes to `log`, and counts as a callback */
@@ -184,12 +177,9 @@ weft_status weft__sim_make_start(weft_sim *sim, weft_error *err);
 double *weft__sim_room(const weft_sim *sim);
 
 /* pace.c: warns once of shapes that close on the cloth; after WEFT__PACE steps, once of
- * a run that hardly advances. Then what holds a step, from the measures of the present
- * state, to the fields of *out that say so. The last two are collective. */
+ * a run that hardly advances. The second is collective. */
 void weft__sim_look_ahead(weft_sim *sim);
 void weft__sim_look_back(weft_sim *sim);
-void weft__sim_find_holder(const weft_sim *sim, const weft_measures *now,
-                           weft__holder *out);
 
 /* failure.c: stores the reason and the state of a failed step and writes both to *err
  * as a message. Returns the status of *why. */

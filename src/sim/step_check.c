@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "sim/forces.h"
+#include "sim/step_check.h"
 
 #include <math.h>
 #include <stdatomic.h>
