@@ -374,6 +374,20 @@ START_TEST(a_nearly_flat_file_is_laid_in_its_plane_with_a_warning)
 }
 END_TEST
 
+/* Sums and places of such numbers are not finite. */
+START_TEST(a_flat_file_of_numbers_near_the_largest_is_refused)
+{
+    static const char *const files[]
+        = { "v 1e308 0 0\nv 1e308 1e308 0\nv 1e308 0 1e308\nf 1 2 3\n",
+            "v 1e308 0 0\nv 1e308 1 0\nv 1e308 0 1\nf 1 2 3\n",
+            "v 1e308 1e308 1e308\nv -1e308 1e308 1\nv 2 1e308 1e308\nf 1 2 3\n" };
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        (void)read_bad(files[i], -1.0);
+        ck_assert_uint_eq(found.errors, 1);
+    }
+}
+END_TEST
+
 START_TEST(a_welded_vertex_of_a_flat_file_rests_where_the_lowest_does)
 {
     static const double rest[] = { 0, 0, 1, 0, 1, 1, 0, 1 };
@@ -418,6 +432,7 @@ TEST_SUITE(weld)
     tcase_add_test(all, a_flat_file_has_the_coordinates_of_its_axes_exactly);
     tcase_add_test(all, vertices_without_faces_do_not_make_a_file_less_flat);
     tcase_add_test(all, a_nearly_flat_file_is_laid_in_its_plane_with_a_warning);
+    tcase_add_test(all, a_flat_file_of_numbers_near_the_largest_is_refused);
     tcase_add_test(all, a_welded_vertex_of_a_flat_file_rests_where_the_lowest_does);
     tcase_add_test(all, check_says_where_the_warp_of_a_file_without_vt_lies);
     suite_add_tcase(suite, all);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/finite.h"
 #include "mesh/rigid.h"
 #include "scene/obj.h"
 
@@ -175,6 +176,10 @@ static bool lay_flat(weft__obj *obj, const bool *used)
     }
     directions_of(normal, u, v);
     put_places(obj, u, v);
+    if (!weft__all_finite(obj->place[0], 2 * obj->places)) {
+        weft__report_error(obj->report, at, "v is too large for a plane of doubles");
+        return false;
+    }
     return true;
 }
 
