@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* roles.h -- the roles of a force besides its law (force.h): its tables, what it is in
  * grids among several cloths, what a simulation changes, what it tells of a state, its
- * bounds, its linearisation, and what it does after all blocks. A member that is NULL
- * has nothing to do. */
+ * bounds, its linearisation, its workspace, and what it does after all blocks; checks
+ * of steps are in force_checks.h. A member that is NULL has nothing to do. */
 #pragma once
 
 #include <string.h>
