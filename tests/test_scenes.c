@@ -58,6 +58,7 @@ static const bounds scenes[] = {
       .self = true },
     { "pennant-cut.yaml", 0.01, 0.15, 1.0, .passive = false, .until = 0.3,
       .cut = true },
+    { "hat.yaml", 1e-4, 0.05, 0.1, .passive = false, .until = 0.12 },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])
