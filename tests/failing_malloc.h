@@ -3,6 +3,7 @@
  * fail on request. */
 #pragma once
 
+#include <errno.h>
 #include <malloc.h>
 #include <stdlib.h>
 
@@ -49,9 +50,11 @@ static bool fails(const void *caller, size_t size)
         return false;
     }
     ++calls;
-    return budget > 0 ? used + size > budget
-           : for_ever ? calls >= fatal
-                      : calls == fatal;
+    const bool none = budget > 0 ? used + size > budget
+                      : for_ever ? calls >= fatal
+                                 : calls == fatal;
+    errno = none ? ENOMEM : errno;
+    return none;
 }
 
 static void *given(void *block)

@@ -9,6 +9,7 @@
  * Single allocations fail for plugin gsl alone, not for GSL, and not for the plugins
  * arkode and cvode, whose vectors allocate on behalf of N_VClone. */
 #include <string.h>
+#include <sys/stat.h>
 
 #include "bodies.h"
 #include "failing_malloc.h"
@@ -127,6 +128,47 @@ START_TEST(contact_survives_every_failing_allocation)
     def.sets = sets;
     def.set_count = sizeof sets / sizeof sets[0];
     (void)every_allocation_fails(load_and_run, &def, "contact");
+}
+END_TEST
+
+static weft_status load_alone(const void *ctx, weft_error *err)
+{
+    weft_scene *scene = NULL;
+    const weft_status status = weft_scene_load(ctx, &scene, &found, err);
+    weft_scene_destroy(scene);
+    return status;
+}
+
+/* A flat file without vt that is welded, and a material. */
+START_TEST(files_of_a_cloth_survive_every_failing_allocation)
+{
+    static const char text[]
+        = "weft: 1\ncloth:\n  mesh: {file: apart.obj, weld: 1.0e-3}\n"
+          "  fabric: {arcsim: material.json}\n  pins: [{vertices: [3, 0]}]\n"
+          "stepper: {plugin: gsl, method: rkf45}\nrun: {duration: 1.0e-3}\n";
+    static const char *const files[][2] = {
+        { BUILD_DIR "/tests/no-memory/apart.obj",
+          "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 1e-4\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 "
+          "6\n" },
+        { BUILD_DIR "/tests/no-memory/material.json",
+          "{\"density\": 0.2, \"stretching\": [[9,1,9,2],[9,1,9,2],[9,1,9,2],"
+          "[9,1,9,2],[9,1,9,2],[9,1,9,2]], \"bending\": [[1e-6,1e-6,1e-6,1e-6,1e-6],"
+          "[1e-6,1e-6,1e-6,1e-6,1e-6],[1e-6,1e-6,1e-6,1e-6,1e-6]]}" },
+    };
+    (void)mkdir(BUILD_DIR "/tests/no-memory", 0777);
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        FILE *stream = fopen(files[i][0], "w");
+        ck_assert_ptr_nonnull(stream);
+        (void)fputs(files[i][1], stream);
+        ck_assert_int_eq(fclose(stream), 0);
+    }
+    weft_scene_def def = whole_scene();
+    def.file = BUILD_DIR "/tests/no-memory/scene.yaml";
+    def.text = text;
+    def.length = strlen(text);
+    own_only = true; /* a stream without a buffer reads all the same */
+    (void)every_allocation_fails(load_alone, &def, "files of a cloth");
+    own_only = false;
 }
 END_TEST
 
@@ -489,6 +531,7 @@ int main(void)
     TCase *tcase = tcase_create("allocations");
     tcase_set_timeout(tcase, 120.0);
     tcase_add_test(tcase, scene_load_and_run_survive_every_failing_allocation);
+    tcase_add_test(tcase, files_of_a_cloth_survive_every_failing_allocation);
     tcase_add_test(tcase, overrides_survive_every_failing_allocation);
     tcase_add_test(tcase, contact_survives_every_failing_allocation);
     tcase_add_test(tcase, mistakes_survive_every_failing_allocation);

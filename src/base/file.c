@@ -24,8 +24,8 @@ FILE *weft__file_open(const char *path, const char *mode, weft_error *err)
     }
     if (stream == NULL) {
         const int kept = errno;
-        (void)weft_error_set(err, WEFT_IO, "%.200s: %s", path,
-                             why == NULL ? strerror(kept) : why);
+        (void)weft_error_set(err, kept == ENOMEM ? WEFT_NO_MEMORY : WEFT_IO,
+                             "%.200s: %s", path, why == NULL ? strerror(kept) : why);
         if (file >= 0) {
             (void)close(file);
         }

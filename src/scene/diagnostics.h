@@ -109,6 +109,16 @@ static inline bool weft__report_reserve(weft__report *report, void *to, size_t *
     return made;
 }
 
+/* Reports at a node that a file could not be opened, unless memory ran out. */
+#define UNOPENED_AT(owner, node, err)                                                  \
+    do {                                                                               \
+        if ((err).status == WEFT_NO_MEMORY) {                                          \
+            (owner)->report->no_memory = true;                                         \
+        } else {                                                                       \
+            ERROR_AT(owner, node, "%s", (err).message);                                \
+        }                                                                              \
+    } while (0)
+
 /* weft__zeroed, likewise. */
 static inline void *weft__report_take(weft__report *report, size_t count, size_t size)
 {

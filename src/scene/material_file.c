@@ -150,7 +150,7 @@ static weft__named_file *load_text(weft__reader *reader, const weft__node *node,
     weft__named_file *file = weft__tree_take(reader->tree, 1, sizeof *file);
     char *text = weft__tree_take(reader->tree, MOST_BYTES + 1, 1);
     if (stream == NULL) {
-        ERROR_AT(reader, node, "%s", err.message);
+        UNOPENED_AT(reader, node, err);
     }
     if (stream == NULL || file == NULL || text == NULL) {
         if (stream != NULL) {

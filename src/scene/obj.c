@@ -387,7 +387,7 @@ bool weft__obj_load(weft__obj *obj, const char *path)
     FILE *stream = weft__file_open(path, "r", &err);
     obj->file.path = path;
     if (stream == NULL) {
-        ERROR_AT(obj, obj, "%s", err.message);
+        UNOPENED_AT(obj, obj, err);
         return false;
     }
     const bool read = read_all(obj, stream);

@@ -121,7 +121,7 @@ static const weft__node *take_file(weft__reader *reader, const weft__node *node)
               : weft__node_new(reader->tree,
                                (weft__node){ .type = WEFT__LIST, .at = node->at });
     if (path != NULL && stream == NULL) {
-        ERROR_AT(reader, node, "%s", err.message);
+        UNOPENED_AT(reader, node, err);
     }
     bool good = rows != NULL;
     while (good && fgets(of.text, sizeof of.text, stream) != NULL) {
