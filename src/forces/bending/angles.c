@@ -149,23 +149,27 @@ static void block_force(const weft__angles *own, const weft__state *at, size_t b
                         double (*force)[3])
 {
     const weft__plate_rest *rest = rest_of(own);
-    const size_t first = weft__block(own->mesh, b), end = weft__block(own->mesh, b + 1);
-    memset(force, 0, (end - first) * sizeof *force);
+    const size_t first = weft__block(own->mesh, b);
+    const size_t count = weft__block(own->mesh, b + 1) - first; /* below wraps above */
+    memset(force, 0, count * sizeof *force);
     for (size_t l = own->first[b]; l < own->first[b + 1]; ++l) {
         const size_t item = own->list[l];
         const uint32_t *corner = own->mesh->triangles->corner[rest->triangle[item]];
         weft__facet_force one;
         weft__facet_force_of(own, item, at, &one);
         for (size_t j = rest->first[item]; j < rest->first[item + 1]; ++j) {
-            const size_t i = rest->particle[j];
-            for (size_t k = 0; i >= first && i < end && k < 3; ++k) {
-                force[i - first][k] += rest->weight[j] * one.on[k];
+            const size_t i = rest->particle[j] - first;
+            if (i < count) {
+                const double weight = rest->weight[j];
+                force[i][0] += weight * one.on[0];
+                force[i][1] += weight * one.on[1];
+                force[i][2] += weight * one.on[2];
             }
         }
         for (size_t c = 0; c < 3; ++c) {
-            const size_t i = corner[c];
-            for (size_t k = 0; i >= first && i < end && k < 3; ++k) {
-                force[i - first][k] += one.corner[c][k];
+            const size_t i = corner[c] - first;
+            for (size_t k = 0; i < count && k < 3; ++k) {
+                force[i][k] += one.corner[c][k];
             }
         }
     }

@@ -28,6 +28,7 @@ extern const weft__force weft__angles_force;
 /* angles_law.c: one triangle in a state, or in a direction of it. */
 typedef struct weft__facet {
     double n[3], size; /* its normal, and twice its area [m^2] */
+    double per;        /* [1/m^2] 1 / size */
     double e[3][3];    /* [m] its edges, opposite corner i */
     double w[3], v[3]; /* [N], [N/s] of its row: by positions, by velocities */
     double rate[3];    /* [1/s] of n */

@@ -28,13 +28,16 @@ static void turned_row(const weft__angles *own, size_t item, const double *x,
 {
     const weft__plate_rest *of = &own->plate->matrix.rest;
     const size_t n = own->mesh->particles, first = of->first[item];
-    w[0] = w[1] = w[2] = 0.0;
+    const double *from = x + of->particle[first];
+    const double origin[3] = { from[0], from[n], from[2 * n] };
+    double sum[3] = { 0.0, 0.0, 0.0 };
     for (size_t j = first; j < of->first[item + 1]; ++j) {
-        const double *at = x + of->particle[j], *from = x + of->particle[first];
-        for (size_t k = 0; k < 3; ++k) {
-            w[k] += of->weight[j] * (at[k * n] - from[k * n]);
-        }
+        const double *at = x + of->particle[j], weight = of->weight[j];
+        sum[0] += weight * (at[0] - origin[0]);
+        sum[1] += weight * (at[n] - origin[1]);
+        sum[2] += weight * (at[2 * n] - origin[2]);
     }
+    memcpy(w, sum, sizeof sum);
 }
 
 static const uint32_t *corners_of(const weft__angles *own, size_t item)
@@ -60,7 +63,7 @@ static void tilt_by(const weft__angles *own, size_t item, const weft__facet *of,
     weft__cross(of->e[1], out->e[2], b);
     for (size_t k = 0; k < 3; ++k) {
         out->c[k] = a[k] + b[k];
-        out->n[k] = out->c[k] / of->size;
+        out->n[k] = out->c[k] * of->per;
     }
     flatten(of->n, out->n);
 }
@@ -86,13 +89,15 @@ static void tilt_twice(const weft__facet *of, const tilt *a, const tilt *b,
 /* Adds the gradient of y.n by the corners. */
 static void add_lean(const weft__facet *of, const double y[3], double corner[3][3])
 {
-    double flat[3] = { y[0], y[1], y[2] }, more[3];
-    flatten(of->n, flat);
+    const double part = weft__dot(of->n, y);
+    const double flat[3]
+        = { (y[0] - part * of->n[0]) * of->per, (y[1] - part * of->n[1]) * of->per,
+            (y[2] - part * of->n[2]) * of->per };
     for (size_t i = 0; i < 3; ++i) {
-        weft__cross(flat, of->e[i], more);
-        for (size_t k = 0; k < 3; ++k) {
-            corner[i][k] += more[k] / of->size;
-        }
+        const double *e = of->e[i];
+        corner[i][0] += flat[1] * e[2] - flat[2] * e[1];
+        corner[i][1] += flat[2] * e[0] - flat[0] * e[2];
+        corner[i][2] += flat[0] * e[1] - flat[1] * e[0];
     }
 }
 
@@ -133,8 +138,9 @@ void weft__facet_of(const weft__angles *own, size_t item, const double *y,
     edges_of(own, corners_of(own, item), y, out->e);
     weft__cross(out->e[1], out->e[2], c);
     out->size = weft__length(c);
+    out->per = 1.0 / out->size;
     for (size_t k = 0; k < 3; ++k) {
-        out->n[k] = c[k] / out->size;
+        out->n[k] = c[k] * out->per;
     }
     turned_row(own, item, y, out->w);
     memset(out->v, 0, sizeof out->v);
