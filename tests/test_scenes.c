@@ -59,6 +59,8 @@ static const bounds scenes[] = {
     { "pennant-cut.yaml", 0.01, 0.15, 1.0, .passive = false, .until = 0.3,
       .cut = true },
     { "hat.yaml", 1e-4, 0.05, 0.1, .passive = false, .until = 0.12 },
+    { "pillow-case.yaml", 0.001, 0.1, 0.1, .passive = true, .until = 0.2,
+      .self = true },
 };
 
 #define SCENES (sizeof scenes / sizeof scenes[0])
