@@ -402,7 +402,7 @@ static int lab_verb(const arguments *given)
     size_t test = 0;
     char path[RECORD_PATH], picture[RECORD_PATH], name[RECORD_PATH];
     weft_error err = { 0 };
-    weft_fabric read;
+    weft_fabric read = { .name = NULL };
     const weft_fabric *fabric = NULL;
     int code = choose(given, "TEST", given->operands[0], test_names, &test);
     code = code == EXIT_DONE ? choose_fabric(given, &read, name, &fabric) : code;

@@ -467,7 +467,7 @@ static int linear_combination(int count, sunrealtype *c, N_Vector *x, N_Vector z
 {
     family *all = of(z)->family;
     recipe *wanted = &all->recipes[1 - all->last];
-    array *from[TERMS];
+    array *from[TERMS] = { NULL };
     wanted->terms = 0;
     for (int k = 0; k < count; ++k) {
         if (c[k] == 0.0) {

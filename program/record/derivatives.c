@@ -86,7 +86,7 @@ weft_status record_sensitivities(const char *directory, const weft_scene *scene,
     const size_t n = weft_cloth_particles(cloth), cols = weft_cloth_cols(cloth);
     const bool parts = weft_cloth_parts(cloth) > 0;
     record_file file;
-    double *values = malloc(6 * n * sizeof *values);
+    double *values = calloc(6 * n, sizeof *values);
     if (values == NULL) {
         return weft_error_set(err, WEFT_NO_MEMORY, "no memory for " RECORD_SENSITIVITY);
     }
