@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""python3 examples/from_mujoco.py MODEL.xml [FLEX]: the flat cloth of a MuJoCo model, as a flexcomp of dim 2 makes it (type
-grid or mesh), hung by its first vertex for a moment. MuJoCo is z-up, and the gravity of the model stays as it is.
+"""python3 examples/from_mujoco.py MODEL.xml [FLEX]: the cloth of a MuJoCo model, as a flexcomp of dim 2 makes it (type grid
+or mesh), hung by its first vertex for a moment. MuJoCo is z-up, and the gravity of the model stays as it is.
 pip install mujoco"""
 import sys
 
@@ -12,7 +12,7 @@ import weft
 
 
 def mesh_of(model, data, name=None):
-    """A flex of a model as a weft.Mesh: where its vertices start is its rest shape, in its plane."""
+    """A flex of a model as a weft.Mesh, whose rest shape is where its vertices start, as in MuJoCo."""
     flex = 0 if name is None else mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_FLEX, name)
     if not 0 <= flex < model.nflex:
         raise ValueError("the model has no flex %s" % (name or ""))
@@ -22,14 +22,15 @@ def mesh_of(model, data, name=None):
     corner, triangles = model.flex_elemdataadr[flex], model.flex_elemnum[flex]
     start = data.flexvert_xpos[first:first + count]
     corners = model.flex_elem[corner:corner + 3 * triangles].reshape(-1, 3)
-    return weft.Mesh(weft.mesh.flat_coordinates(start), start, corners)
+    return weft.Mesh("start", start, corners)
 
 
 def scene_of(path, name=None):
     model = mujoco.MjModel.from_xml_path(path)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return {"cloth": {"mesh": mesh_of(model, data, name), "fabric": {"preset": "11oz-black-denim", "damping": [1e-5, 1e-5]},
+    return {"cloth": {"mesh": mesh_of(model, data, name), "fabric": {"density": 0.2, "stretch": 400, "coupling": 130,
+                                                                        "shear": 135, "bend": 1e-5, "damping": [1e-5, 1e-5]},
                       "pins": [{"vertices": [0]}]},
             "forces": {"gravity": np.asarray(model.opt.gravity).tolist()},
             "stepper": {"method": "arkode/dormand_prince", "rtol": 1e-4}, "run": {"duration": 0.1}}

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """python3 examples/from_usd.py FILE.usd [/PATH/OF/MESH] [OUT.obj]: a mesh of a USD stage, as Newton, Warp and Isaac have
 their cloths, as an OBJ file for cloth.mesh. Lengths become metres, and every transform above the mesh is applied. The rest
-shape is the primvar st, if it is there for each vertex or corner and `st` gives its unit [m]; else the plane of a flat mesh.
+shape is the primvar st, if it is there for each vertex or corner and `st` gives its unit [m]; else the start shape: such
+a file goes with cloth.mesh.rest: start.
 pip install usd-core"""
 import sys
 
@@ -32,7 +33,7 @@ def mesh_of(path, prim=None, st=None):
     fans, corners = triangles_of(np.array(mesh.GetFaceVertexCountsAttr().Get()), mesh.GetFaceVertexIndicesAttr().Get())
     triangles = corners[fans]
     if st is None:
-        return weft.Mesh(weft.mesh.flat_coordinates(start), start, triangles)
+        return weft.Mesh("start", start, triangles)
     uv = st * np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").ComputeFlattened(), dtype=np.float64)
     return weft.Mesh(uv if len(uv) == len(start) else uv[fans], start, triangles)
 
