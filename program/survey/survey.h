@@ -133,7 +133,7 @@ static inline rest_triangle rest_triangle_of(const weft_mesh_def *mesh, size_t t
 {
     const uint32_t *places = mesh->corner_uv != NULL ? mesh->corner_uv : mesh->corners;
     const size_t part = part_of(mesh, mesh->corners[3 * t]);
-    rest_triangle at;
+    rest_triangle at = { .corners = { { 0.0 } } };
     if (mesh->rests != NULL && mesh->rests[part].shape == WEFT_REST_START) {
         lay_triangle(mesh, t, at.corners);
         return at;

@@ -132,7 +132,7 @@ static void mean_parts(const double c[4], double to[4])
 static void blend_fabric(weft__triangles *out, size_t from, double woven, size_t to)
 {
     const fabric_law of = law_of(&out->fabrics[from]);
-    fabric_law mean;
+    fabric_law mean = of;
     mean_parts(of.plane, mean.plane);
     mean_parts(of.bend, mean.bend);
     for (size_t k = 0; k < 4; ++k) {

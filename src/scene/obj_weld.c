@@ -179,9 +179,9 @@ bool weft__obj_weld(weft__obj *obj)
     if (!obj->report->no_memory) {
         list_cells(&self);
         join_row(&self, 0.0, 0.0, 1.0);
-        for (double x = 0.0; x <= 2.0; ++x) {
-            for (double y = x > 0.0 ? -2.0 : 1.0; y <= 2.0; ++y) {
-                join_row(&self, x, y, -2.0);
+        for (int x = 0; x <= 2; ++x) {
+            for (int y = x > 0 ? -2 : 1; y <= 2; ++y) {
+                join_row(&self, (double)x, (double)y, -2.0);
             }
         }
     }

@@ -328,8 +328,8 @@ typedef struct weft__self_sums {
 void weft__self_sum(void *ctx, weft__pair_kind kind, const weft__pushes *pushes,
                     size_t count);
 
-/* As whole.add of a weft__force; list NULL: pairs are sought. */
-int weft__self_add(const void *own, void *list, const weft__state *at, weft__unit unit,
+/* As whole.add of a weft__force; space, a list, NULL: pairs are sought. */
+int weft__self_add(const void *own, void *space, const weft__state *at, weft__unit unit,
                    double *to);
 
 /* As measure_all of a weft__force; list NULL: they are sought. */
