@@ -325,11 +325,21 @@ static void add_name(cursor *self, weft__obj_names *to, size_t length)
     }
 }
 
+/* The name is one word, or all words of the line as some programs write it. */
 static void read_fabric(cursor *self)
 {
     const size_t length = next_word(self);
+    const char *first = self->at, *end = first + length;
     ++self->obj->fabrics.statements;
     add_name(self, &self->obj->fabrics, length);
+    for (size_t more; (more = next_word(self)) > 0; self->at += more) {
+        end = self->at + more;
+    }
+    if (end > first + length) {
+        self->at = first;
+        add_name(self, &self->obj->fabrics, (size_t)(end - first));
+        self->at = end;
+    }
 }
 
 static void read_groups(cursor *self)
